@@ -1,0 +1,1 @@
+"""Motion and speech to video: body, scene, offscreen frames, encoder, side-by-side pairs."""

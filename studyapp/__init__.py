@@ -1,0 +1,1 @@
+"""The study: definition, participants, responses, media, rehearsal, and the command line."""

@@ -1,0 +1,77 @@
+"""Where everything lies in a study's folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from motion.errors import InputError
+from motion.segment import Segment
+from motion.segments_table import read_segments
+from studyapp.definition.study import Study, read_study
+
+
+@dataclass(frozen=True)
+class StudyFolder:
+    """The paths of one study; making one touches no disk."""
+
+    root: Path
+
+    @property
+    def definition(self) -> Path:
+        """The study file."""
+        return self.root / "study.toml"
+
+    @property
+    def speech(self) -> Path:
+        """Folder of ``segments.csv`` and the recordings it names."""
+        return self.root / "speech"
+
+    @property
+    def videos(self) -> Path:
+        """Folder of the rendered media."""
+        return self.root / "videos"
+
+    @property
+    def stimuli(self) -> Path:
+        """What each rendered file is."""
+        return self.root / "stimuli.json"
+
+    @property
+    def responses(self) -> Path:
+        """SQLite database of real participants."""
+        return self.root / "responses.db"
+
+    @property
+    def rehearsal(self) -> Path:
+        """SQLite database of simulated participants; never mixed with the real one."""
+        return self.root / "rehearsal.db"
+
+    @property
+    def rehearsal_truth(self) -> Path:
+        """What the simulated participants were given to prefer."""
+        return self.root / "rehearsal.json"
+
+    @property
+    def report(self) -> Path:
+        """Folder of the report."""
+        return self.root / "report"
+
+    def clip(self, condition: str, segment: str) -> Path:
+        """Return the motion clip of `condition` for `segment`."""
+        return self.root / "motion" / condition / f"{segment}.npz"
+
+    def study(self) -> Study:
+        """Read and validate the study file."""
+        return read_study(self.definition)
+
+    def segments(self) -> Sequence[Segment]:
+        """Read the segments; a study without any is an error that says what to do."""
+        if not (self.speech / "segments.csv").exists():
+            raise InputError(
+                "the study has no speech yet",
+                where=self.speech / "segments.csv",
+                remedy="Bring recordings in with 'motionjury import'",
+            )
+        return read_segments(self.speech)

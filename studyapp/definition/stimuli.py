@@ -1,0 +1,84 @@
+"""`stimuli.json`: every rendered file of a study and what it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from motion.errors import InputError
+from motion.files import write_text
+from studyapp.definition.validation import explain
+
+
+class _Record(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ClipVideo(_Record):
+    """One rendered motion clip.
+
+    Attributes
+    ----------
+    file : str
+        Path relative to the study folder.
+    duration : float
+        Seconds.
+    key : str
+        Digest of everything the picture depends on; rendering is skipped while it stays.
+    """
+
+    segment: str
+    condition: str
+    file: str
+    duration: float
+    key: str
+
+
+class PairVideo(_Record):
+    """One composed pair, `left` under the label A and `right` under B.
+
+    Its file name says nothing of the conditions.
+    """
+
+    segment: str
+    left: str
+    right: str
+    file: str
+    duration: float
+    key: str
+
+
+class Stimuli(_Record):
+    """All rendered media of a study."""
+
+    format: Literal[1] = 1
+    clips: tuple[ClipVideo, ...] = ()
+    pairs: tuple[PairVideo, ...] = ()
+
+    def pair(self, segment: str, left: str, right: str) -> PairVideo | None:
+        """Return the pair video of `segment` with these sides, or None."""
+        for pair in self.pairs:
+            if (pair.segment, pair.left, pair.right) == (segment, left, right):
+                return pair
+        return None
+
+
+def read_stimuli(path: Path) -> Stimuli:
+    """Read `stimuli.json`; `InputError` where it is missing or damaged."""
+    try:
+        return Stimuli.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        raise InputError(
+            "the study has no videos yet", where=path, remedy="Run 'motionjury render' first"
+        ) from None
+    except ValidationError as error:
+        raise InputError(
+            explain(error), where=path, remedy="Delete it and run 'motionjury render' again"
+        ) from None
+
+
+def write_stimuli(path: Path, stimuli: Stimuli) -> None:
+    """Write `stimuli.json` in one step, so that no reader sees half of it."""
+    write_text(path, stimuli.model_dump_json(indent=1) + "\n")
