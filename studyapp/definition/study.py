@@ -15,7 +15,6 @@ from motion.freeze import CHANNELS
 from motion.segment import check_name
 from studyapp.definition.validation import explain
 
-FORMAT: Final = 1
 GROUND_TRUTH: Final = "ground_truth"
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$")]
