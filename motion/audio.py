@@ -1,0 +1,224 @@
+"""Speech as samples: any common audio format in, mono float samples out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final, Self, cast
+
+import av
+import numpy as np
+import soundfile
+from av.audio.frame import AudioFrame
+from av.audio.resampler import AudioResampler
+from av.container import InputContainer
+from numpy.typing import NDArray
+
+from motion.errors import InputError
+from motion.files import replacing
+
+SPEECH_RATE: Final = 16000
+"""Samples per second that speech is analysed at."""
+
+CUT_TOLERANCE: Final = 0.1
+"""Seconds by which an excerpt may reach past the end of its audio; the rest is silence."""
+
+_RIFF_TOLERANCE: Final = 4096
+_RIFF_SIZES_OF_STREAMS: Final = frozenset({0, 0xFFFFFFFF})
+_FORMAT_OF_ENDING: Final = MappingProxyType(
+    {
+        ".wav": "wav",
+        ".mp3": "mp3",
+        ".flac": "flac",
+        ".ogg": "ogg",
+        ".oga": "ogg",
+        ".opus": "ogg",
+        ".m4a": "mp4",
+        ".mp4": "mp4",
+        ".mov": "mov",
+        ".webm": "webm",
+        ".aif": "aiff",
+        ".aiff": "aiff",
+    }
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Audio:
+    """Mono audio.
+
+    Attributes
+    ----------
+    samples : ndarray, shape (N,), float32
+        Amplitudes in [-1, 1], N > 0.
+    sample_rate : int
+        Samples per second.
+    notes : tuple of str
+        What a person should know about how the samples were read.
+
+    Raises
+    ------
+    InputError
+        If the samples are empty, not finite, not mono or the rate is not positive.
+    """
+
+    samples: NDArray[np.float32]
+    sample_rate: int
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        samples = np.array(self.samples, dtype=np.float32)
+        if samples.ndim != 1 or not samples.size:
+            raise InputError(
+                f"audio samples have shape {samples.shape}", remedy="Give mono audio with sound"
+            )
+        if not np.isfinite(samples).all():
+            raise InputError(
+                "the audio holds a sample that is not a number", remedy="Export the audio again"
+            )
+        if self.sample_rate <= 0:
+            raise InputError(
+                f"sample rate {self.sample_rate} is not usable", remedy="Give samples per second"
+            )
+        samples.setflags(write=False)
+        object.__setattr__(self, "samples", samples)
+
+    @property
+    def duration(self) -> float:
+        """Length in seconds."""
+        return len(self.samples) / self.sample_rate
+
+    def cut(self, start: float, end: float) -> Self:
+        """Return the excerpt from `start` to `end`.
+
+        Parameters
+        ----------
+        start, end : float
+            Seconds, ``0 <= start < end``. Where `end` lies past the audio by no more than
+            `CUT_TOLERANCE`, silence fills the excerpt, so that it always has
+            ``round((end - start) * sample_rate)`` samples.
+
+        Raises
+        ------
+        InputError
+            If the excerpt is empty or lies outside the audio.
+        """
+        count = round((end - start) * self.sample_rate)
+        if start < 0 or count <= 0 or end > self.duration + CUT_TOLERANCE:
+            raise InputError(
+                f"an excerpt from {start:g} s to {end:g} s was asked of {self.duration:.2f} s "
+                "of audio",
+                remedy="Give start and end within the audio",
+            )
+        first = round(start * self.sample_rate)
+        excerpt = np.zeros(count, np.float32)
+        inside = self.samples[first : first + count]
+        excerpt[: len(inside)] = inside
+        return type(self)(excerpt, self.sample_rate, self.notes)
+
+
+def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
+    """Read the first audio stream of any file that FFmpeg knows, by content, not by ending.
+
+    Parameters
+    ----------
+    path : Path
+        An audio or video file.
+    sample_rate : int or None
+        Samples per second wanted; None keeps the file's own.
+
+    Returns
+    -------
+    Audio
+        All channels averaged to one. Its notes name a file ending that contradicts the
+        content, and a level above full scale, which is scaled down.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, holds no readable audio, or ends before its header says.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError("there is no such audio file", where=path, remedy="Check the path")
+    if not path.stat().st_size:
+        raise InputError("the file is empty", where=path, remedy="Export or copy it again")
+    _check_whole_wav(path)
+    try:
+        with av.open(str(path)) as container:
+            if not container.streams.audio:
+                raise InputError(
+                    "the file has no audio stream",
+                    where=path,
+                    remedy="Give a file with speech in it",
+                )
+            format_names = tuple(container.format.name.split(","))
+            samples, rate = _decode(container, sample_rate)
+    except (av.FFmpegError, ValueError) as error:
+        raise InputError(
+            f"the file is damaged or cannot be read as audio ({error.__class__.__name__})",
+            where=path,
+            remedy="Give a WAV, FLAC, MP3, OGG or M4A file that plays in a media player",
+        ) from error
+    if not samples.size:
+        raise InputError(
+            "the file holds no sample of audio", where=path, remedy="Export or copy it again"
+        )
+    notes = _ending_notes(path, format_names)
+    peak = float(np.abs(samples).max())
+    if peak > 1:
+        samples = samples / np.float32(peak)
+        notes += (f"{path.name} peaks at {peak:.2f} of full scale; scaled down to 1",)
+    try:
+        return Audio(samples, rate, notes)
+    except InputError as error:
+        raise InputError(error.what, where=path, remedy=error.remedy) from error
+
+
+def _check_whole_wav(path: Path) -> None:
+    """Raise where a WAV is shorter than its header says, which FFmpeg would read silently."""
+    with path.open("rb") as file:
+        header = file.read(8)
+    if len(header) < 8 or header[:4] != b"RIFF":
+        return
+    promised = int.from_bytes(header[4:], "little")
+    there = path.stat().st_size - len(header)
+    if promised not in _RIFF_SIZES_OF_STREAMS and there < promised - _RIFF_TOLERANCE:
+        raise InputError(
+            f"the file is truncated: its header promises {promised} bytes, it holds {there}",
+            where=path,
+            remedy="Copy or export it again",
+        )
+
+
+def _decode(container: InputContainer, sample_rate: int | None) -> tuple[NDArray[np.float32], int]:
+    """Return the channel-averaged samples of the first audio stream, and their rate."""
+    stream = container.streams.audio[0]
+    rate = sample_rate or stream.rate
+    resampler = AudioResampler(format="fltp", rate=rate)
+    chunks: list[NDArray[np.float32]] = []
+    for frame in container.decode(stream):
+        chunks.extend(_mono(part) for part in resampler.resample(frame))
+    if chunks:
+        chunks.extend(_mono(part) for part in resampler.resample(None))
+    return (np.concatenate(chunks) if chunks else np.zeros(0, np.float32)), rate
+
+
+def _mono(frame: AudioFrame) -> NDArray[np.float32]:
+    # FFmpeg's own mixdown of float audio adds the channels up, which overflows full scale.
+    return cast("NDArray[np.float32]", frame.to_ndarray().mean(axis=0, dtype=np.float32))
+
+
+def _ending_notes(path: Path, format_names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return a note where the file's ending contradicts what it is."""
+    expected = _FORMAT_OF_ENDING.get(path.suffix.lower())
+    if expected is None or expected in format_names:
+        return ()
+    return (f"{path.name} is really {format_names[0].upper()}, not {path.suffix[1:].upper()}",)
+
+
+def write_wav(path: Path, audio: Audio) -> None:
+    """Write `audio` to `path` as 16-bit PCM WAV, whole or not at all."""
+    with replacing(path) as draft:
+        soundfile.write(draft, audio.samples, audio.sample_rate, format="WAV", subtype="PCM_16")

@@ -1,0 +1,236 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+import soundfile
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.audio import Audio, read_audio, write_wav
+from motion.errors import InputError
+
+
+def tone(seconds: float = 1.0, rate: int = 16000, hertz: float = 440.0) -> np.ndarray:
+    return (0.5 * np.sin(2 * np.pi * hertz * np.arange(round(seconds * rate)) / rate)).astype(
+        np.float32
+    )
+
+
+def encode(
+    path: Path,
+    samples: np.ndarray,
+    rate: int,
+    codec: str,
+    container: str,
+    options: dict[str, str] | None = None,
+) -> Path:
+    with av.open(str(path), "w", format=container, options=options or {}) as output:
+        stream = output.add_stream(codec, rate=rate, layout="mono")
+        frame = av.AudioFrame.from_ndarray(samples[None], format="fltp", layout="mono")
+        frame.sample_rate = rate
+        for packet in [*stream.encode(frame), *stream.encode(None)]:
+            output.mux(packet)
+    return path
+
+
+def test_pcm_written_is_read_back_within_one_step(tmp_path: Path) -> None:
+    audio = Audio(tone(), 16000)
+    write_wav(tmp_path / "a.wav", audio)
+    read = read_audio(tmp_path / "a.wav")
+    assert read.sample_rate == 16000
+    assert read.notes == ()
+    np.testing.assert_allclose(read.samples, audio.samples, atol=1 / 32768)
+    assert soundfile.info(tmp_path / "a.wav").subtype == "PCM_16"
+    assert [file.name for file in tmp_path.iterdir()] == ["a.wav"]
+
+
+@pytest.mark.parametrize("subtype", ["PCM_16", "PCM_24", "FLOAT", "DOUBLE", "PCM_U8"])
+def test_every_wav_sample_type_is_read(tmp_path: Path, subtype: str) -> None:
+    path = tmp_path / "a.wav"
+    soundfile.write(path, tone(), 16000, subtype=subtype)
+    np.testing.assert_allclose(read_audio(path).samples, tone(), atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("codec", "container", "rate"),
+    [("mp3", "mp3", 44100), ("aac", "mp4", 48000), ("flac", "flac", 22050), ("opus", "ogg", 48000)],
+)
+def test_content_decides_the_format_not_the_ending(
+    tmp_path: Path, codec: str, container: str, rate: int
+) -> None:
+    samples = tone(2.0, rate)
+    if container == "flac":
+        soundfile.write(tmp_path / "a.wav", samples, rate, format="FLAC")
+    else:
+        name = {"opus": "libopus"}.get(codec, codec)
+        encode(tmp_path / "a.wav", samples, rate, name, container)
+    audio = read_audio(tmp_path / "a.wav")
+    assert audio.sample_rate == 16000
+    assert audio.duration == pytest.approx(2.0, abs=0.06)
+    assert len(audio.notes) == 1
+    assert "a.wav is really" in audio.notes[0]
+    middle = audio.samples[8000:24000] * np.hanning(16000)
+    assert np.abs(np.fft.rfft(middle)).argmax() == pytest.approx(440, abs=1)
+
+
+@given(
+    rate=st.sampled_from([8000, 11025, 22050, 44100, 48000]),
+    seconds=st.floats(min_value=0.2, max_value=2),
+)
+def test_resampling_keeps_the_duration(
+    tmp_path_factory: pytest.TempPathFactory, rate: int, seconds: float
+) -> None:
+    path = tmp_path_factory.mktemp("audio") / "a.wav"
+    soundfile.write(path, tone(seconds, rate), rate)
+    audio = read_audio(path)
+    assert audio.duration == pytest.approx(round(seconds * rate) / rate, abs=2 / 16000)
+
+
+def test_resampling_keeps_the_waveform(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", tone(1.0, 44100), 44100)
+    read = read_audio(tmp_path / "a.wav").samples
+    np.testing.assert_allclose(read[200:-200], tone()[200:-200], atol=1e-3)
+
+
+def test_own_rate_is_kept_on_request(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", tone(1.0, 22050), 22050)
+    audio = read_audio(tmp_path / "a.wav", sample_rate=None)
+    assert (audio.sample_rate, len(audio.samples)) == (22050, 22050)
+
+
+def test_channels_are_averaged(tmp_path: Path) -> None:
+    stereo = np.stack([np.full(16000, 0.8), np.full(16000, 0.2)], axis=1)
+    soundfile.write(tmp_path / "a.wav", stereo, 16000, subtype="FLOAT")
+    np.testing.assert_allclose(read_audio(tmp_path / "a.wav").samples, 0.5, atol=1e-6)
+
+
+def test_level_above_full_scale_is_scaled_down_and_said(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", 4 * tone(), 16000, subtype="FLOAT")
+    audio = read_audio(tmp_path / "a.wav")
+    assert np.abs(audio.samples).max() == pytest.approx(1)
+    assert "2.00 of full scale" in audio.notes[0]
+
+
+def test_truncated_wav_is_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "half.wav"
+    soundfile.write(path, tone(2.0), 16000)
+    path.write_bytes(path.read_bytes()[:30000])
+    with pytest.raises(InputError, match=r"half\.wav: the file is truncated.*Copy or export"):
+        read_audio(path)
+
+
+def test_truncated_flac_is_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "half.flac"
+    noise = np.random.default_rng(0).uniform(-0.5, 0.5, 32000)
+    soundfile.write(path, noise, 16000)
+    path.write_bytes(path.read_bytes()[:30000])
+    with pytest.raises(InputError, match=r"half\.flac: the file is damaged"):
+        read_audio(path)
+
+
+def test_truncated_m4a_is_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "half.m4a"
+    encode(path, tone(8.0, 48000), 48000, "aac", "mp4", {"movflags": "faststart"})
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(InputError, match=r"half\.m4a: the file is damaged"):
+        read_audio(path)
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (b"", "the file is empty"),
+        (b"these are words, not sound. " * 99, "cannot be read as audio"),
+        (b"RIFF\x24\x00\x00\x00WAVEfmt ", "cannot be read as audio|no sample|no audio stream"),
+        (bytes(range(256)) * 20, "cannot be read as audio|no audio stream"),
+    ],
+)
+def test_what_is_no_audio_is_refused_by_name(
+    tmp_path: Path, content: bytes, complaint: str
+) -> None:
+    path = tmp_path / "odd.wav"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=complaint) as caught:
+        read_audio(path)
+    assert str(path) in str(caught.value)
+    assert caught.value.remedy
+
+
+def test_wav_without_samples_is_refused(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "a.wav", np.zeros(0), 16000)
+    with pytest.raises(InputError, match="no sample of audio"):
+        read_audio(tmp_path / "a.wav")
+
+
+def test_not_a_number_in_float_wav_is_refused_by_name(tmp_path: Path) -> None:
+    samples = tone()
+    samples[99] = np.nan
+    soundfile.write(tmp_path / "nan.wav", samples, 16000, subtype="FLOAT")
+    with pytest.raises(InputError, match=r"nan\.wav.*not a number"):
+        read_audio(tmp_path / "nan.wav")
+
+
+def test_picture_is_refused(tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    image.new("RGB", (8, 8)).save(tmp_path / "a.png")
+    with pytest.raises(InputError, match="no audio stream"):
+        read_audio(tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("path", ["gone.wav", "."])
+def test_missing_file_is_named(tmp_path: Path, path: str) -> None:
+    with pytest.raises(InputError, match="no such audio file"):
+        read_audio(tmp_path / path)
+
+
+@given(start=st.floats(0, 0.9), length=st.floats(0.01, 1))
+def test_cut_has_exactly_the_samples_asked_for(start: float, length: float) -> None:
+    audio = Audio(tone(2.0), 16000)
+    cut = audio.cut(start, start + length)
+    assert len(cut.samples) == round((start + length - start) * 16000)
+    first = round(start * 16000)
+    np.testing.assert_array_equal(cut.samples, audio.samples[first : first + len(cut.samples)])
+
+
+def test_cut_fills_a_short_end_with_silence() -> None:
+    cut = Audio(tone(1.0), 16000).cut(0.5, 1.05)
+    assert len(cut.samples) == 8800
+    assert not cut.samples[8000:].any()
+
+
+@pytest.mark.parametrize(("start", "end"), [(-0.1, 0.5), (0.5, 0.5), (0.6, 0.5), (0.5, 1.2)])
+def test_cut_outside_the_audio_is_refused(start: float, end: float) -> None:
+    with pytest.raises(InputError, match="excerpt"):
+        Audio(tone(1.0), 16000).cut(start, end)
+
+
+def test_samples_cannot_be_changed() -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        Audio(tone(), 16000).samples[0] = 1
+
+
+@pytest.mark.parametrize(
+    ("samples", "rate"), [(np.zeros(0), 16000), (np.zeros((2, 9)), 16000), (np.zeros(9), 0)]
+)
+def test_unusable_samples_are_refused(samples: np.ndarray, rate: int) -> None:
+    with pytest.raises(InputError):
+        Audio(samples, rate)
+
+
+@pytest.mark.parametrize(
+    ("name", "seconds", "note"),
+    [
+        ("2_scott_0_1_1.wav", 64.097, ""),
+        ("2_scott_0_2_2.wav", 62.0, ""),
+        ("2_scott_0_103_103_28s.wav", 28.68, "is really MP3, not WAV"),
+    ],
+)
+def test_real_recordings_are_read(shared_data: Path, name: str, seconds: float, note: str) -> None:
+    audio = read_audio(shared_data / name)
+    assert audio.duration == pytest.approx(seconds, abs=0.01)
+    assert 0.1 < np.abs(audio.samples).max() <= 1
+    assert note in " ".join(audio.notes)
+    assert bool(audio.notes) == bool(note)
