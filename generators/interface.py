@@ -1,0 +1,146 @@
+"""What every generator offers: speech and a seed in, a motion clip out."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from motion.audio import Audio
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.segment import Segment
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeechSegment:
+    """A speech segment together with its sound.
+
+    Attributes
+    ----------
+    segment : Segment
+        What is spoken, by whom, in which emotion.
+    audio : Audio
+        The excerpt itself, not the whole recording that it lies in.
+    """
+
+    segment: Segment
+    audio: Audio
+
+    def frame_count(self, frame_rate: float) -> int:
+        """Return how many frames at `frame_rate` a motion to this speech has.
+
+        Raises
+        ------
+        InputError
+            If the frame rate is not positive or the speech is shorter than one frame.
+        """
+        if not frame_rate > 0:
+            raise InputError(f"frame rate {frame_rate} is not usable", remedy="Give a rate above 0")
+        frames = round(self.audio.duration * frame_rate)
+        if frames < 1:
+            raise InputError(
+                f"segment {self.segment.name}: its speech of {self.audio.duration:.4f} s is "
+                f"shorter than one frame at {frame_rate:g} fps",
+                remedy="Give a longer excerpt",
+            )
+        return frames
+
+
+class StudyClips(Protocol):
+    """The clips that one condition of a study already has, for generators that ask for them."""
+
+    @property
+    def segments(self) -> Sequence[Segment]:
+        """All segments of the study, in the study's order."""
+        ...
+
+    def clip(self, segment_name: str) -> MotionClip:
+        """Return the condition's clip for the segment of that name."""
+        ...
+
+
+class Generator(Protocol):
+    """Makes motion to speech.
+
+    Attributes
+    ----------
+    name : str
+        The name it is registered under.
+    needs_source : bool
+        Whether `generate` needs the clips of another condition.
+    """
+
+    @property
+    def name(self) -> str:
+        """The name it is registered under."""
+        ...
+
+    @property
+    def needs_source(self) -> bool:
+        """Whether `generate` needs the clips of another condition."""
+        ...
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+    ) -> MotionClip:
+        """Return motion to `speech`.
+
+        Parameters
+        ----------
+        speech : SpeechSegment
+            The excerpt to move to.
+        seed : int
+            Not negative. The same seed gives the same clip, byte for byte.
+        frame_rate : float
+            Frames per second of the result.
+        source : StudyClips or None
+            The condition whose clips it may use; required where `needs_source` is true.
+
+        Returns
+        -------
+        MotionClip
+            Exactly ``round(speech.audio.duration * frame_rate)`` frames; its provenance holds
+            ``generator`` and ``seed``.
+
+        Raises
+        ------
+        InputError
+            If the speech, the seed or the source cannot be used.
+        """
+        ...
+
+
+def seeded_stream(seed: int, *purpose: str) -> tuple[int, ...]:
+    """Return entropy for `numpy.random.default_rng` that depends on `seed` and `purpose`.
+
+    Raises
+    ------
+    InputError
+        If `seed` is negative.
+    """
+    if seed < 0:
+        raise InputError(f"seed {seed} is negative", remedy="Give a seed of 0 or more")
+    return (seed, *(zlib.crc32(word.encode()) for word in purpose))
+
+
+def required_source(source: StudyClips | None, generator: str) -> StudyClips:
+    """Return `source`, or say that `generator` cannot do without one.
+
+    Raises
+    ------
+    InputError
+        If there is no source.
+    """
+    if source is None:
+        raise InputError(
+            f"the generator {generator} changes another condition's motion and was given none",
+            remedy="Name that condition as its source in study.toml",
+        )
+    return source
