@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studyapp.rehearsal.population import Population
+from studyapp.rehearsal.raters import Rater, ShownPair
+
+CONDITIONS = ("a", "b", "flaw")
+FAIR = Population(
+    quality={"a": {"q": 0.0}, "b": {"q": 0.0}, "flaw": {"q": -6.0}},
+    side_bias=0.0,
+    inattentive=0.0,
+    item_sd=0.0,
+)
+
+
+def shown(position: int = 0, left: str = "a", right: str = "b") -> ShownPair:
+    return ShownPair(position=position, segment=f"s{position % 4}", left=left, right=right)
+
+
+def answers(population: Population, raters: int, trials: int = 4, **sides: str) -> list[int]:
+    return [
+        Rater(population=population, seed=5, name=str(index)).answer(shown(trial, **sides), "q")
+        for index, trial in product(range(raters), range(trials))
+    ]
+
+
+@settings(max_examples=50)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    name=st.text(max_size=10),
+    left=st.sampled_from(CONDITIONS),
+    right=st.sampled_from(CONDITIONS),
+    position=st.integers(0, 40),
+)
+def test_an_answer_depends_on_nothing_but_seed_rater_and_presentation(
+    seed: int, name: str, left: str, right: str, position: int
+) -> None:
+    pair = shown(position, left, right)
+    first = Rater(population=FAIR, seed=seed, name=name)
+    again = Rater(population=FAIR, seed=seed, name=name)
+    again.answer(shown(position + 1, right, left), "q")
+    assert first.answer(pair, "q") == again.answer(pair, "q")
+    assert first.answer(pair, "q") in range(-2, 3)
+
+
+@settings(max_examples=50)
+@given(seed=st.integers(0, 1000), raising=st.floats(0, 8), position=st.integers(0, 40))
+def test_a_better_right_side_never_moves_an_answer_to_the_left(
+    seed: int, raising: float, position: int
+) -> None:
+    better = replace(FAIR, quality={"a": {"q": 0.0}, "b": {"q": raising}})
+    before = Rater(population=FAIR, seed=seed, name="r").answer(shown(position), "q")
+    after = Rater(population=better, seed=seed, name="r").answer(shown(position), "q")
+    assert after >= before
+
+
+def test_equal_conditions_are_answered_evenly() -> None:
+    values = np.array(answers(FAIR, 600))
+    assert abs(values.mean()) < 0.1
+    counts = Counter(values.tolist())
+    assert counts[-1] + counts[1] > counts[0] > 0.1 * len(values)
+    assert counts[2] == pytest.approx(counts[-2], rel=0.25)
+
+
+@pytest.mark.parametrize("bias", [-0.8, 0.8])
+def test_side_bias_pulls_towards_its_side_whatever_is_shown(bias: float) -> None:
+    population = replace(FAIR, side_bias=bias)
+    for sides in ({"left": "a", "right": "b"}, {"left": "b", "right": "a"}):
+        assert np.mean(answers(population, 300, **sides)) * np.sign(bias) > 0.25
+
+
+def test_an_attentive_rater_sees_a_visible_flaw_on_either_side() -> None:
+    assert np.mean(np.array(answers(FAIR, 300, left="a", right="flaw")) < 0) > 0.98
+    assert np.mean(np.array(answers(FAIR, 300, left="flaw", right="a")) > 0) > 0.98
+
+
+def test_an_inattentive_rater_answers_at_random_even_where_a_flaw_is_visible() -> None:
+    population = replace(FAIR, inattentive=1.0)
+    counts = Counter(answers(population, 500, left="a", right="flaw"))
+    assert set(counts) == {-2, -1, 0, 1, 2}
+    assert all(count == pytest.approx(400, rel=0.2) for count in counts.values())
+
+
+def test_the_stated_share_of_raters_is_inattentive() -> None:
+    population = replace(FAIR, inattentive=0.3)
+    inattentive = [
+        not Rater(population=population, seed=2, name=str(index)).attentive for index in range(2000)
+    ]
+    assert np.mean(inattentive) == pytest.approx(0.3, abs=0.04)
+
+
+def test_raters_and_segments_differ_by_the_stated_standard_deviations() -> None:
+    population = replace(FAIR, item_sd=0.45)
+
+    def gap(rater: str, segment: str) -> float:
+        person = Rater(population=population, seed=1, name=rater)
+        return person.utility("a", segment, "q") - person.utility("b", segment, "q")
+
+    over_raters = np.std([gap(str(index), "s") for index in range(3000)])
+    over_segments = np.std([gap("r", str(index)) for index in range(3000)])
+    assert over_raters == pytest.approx(population.participant_sd, rel=0.05)
+    assert over_segments == pytest.approx(population.item_sd, rel=0.05)

@@ -1,0 +1,146 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.errors import InputError
+from studyapp.definition.study import Study
+from studyapp.rehearsal.population import Population
+from studyapp.rehearsal.raters import Rater, ShownPair
+from studyapp.rehearsal.truth import Truth, compute_truth, read_truth, win_share, write_truth
+
+SEGMENTS = tuple(f"s{index}" for index in range(6))
+
+
+def counted_share(
+    population: Population, *, seed: int, raters: range, other: str, question: str
+) -> float:
+    """Wins of the reference plus half the ties, as simulated attentive raters really answer."""
+    scores = []
+    for name in raters:
+        rater = Rater(population=population, seed=seed, name=str(name))
+        for position, segment in enumerate(SEGMENTS):
+            on_the_right = (name + position) % 2 == 1
+            left, right = (other, "rule_based") if on_the_right else ("rule_based", other)
+            pair = ShownPair(position=position, segment=segment, left=left, right=right)
+            answer = rater.answer(pair, question) * (1 if on_the_right else -1)
+            scores.append((np.sign(answer) + 1) / 2)
+    return float(np.mean(scores))
+
+
+def expected(truth: Truth, other: str, question: str) -> tuple[float, float]:
+    for entry in truth.expected:
+        if (entry.comparison, entry.question) == (f"rule_based-{other}", question):
+            return entry.share, entry.share_on_these_segments
+    raise AssertionError("no such comparison")
+
+
+@pytest.fixture(scope="module")
+def attentive(population: Population) -> Population:
+    return replace(population, inattentive=0.0)
+
+
+@pytest.mark.parametrize("other", ["mismatched", "static"])
+def test_very_many_raters_agree_with_the_share_on_these_segments(
+    study: Study, attentive: Population, other: str
+) -> None:
+    truth = compute_truth(study, SEGMENTS, population=attentive, seed=4)
+    counted = counted_share(attentive, seed=4, raters=range(3000), other=other, question="rhythm")
+    assert counted == pytest.approx(expected(truth, other, "rhythm")[1], abs=0.012)
+
+
+def test_very_many_studies_agree_with_the_share_over_all_segments(
+    study: Study, attentive: Population
+) -> None:
+    counted = [
+        counted_share(attentive, seed=seed, raters=range(6), other="static", question="emotion")
+        for seed in range(500)
+    ]
+    truth = compute_truth(study, SEGMENTS, population=attentive, seed=0)
+    error = np.std(counted) / math.sqrt(len(counted))
+    assert abs(np.mean(counted) - expected(truth, "static", "emotion")[0]) < 3 * error
+
+
+def test_luck_of_the_segments_averages_out_over_studies(
+    study: Study, attentive: Population
+) -> None:
+    both = np.array(
+        [
+            expected(
+                compute_truth(study, SEGMENTS, population=attentive, seed=seed),
+                "mismatched",
+                "rhythm",
+            )
+            for seed in range(400)
+        ]
+    )
+    over_all, on_these = both.T
+    assert np.ptp(over_all) == 0
+    assert on_these.std() > 0.01
+    assert on_these.mean() == pytest.approx(over_all[0], abs=3 * on_these.std() / 20)
+
+
+@given(
+    gap=st.floats(-8, 8),
+    slope_sd=st.floats(0, 2),
+    bias=st.floats(-2, 2),
+    bias_sd=st.floats(0, 1),
+)
+def test_swapping_the_conditions_mirrors_the_share_whatever_the_side_bias(
+    gap: float, slope_sd: float, bias: float, bias_sd: float
+) -> None:
+    population = Population(quality={}, side_bias=bias, side_bias_sd=bias_sd)
+    share = win_share(population, gap, slope_sd)
+    assert 0 <= share <= 1
+    assert share + win_share(population, -gap, slope_sd) == pytest.approx(1)
+    assert (share - 0.5) * gap >= -1e-12
+
+
+@given(gap=st.floats(0.05, 6), slope_sd=st.floats(0, 1.5), more=st.floats(0.05, 2))
+def test_a_wider_gap_wins_more_and_disagreement_wins_less(
+    gap: float, slope_sd: float, more: float
+) -> None:
+    population = Population(quality={})
+    assert win_share(population, gap + more, slope_sd) > win_share(population, gap, slope_sd)
+    assert win_share(population, gap, slope_sd + more) < win_share(population, gap, slope_sd)
+
+
+def test_a_known_share_is_reproduced_by_hand() -> None:
+    """Without any spread: P(y > .5) + P(-.5 < y < .5) / 2 for a logistic around 1."""
+    population = Population(quality={}, side_bias=0, side_bias_sd=0, weak=0.5)
+    right, not_left = 1 / (1 + math.exp(-0.5)), 1 / (1 + math.exp(-1.5))
+    assert win_share(population, 1.0, 0.0) == pytest.approx((right + not_left) / 2)
+
+
+def test_every_comparison_and_question_has_its_truth(study: Study, population: Population) -> None:
+    shares = compute_truth(study, SEGMENTS, population=population, seed=1).shares()
+    assert set(shares) == {
+        (f"rule_based-{other}", question)
+        for other in ("mismatched", "static", "brought")
+        for question in ("rhythm", "emotion")
+    }
+
+
+def test_the_truth_survives_its_file(study: Study, population: Population, tmp_path: Path) -> None:
+    truth = compute_truth(study, SEGMENTS, population=population, seed=1)
+    write_truth(tmp_path / "rehearsal.json", truth)
+    assert read_truth(tmp_path / "rehearsal.json") == truth
+
+
+def test_a_missing_truth_says_what_to_run(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"rehearsal\.json.*motionjury rehearse"):
+        read_truth(tmp_path / "rehearsal.json")
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"seed": 1, "population": {"weak": 9}}'])
+def test_a_damaged_truth_is_named(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "rehearsal.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"rehearsal\.json"):
+        read_truth(path)
