@@ -1,0 +1,1 @@
+"""Automatic metrics over motion clips; each has one home and carries its settings."""

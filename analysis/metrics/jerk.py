@@ -1,0 +1,101 @@
+"""Jerk: the third derivative of position, large where motion trembles or jumps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from analysis.metrics.joint_positions import WRISTS
+from analysis.metrics.result import MetricResult
+
+_FILTER_ORDER: Final = 4
+_FEWEST_FRAMES: Final = 16
+
+
+@dataclass(frozen=True, kw_only=True)
+class JerkSettings:
+    """What makes a jerk comparable with another, besides the frame rate.
+
+    Attributes
+    ----------
+    name : str
+        Names the preset.
+    joints : tuple of str
+        The joints measured.
+    cutoff : float or None
+        Cut-off of the low-pass filter in Hz (Butterworth, order 4, forwards and backwards); None
+        for no filter. Third differences amplify sensor noise by the frame rate cubed.
+    """
+
+    name: str
+    joints: tuple[str, ...]
+    cutoff: float | None
+
+
+HANDS: Final = JerkSettings(name="hands", joints=WRISTS, cutoff=6.0)
+"""Wrists, low-pass at 6 Hz: faster than gestures move, slower than jitter at 15 fps."""
+
+HANDS_UNFILTERED: Final = JerkSettings(name="hands, unfiltered", joints=WRISTS, cutoff=None)
+"""Wrists as they are; jitter counts in full, and so does noise of the recording."""
+
+
+def jerk(
+    positions: NDArray[np.float64], *, frame_rate: float, settings: JerkSettings
+) -> MetricResult:
+    """Return the mean magnitude of the third derivative over frames and joints.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (T, J, 3)
+        Positions of `settings.joints` in metres.
+    frame_rate : float
+        Frames per second.
+    settings : JerkSettings
+        Which joints these are, and how they are filtered.
+
+    Returns
+    -------
+    MetricResult
+        In m/s³: mean norm of third differences times the frame rate cubed, as GENEA's evaluation
+        (Kucherenko et al. 2021); NaN for a clip of fewer than 16 frames.
+    """
+    described = {
+        "joints": ", ".join(settings.joints),
+        "frame rate": f"{frame_rate:g} fps",
+        "filter": "none"
+        if settings.cutoff is None
+        else f"Butterworth low-pass, order {_FILTER_ORDER}, {settings.cutoff:g} Hz, zero phase",
+        "positions": "relative to the pelvis, default body, metres",
+    }
+    name, unit = f"jerk ({settings.name})", "m/s³"
+    if len(positions) < _FEWEST_FRAMES:
+        return MetricResult(
+            name=name,
+            value=math.nan,
+            unit=unit,
+            n=0,
+            settings=described,
+            reason=f"the clip has fewer than {_FEWEST_FRAMES} frames",
+        )
+    if settings.cutoff is not None and settings.cutoff >= frame_rate / 2:
+        return MetricResult(
+            name=name,
+            value=math.nan,
+            unit=unit,
+            n=0,
+            settings=described,
+            reason=f"{frame_rate:g} fps is too slow for a {settings.cutoff:g} Hz filter",
+        )
+    smooth = positions
+    if settings.cutoff is not None:
+        sections = butter(_FILTER_ORDER, settings.cutoff, fs=frame_rate, output="sos")
+        smooth = sosfiltfilt(sections, positions, axis=0)
+    third = np.linalg.norm(np.diff(smooth, n=3, axis=0), axis=2) * frame_rate**3
+    return MetricResult(
+        name=name, value=float(third.mean()), unit=unit, n=third.size, settings=described
+    )

@@ -1,0 +1,143 @@
+"""A mean with an interval when answers share participants and segments."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+from statsmodels.regression.linear_model import OLS
+from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
+
+LEVEL: Final = 0.95
+"""Confidence level of every interval in the report."""
+
+TWO_WAY: Final = "clustered by participant and segment"
+ONE_WAY_PARTICIPANTS: Final = "clustered by participant only (two-way variance not positive)"
+ONE_WAY_SEGMENTS: Final = "clustered by segment only (two-way variance not positive)"
+INDEPENDENT: Final = "answers as independent (no clustered variance is positive)"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClusteredMean:
+    """A mean of answers, its interval and its test.
+
+    Attributes
+    ----------
+    estimate : float
+        Mean of the values; NaN without any.
+    standard_error : float
+        Clustered standard error; NaN where it cannot be estimated.
+    low, high : float
+        Ends of the interval at `LEVEL`, cut to [0, 1]; NaN where there is none.
+    p_value : float
+        Two-sided p of the mean being `null`; NaN where there is no standard error.
+    answers, participants, segments : int
+        What the estimate rests on.
+    method : str
+        Which variance was used; empty where there is none.
+    reason : str
+        Why there is no interval; empty where there is one.
+    """
+
+    estimate: float
+    standard_error: float
+    low: float
+    high: float
+    p_value: float
+    answers: int
+    participants: int
+    segments: int
+    method: str = ""
+    reason: str = ""
+
+
+def clustered_mean(
+    values: NDArray[np.float64],
+    participants: NDArray[np.generic],
+    segments: NDArray[np.generic],
+    *,
+    null: float = 0.5,
+) -> ClusteredMean:
+    """Return the mean of `values` with an interval clustered by participant and segment.
+
+    The variance is the two-way cluster-robust one of Cameron, Gelbach & Miller (2011, eq. 2.11)
+    with the CR1 factor G/(G-1) of each clustering; the quantiles are those of t with
+    min(participants, segments) - 1 degrees of freedom. Where the two-way variance is not
+    positive, the larger one-way variance takes its place, as those authors advise.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        One value in [0, 1] per answer.
+    participants, segments : ndarray, shape (N,)
+        Who gave the answer, and which segment it is about.
+    null : float
+        Mean under the hypothesis that is tested.
+
+    Returns
+    -------
+    ClusteredMean
+        Without an interval, and with the reason, where there are no answers, one participant,
+        one segment, or all answers alike.
+    """
+    people = np.unique(participants, return_inverse=True)[1]
+    items = np.unique(segments, return_inverse=True)[1]
+    unknown = ClusteredMean(
+        estimate=float(np.mean(values)) if len(values) else math.nan,
+        standard_error=math.nan,
+        low=math.nan,
+        high=math.nan,
+        p_value=math.nan,
+        answers=len(values),
+        participants=int(people.max(initial=-1)) + 1,
+        segments=int(items.max(initial=-1)) + 1,
+    )
+    reason = _why_no_interval(values, unknown.participants, unknown.segments)
+    if reason:
+        return replace(unknown, reason=reason)
+    variance, method = _variance(values, people, items)
+    error = math.sqrt(variance)
+    law = stats.t(min(unknown.participants, unknown.segments) - 1)
+    margin = float(law.ppf((1 + LEVEL) / 2)) * error
+    return replace(
+        unknown,
+        standard_error=error,
+        low=max(0.0, unknown.estimate - margin),
+        high=min(1.0, unknown.estimate + margin),
+        p_value=float(2 * law.sf(abs(unknown.estimate - null) / error)),
+        method=method,
+    )
+
+
+def _why_no_interval(values: NDArray[np.float64], participants: int, segments: int) -> str:
+    if not len(values):
+        return "no answers"
+    if participants < 2:
+        return "one participant"
+    if segments < 2:
+        return "one segment"
+    if np.ptp(values) == 0:
+        return "all answers alike"
+    return ""
+
+
+def _variance(
+    values: NDArray[np.float64], people: NDArray[np.intp], items: NDArray[np.intp]
+) -> tuple[float, str]:
+    fit = OLS(values, np.ones((len(values), 1))).fit()
+    both, by_person, by_item = (
+        float(covariance.item()) for covariance in cov_cluster_2groups(fit, people, items)
+    )
+    # Sums of rounding errors are no variance.
+    smallest = 1e-12 * float(np.var(values))
+    if both > smallest:
+        return both, TWO_WAY
+    if max(by_person, by_item) > smallest:
+        if by_person >= by_item:
+            return by_person, ONE_WAY_PARTICIPANTS
+        return by_item, ONE_WAY_SEGMENTS
+    return float(np.var(values, ddof=1)) / len(values), INDEPENDENT
