@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
 
@@ -215,6 +216,19 @@ class Study(_Section):
         return GROUND_TRUTH if GROUND_TRUTH in self.conditions else self.reference
 
     @property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Every (left, right) a participant may be shown: both orders of each pair."""
+        compared = [(self.reference, other) for other in self.others]
+        if self.catch.trials:
+            compared.append((self.catch_against, self.catch.condition))
+        return tuple(pair for a, b in compared for pair in ((a, b), (b, a)))
+
+    @property
+    def shown_conditions(self) -> tuple[str, ...]:
+        """Every condition that appears in a pair."""
+        return tuple(dict.fromkeys(left for left, _ in self.pairs))
+
+    @property
     def has_recording(self) -> bool:
         """Whether real recorded motion takes part."""
         return GROUND_TRUTH in self.conditions
@@ -270,11 +284,16 @@ def read_study(path: Path) -> Study:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"not valid TOML: {error}", where=path, remedy="Mend that line") from None
+    return parse_study(data, where=path)
+
+
+def parse_study(data: Mapping[str, object], *, where: object) -> Study:
+    """Validate the contents of a study file; `InputError` names every key that is wrong."""
     try:
         return Study.model_validate(data)
     except ValidationError as error:
         raise InputError(
-            explain(error), where=path, remedy="Correct these keys and run the command again"
+            explain(error), where=where, remedy="Correct these keys and run the command again"
         ) from None
 
 

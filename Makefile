@@ -1,0 +1,50 @@
+# 'make help' lists what there is. Everything is installed into .venv and a cache folder of the user.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STUDY ?= demo-study
+.DEFAULT_GOAL := help
+.PHONY: help setup setup-browser demo serve test check format bench clean
+
+help:  ## List the targets.
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
+
+setup: $(VENV)/.installed  ## Install everything that running the project needs.
+	@scripts/debian-packages espeak-ng libosmesa6
+	@$(BIN)/python -m renderer.body_asset
+
+setup-browser: setup
+	@scripts/debian-packages chromium fonts-dejavu-core
+
+$(VENV)/.installed: pyproject.toml constraints.txt
+	@scripts/debian-packages --for-python $(PYTHON)
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@touch $@
+
+demo: setup  ## Run the whole line on synthetic speech and write a report.
+	$(BIN)/motionjury demo demo-study
+
+serve: setup  ## Serve a study (STUDY=demo-study) to take part in it oneself.
+	$(BIN)/motionjury serve $(STUDY)
+
+test: setup-browser  ## Run all tests, the ones in a real browser included.
+	$(BIN)/pytest -n 2 -m "not slow and not browser"
+	$(BIN)/pytest -n 2 -m "slow or browser"
+
+check: $(VENV)/.installed  ## Check format, lint, types and layers.
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(VENV)/.installed  ## Format the code.
+	$(BIN)/ruff check --fix --select I .
+	$(BIN)/ruff format .
+
+bench: setup  ## Measure rendering speed and the validity of the statistics.
+	$(BIN)/python -m renderer.benchmark
+	$(BIN)/python -m analysis.validity
+
+clean:  ## Remove what was installed and made here (studies of yours stay).
+	rm -rf $(VENV) demo-study build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,27 @@
+"""`motionjury export`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from studyapp.command.arguments import study_folder
+from studyapp.definition.folder import StudyFolder
+from studyapp.stages.reporting import export
+
+
+@click.command("export")
+@study_folder
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Where to write; responses.csv in the study folder by default.",
+)
+@click.option("--rehearsal", is_flag=True, help="Export the simulated participants instead.")
+def command(folder: StudyFolder, out: Path | None, rehearsal: bool) -> None:
+    """Write the responses of the study FOLDER as tidy CSV, one row per answered question."""
+    default = "rehearsal_responses.csv" if rehearsal else "responses.csv"
+    path = out or folder.root / default
+    count = export(folder, path, rehearsal=rehearsal)
+    click.echo(f"Wrote {count} answers to {path}")

@@ -1,0 +1,67 @@
+"""`motionjury import`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from motion.segment import EMOTIONS
+from studyapp.command.arguments import study_folder
+from studyapp.definition.folder import StudyFolder
+from studyapp.stages.recordings import Take, import_clips, import_take
+
+_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+@click.command("import")
+@click.argument("motion", nargs=-1, required=True, type=_FILE)
+@study_folder
+@click.option("--condition", required=True, help="The condition this motion belongs to.")
+@click.option("--speech", type=_FILE, help="The take's speech; its segments are new to the study.")
+@click.option("--fps", type=click.FloatRange(0, 1000, min_open=True), help="True frame rate.")
+@click.option(
+    "--segment",
+    "segment_seconds",
+    type=click.FloatRange(0, 600, min_open=True),
+    help="Cut the take into segments of so many seconds.",
+)
+@click.option("--speaker", help="Who speaks.")
+@click.option("--emotion", type=click.Choice(EMOTIONS), help="The emotion of the take.")
+def command(
+    motion: tuple[Path, ...],
+    folder: StudyFolder,
+    condition: str,
+    speech: Path | None,
+    fps: float | None,
+    segment_seconds: float | None,
+    speaker: str | None,
+    emotion: str | None,
+) -> None:
+    """Bring MOTION into the study FOLDER.
+
+    With --speech, one motion file and its recording become new segments. Without it, each
+    motion file must be named after a segment that the study has.
+    """
+    if speech is None:
+        if segment_seconds is not None or speaker is not None or emotion is not None:
+            raise click.UsageError("--segment, --speaker and --emotion describe --speech: give it.")
+        notes = import_clips(folder, motion, condition=condition, frame_rate=fps)
+        done = f"{len(motion)} clips of condition {condition!r}"
+    else:
+        if len(motion) != 1 or speaker is None or emotion is None:
+            raise click.UsageError("--speech goes with one motion file, --speaker and --emotion.")
+        take = Take(
+            motion=motion[0],
+            speech=speech,
+            frame_rate=fps,
+            segment_seconds=segment_seconds,
+            condition=condition,
+            speaker=speaker,
+            emotion=emotion,
+        )
+        segments, notes = import_take(folder, take)
+        done = f"{len(segments)} segments with condition {condition!r}"
+    for note in notes:
+        click.echo(f"note: {note}")
+    click.echo(f"Imported {done} into {folder.root}.")

@@ -1,0 +1,32 @@
+"""`motionjury init`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from studyapp.definition.creation import TEMPLATES, new_study
+from studyapp.definition.folder import StudyFolder
+
+
+@click.command("init")
+@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.option("--template", type=click.Choice(TEMPLATES), default="pairwise", show_default=True)
+@click.option("--reference", help="The condition every other one is compared with.")
+@click.option("--trials", type=click.IntRange(1, 500), help="Pairs each participant judges.")
+@click.option("--title", help="What participants see as the study's title.")
+def command(
+    folder: Path, template: str, reference: str | None, trials: int | None, title: str | None
+) -> None:
+    """Make a study FOLDER with a commented study.toml that can be edited."""
+    study_folder = StudyFolder(folder)
+    new_study(
+        study_folder.definition,
+        template=template,
+        name=folder.resolve().name,
+        title=title,
+        reference=reference,
+        trials=trials,
+    )
+    click.echo(f"{study_folder.definition} is ready. Next: 'motionjury import' brings in speech.")

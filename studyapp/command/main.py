@@ -1,0 +1,71 @@
+"""`motionjury`: the front door."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module, metadata
+from typing import Any, Final
+
+import click
+
+from motion.errors import InputError
+
+_COMMANDS: Final = {
+    "check": "Say everything that can go wrong before launch.",
+    "demo": "Run the whole line on synthetic speech, from nothing to a report.",
+    "export": "Write the responses as one tidy CSV file.",
+    "generate": "Make the motion of every generated condition.",
+    "import": "Bring recorded motion and speech, or motion made elsewhere, into a study.",
+    "init": "Make a study folder with a commented study.toml.",
+    "rehearse": "Let simulated participants take the study over real HTTP.",
+    "render": "Render clips and side-by-side pairs.",
+    "report": "Write the report.",
+    "serve": "Serve the study to participants.",
+}
+
+
+class _LazyCommands(click.Group):
+    """Imports a subcommand only when it is run, so that each one starts fast."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _COMMANDS:
+            return None
+        module = import_module(f"studyapp.command.{cmd_name}_command")
+        command: click.Command = module.command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(sorted(_COMMANDS.items()))
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            if ctx.params["debug"]:
+                raise
+            raise click.ClickException(str(error)) from error
+
+
+@click.group(cls=_LazyCommands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(metadata.version("motionjury"), prog_name="motionjury")
+@click.option("--debug", is_flag=True, help="Show a traceback when something fails.")
+def group(debug: bool) -> None:
+    """Find out which generated motion people prefer, and whether the metrics agree."""
+
+
+def main() -> None:
+    """Run the command line; an interruption says how to go on."""
+    try:
+        group(standalone_mode=False, prog_name="motionjury")
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("\nInterrupted. The same command goes on where it stopped.", err=True)
+        sys.exit(130)
+    except click.exceptions.Exit as leaving:
+        sys.exit(leaving.exit_code)

@@ -1,0 +1,26 @@
+"""`motionjury rehearse`."""
+
+from __future__ import annotations
+
+import click
+
+from studyapp.command.arguments import study_folder
+from studyapp.command.progress import progress
+from studyapp.definition.folder import StudyFolder
+from studyapp.rehearsal.run import rehearse
+
+
+@click.command("rehearse")
+@study_folder
+@click.option(
+    "--participants",
+    type=click.IntRange(1, 10_000),
+    help="Simulated participants per comparison; as many as the study asks for by default.",
+)
+@click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=1, show_default=True)
+def command(folder: StudyFolder, participants: int | None, seed: int) -> None:
+    """Let simulated participants take the study FOLDER over real HTTP."""
+    count = participants or folder.study().participants_per_comparison
+    with progress("rehearse", "participant") as show:
+        result = rehearse(folder, participants=count, seed=seed, on_done=show)
+    click.echo(result.sentence)

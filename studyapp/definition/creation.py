@@ -1,0 +1,110 @@
+"""Making and changing `study.toml` without losing the comments in it."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Final
+
+import tomlkit
+
+from generators.registry import generator_names
+from motion.errors import InputError
+from motion.files import write_text
+from motion.segment import check_name
+from studyapp.definition.study import Condition, Study, parse_study
+
+TEMPLATES: Final = ("pairwise",)
+
+
+def new_study(
+    path: Path,
+    *,
+    template: str = "pairwise",
+    name: str,
+    title: str | None = None,
+    reference: str | None = None,
+    trials: int | None = None,
+    conditions: Mapping[str, Condition] | None = None,
+) -> Study:
+    """Write a commented study file from a template and return what it says.
+
+    Parameters
+    ----------
+    path : Path
+        The study file to be made; an existing one is never overwritten.
+    template : str
+        One of `TEMPLATES`.
+    name, title : str
+        The study's name, and what participants see as its title.
+    reference : str, optional
+        The condition every other one is compared with; also the source of the template's
+        mismatched condition.
+    trials : int, optional
+        Pairs each participant judges.
+    conditions : mapping, optional
+        Replaces the template's conditions.
+
+    Raises
+    ------
+    InputError
+        If the file exists, the template is unknown, or the result would not be a valid study.
+    """
+    if path.exists():
+        raise InputError(
+            "the study exists already",
+            where=path,
+            remedy="Edit that file, or choose another folder",
+        )
+    if template not in TEMPLATES:
+        raise InputError(
+            f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
+        )
+    text = resources.files(__package__).joinpath("templates", f"{template}.toml").read_text("utf-8")
+    document = tomlkit.parse(text)
+    document["name"] = check_name(name, "study")
+    for key, value in (("title", title), ("reference", reference), ("trials", trials)):
+        if value is not None:
+            document[key] = value
+    if trials is not None:
+        document["practice"] = min(int(document["practice"]), max(trials // 2, 0))
+    if conditions is not None:
+        table = tomlkit.table(is_super_table=True)
+        for condition, made in conditions.items():
+            table[condition] = _condition_table(made)
+        document["conditions"] = table
+    elif reference is not None:
+        _follow_reference(document, reference)
+    return _write(path, document)
+
+
+def _follow_reference(document: tomlkit.TOMLDocument, reference: str) -> None:
+    """Let the template's mismatched condition start from `reference`, and add it if missing."""
+    conditions = document["conditions"]
+    if reference not in conditions:
+        generator = reference if reference in generator_names() else None
+        conditions[reference] = _condition_table(Condition(generator=generator))
+    conditions["mismatched"]["source"] = reference
+
+
+def add_condition(path: Path, name: str) -> Study:
+    """Add a condition whose motion comes from files to a study file, keeping its comments."""
+    document = tomlkit.parse(path.read_text(encoding="utf-8"))
+    document["conditions"][check_name(name, "condition", path)] = tomlkit.table()
+    return _write(path, document)
+
+
+def _condition_table(condition: Condition) -> tomlkit.items.Table:
+    table = tomlkit.table()
+    table.update(condition.model_dump(exclude_none=True))
+    return table
+
+
+def _write(path: Path, document: tomlkit.TOMLDocument) -> Study:
+    """Write `document` once it has proved to be a valid study."""
+    text = tomlkit.dumps(document)
+    study = parse_study(tomllib.loads(text), where=path)
+    write_text(path, text)
+    return study

@@ -1,0 +1,226 @@
+"""Bringing recorded or generated motion into a study."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from motion.audio import Audio, read_audio, write_wav
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_motion, write_clip
+from motion.resample import cut
+from motion.segment import Segment, check_name
+from motion.segments_table import read_segments, write_segments
+from studyapp.definition.creation import add_condition
+from studyapp.definition.folder import StudyFolder
+
+SEGMENT_TOLERANCE: Final = 0.1
+"""Seconds by which motion and speech of one segment may differ."""
+TAKE_TOLERANCE: Final = 1.0
+"""Seconds by which the ends of a take's motion and speech may differ; it is cut to the shorter."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Take:
+    """A recording of motion and speech together, and what to make of it.
+
+    Attributes
+    ----------
+    motion, speech : Path
+        The two files, in any format the project reads.
+    frame_rate : float or None
+        Overrides what the motion file says of its frame rate.
+    segment_seconds : float or None
+        Length of the segments it is cut into; None keeps the take whole.
+    condition, speaker, emotion : str
+        What its segments are.
+    """
+
+    motion: Path
+    speech: Path
+    frame_rate: float | None
+    segment_seconds: float | None
+    condition: str
+    speaker: str
+    emotion: str
+
+
+def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[str]]:
+    """Cut a take into segments, and store their speech and motion in the study.
+
+    Nothing is written before everything has been read and checked.
+
+    Returns
+    -------
+    segments : list of Segment
+        The segments that the take gave.
+    notes : list of str
+        What was changed on the way, for the researcher to read.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, the two do not belong together, or a segment of the same name
+        but another place exists.
+    """
+    study = folder.study()
+    check_name(take.condition, "condition")
+    audio = read_audio(take.speech, sample_rate=None)
+    clip = read_motion(take.motion, frame_rate=take.frame_rate)
+    notes = [f"{take.speech.name}: {note}" for note in audio.notes]
+    notes += _notes_of(clip, take.motion)
+    seconds, note = _common_length(take, audio, clip)
+    notes += note
+    segments = _cut_points(take, seconds)
+    rest = seconds - segments[-1].end
+    if rest > SEGMENT_TOLERANCE:
+        notes.append(
+            f"{take.speech.name}: the last {rest:.1f} s make no whole segment and are left out"
+        )
+    known = _known_segments(folder)
+    _check_no_clash(known, segments, folder)
+    clips = [cut(clip, segment.start, segment.end) for segment in segments]
+
+    write_wav(folder.speech / segments[0].wav, replace(audio, notes=()))
+    for segment, piece in zip(segments, clips, strict=True):
+        write_clip(folder.clip(take.condition, segment.name), piece)
+    merged = {segment.name: segment for segment in (*known, *segments)}
+    write_segments(folder.speech, tuple(merged.values()))
+    if take.condition not in (*study.conditions, study.catch.condition):
+        add_condition(folder.definition, take.condition)
+        notes.append(f"{folder.definition.name}: condition {take.condition!r} added")
+    return segments, notes
+
+
+def import_clips(
+    folder: StudyFolder, motions: Sequence[Path], *, condition: str, frame_rate: float | None
+) -> list[str]:
+    """Store motion made elsewhere for segments the study already has.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    motions : sequence of Path
+        Motion files, each named after its segment.
+    condition : str
+        The condition they belong to; added to the study file where it is new.
+    frame_rate : float or None
+        Overrides what the files say of their frame rate.
+
+    Returns
+    -------
+    list of str
+        What was changed on the way.
+
+    Raises
+    ------
+    InputError
+        If a file belongs to no segment or is more than 0.1 s longer or shorter than its speech.
+    """
+    study = folder.study()
+    segments = {segment.name: segment for segment in folder.segments()}
+    clips, notes = {}, []
+    for path in motions:
+        segment = segments.get(path.stem)
+        if segment is None:
+            raise InputError(
+                f"no segment is called {path.stem!r}",
+                where=path,
+                remedy="Name the file after its segment ("
+                + ", ".join(list(segments)[:3])
+                + ", …), or give --speech to bring in a new take",
+            )
+        clip = read_motion(path, frame_rate=frame_rate)
+        check_same_length(clip, segment, path)
+        notes += _notes_of(clip, path)
+        clips[segment.name] = cut(clip, 0.0, min(clip.duration, segment.duration))
+    for name, clip in clips.items():
+        write_clip(folder.clip(condition, name), clip)
+    if condition not in (*study.conditions, study.catch.condition):
+        add_condition(folder.definition, condition)
+        notes.append(f"{folder.definition.name}: condition {condition!r} added")
+    return notes
+
+
+def check_same_length(clip: MotionClip, segment: Segment, where: Path) -> None:
+    """Raise `InputError` if a clip and the speech of its segment differ by more than 0.1 s."""
+    difference = abs(clip.duration - segment.duration)
+    if difference > SEGMENT_TOLERANCE + 1e-6:
+        raise InputError(
+            f"the motion lasts {clip.duration:.2f} s, the speech of segment {segment.name} "
+            f"{segment.duration:.2f} s",
+            where=where,
+            remedy=f"They may differ by {SEGMENT_TOLERANCE} s: cut the longer one, "
+            "or check the frame rate",
+        )
+
+
+def _notes_of(clip: MotionClip, path: Path) -> list[str]:
+    note = clip.provenance.get("notes", "")
+    return [f"{path.name}: {note}"] if note else []
+
+
+def _common_length(take: Take, audio: Audio, clip: MotionClip) -> tuple[float, list[str]]:
+    """Return how many seconds of a take have both motion and speech."""
+    difference = abs(audio.duration - clip.duration)
+    lengths = f"the motion lasts {clip.duration:.2f} s, the speech {audio.duration:.2f} s"
+    if difference > TAKE_TOLERANCE:
+        raise InputError(
+            lengths,
+            where=take.motion,
+            remedy=f"A take's ends may differ by {TAKE_TOLERANCE} s: check that the files belong "
+            "together and that the frame rate is right (--fps)",
+        )
+    seconds = min(audio.duration, clip.duration)
+    if difference <= 1e-3:
+        return seconds, []
+    return seconds, [f"{take.motion.name}: {lengths}; cut to the common {seconds:.2f} s"]
+
+
+def _cut_points(take: Take, seconds: float) -> list[Segment]:
+    """Return the segments of a take whose first `seconds` can be used."""
+    length = take.segment_seconds if take.segment_seconds is not None else seconds
+    count = int(seconds / length + 1e-6)
+    if count == 0:
+        raise InputError(
+            f"the take has {seconds:.1f} s, too short for a segment of {length:g} s",
+            where=take.motion,
+            remedy="Give a shorter --segment",
+        )
+    stem = take.speech.stem
+    names = [f"{stem}_{n + 1:02d}" for n in range(count)] if take.segment_seconds else [stem]
+    return [
+        Segment(
+            name=name,
+            wav=f"{stem}.wav",
+            start=round(n * length, 6),
+            end=round((n + 1) * length, 6),
+            speaker=take.speaker,
+            emotion=take.emotion,
+        )
+        for n, name in enumerate(names)
+    ]
+
+
+def _known_segments(folder: StudyFolder) -> tuple[Segment, ...]:
+    if not (folder.speech / "segments.csv").exists():
+        return ()
+    return read_segments(folder.speech)
+
+
+def _check_no_clash(known: Sequence[Segment], new: Sequence[Segment], folder: StudyFolder) -> None:
+    """Raise if importing `new` would change what an existing segment is."""
+    existing = {segment.name: segment for segment in known}
+    for segment in new:
+        old = existing.get(segment.name)
+        if old is not None and (old.start, old.end) != (segment.start, segment.end):
+            raise InputError(
+                f"segment {segment.name} exists with other times "
+                f"({old.start:g}–{old.end:g} s, now {segment.start:g}–{segment.end:g} s)",
+                where=folder.speech / "segments.csv",
+                remedy="Use another file name, or remove the old segments first",
+            )

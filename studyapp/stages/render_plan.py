@@ -1,0 +1,169 @@
+"""What a study needs rendered, and what each file depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from motion.body import read_body
+from motion.errors import InputError
+from motion.formats import read_clip
+from motion.freeze import freeze
+from motion.segment import Segment
+from renderer.body_asset import default_body
+from renderer.framing import Camera, frame_clips
+from renderer.jobs import RENDERER_VERSION, ClipJob, PairJob
+from renderer.look import Look
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import ClipVideo, PairVideo
+from studyapp.definition.study import Study
+from studyapp.stages.digest import digest
+from studyapp.stages.recordings import check_same_length
+
+
+def require_motion(folder: StudyFolder, study: Study) -> None:
+    """Raise `InputError` naming the clips that are missing or do not fit their speech."""
+    wanted = [(c, s) for c in study.shown_conditions for s in folder.segments()]
+    missing = [(c, s) for c, s in wanted if not folder.clip(c, s.name).exists()]
+    if missing:
+        condition, segment = missing[0]
+        imported = condition in study.conditions and study.conditions[condition].generator is None
+        remedy = "Bring it in with 'motionjury import'" if imported else "Run 'motionjury generate'"
+        raise InputError(
+            f"{len(missing)} of {len(wanted)} motion clips are missing, the first is condition "
+            f"{condition!r} for segment {segment.name}",
+            where=folder.clip(condition, segment.name),
+            remedy=remedy,
+        )
+    for condition, segment in wanted:
+        path = folder.clip(condition, segment.name)
+        check_same_length(read_clip(path), segment, path)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RenderPlan:
+    """Every video of a study, with one camera and one look for all.
+
+    Attributes
+    ----------
+    clips, pairs : tuple
+        The records that `stimuli.json` holds once the videos are there.
+    """
+
+    folder: StudyFolder
+    study: Study
+    segments: Mapping[str, Segment]
+    body: Path
+    camera: Camera
+    look: Look
+    clips: tuple[ClipVideo, ...]
+    pairs: tuple[PairVideo, ...]
+
+    @classmethod
+    def of(cls, folder: StudyFolder) -> Self:
+        """Plan the videos of `folder`; its motion must be complete."""
+        study = folder.study()
+        require_motion(folder, study)
+        segments = {segment.name: segment for segment in folder.segments()}
+        body = Path(study.video.body).expanduser() if study.video.body else default_body()
+        look = _look(study)
+        camera = _camera(folder, study, body, look)
+        shared = (RENDERER_VERSION, body.name, body.stat().st_size, camera, look, study.freeze)
+        clips = tuple(
+            ClipVideo(
+                segment=segment.name,
+                condition=condition,
+                file=f"videos/clips/{condition}/{segment.name}.mp4",
+                duration=segment.duration,
+                key=digest(
+                    shared,
+                    segment,
+                    folder.speech / segment.wav,
+                    folder.clip(condition, segment.name),
+                ),
+            )
+            for condition in study.shown_conditions
+            for segment in segments.values()
+        )
+        keys = {(clip.segment, clip.condition): clip.key for clip in clips}
+        pairs = tuple(
+            PairVideo(
+                segment=segment.name,
+                left=left,
+                right=right,
+                file=f"videos/pairs/{digest(segment.name, left, right)}.mp4",
+                duration=segment.duration,
+                key=digest(keys[segment.name, left], keys[segment.name, right]),
+            )
+            for left, right in study.pairs
+            for segment in segments.values()
+        )
+        return cls(
+            folder=folder,
+            study=study,
+            segments=segments,
+            body=body,
+            camera=camera,
+            look=look,
+            clips=clips,
+            pairs=pairs,
+        )
+
+    def frames(self, segment: str, condition: str) -> Path:
+        """Return the lossless frames from which the pairs of a clip are composed."""
+        clip = next(c for c in self.clips if (c.segment, c.condition) == (segment, condition))
+        return self.folder.videos / ".frames" / f"{clip.key}.mkv"
+
+    def can_compose(self, pair: PairVideo) -> bool:
+        """Tell whether the frames of both sides are there."""
+        return all(self.frames(pair.segment, side).exists() for side in (pair.left, pair.right))
+
+    def clip_job(self, clip: ClipVideo) -> ClipJob:
+        """Return the work that makes `clip`."""
+        segment = self.segments[clip.segment]
+        return ClipJob(
+            name=clip.file,
+            motion=self.folder.clip(clip.condition, clip.segment),
+            speech=self.folder.speech / segment.wav,
+            start=segment.start,
+            end=segment.end,
+            freeze=self.study.freeze,
+            body=self.body,
+            camera=self.camera,
+            look=self.look,
+            frames=self.frames(clip.segment, clip.condition),
+            video=self.folder.root / clip.file,
+        )
+
+    def pair_job(self, pair: PairVideo) -> PairJob:
+        """Return the work that composes `pair` from its two clips."""
+        segment = self.segments[pair.segment]
+        return PairJob(
+            name=pair.file,
+            left=self.frames(pair.segment, pair.left),
+            right=self.frames(pair.segment, pair.right),
+            speech=self.folder.speech / segment.wav,
+            start=segment.start,
+            end=segment.end,
+            video=self.folder.root / pair.file,
+            look=self.look,
+        )
+
+
+def _look(study: Study) -> Look:
+    video = study.video
+    look = Look(size=video.size, frame_rate=video.frame_rate, framing=video.framing)
+    return look
+
+
+def _camera(folder: StudyFolder, study: Study, body: Path, look: Look) -> Camera:
+    """Frame all conditions alike, the catch motion left aside."""
+    shown = [name for name in study.shown_conditions if name != study.catch.condition]
+    clips = [
+        freeze(read_clip(folder.clip(name, segment.name)), study.freeze)
+        for name in shown
+        for segment in folder.segments()
+    ]
+    return frame_clips(clips, read_body(body), look)

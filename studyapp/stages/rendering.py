@@ -1,0 +1,157 @@
+"""Rendering a study: one video per clip, and the pairs that participants see."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from renderer.jobs import Outcome, run_jobs
+from renderer.mp4_padding import pad_to_equal_size
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import (
+    ClipVideo,
+    PairVideo,
+    Stimuli,
+    read_stimuli,
+    write_stimuli,
+)
+from studyapp.stages.render_plan import RenderPlan
+
+
+@dataclass(frozen=True)
+class RenderCount:
+    """How many videos a run made, how many were there already, and what went wrong."""
+
+    made: int
+    kept: int
+    failures: tuple[str, ...]
+
+
+def render(
+    folder: StudyFolder,
+    *,
+    processes: int,
+    on_done: Callable[[int, int], None] = lambda done, total: None,
+) -> RenderCount:
+    """Render each clip and pair that is missing or no longer fits what it shows.
+
+    What is finished is recorded at once, so that an interrupted run goes on where it was. A
+    video that cannot be made is reported and the rest goes on.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study; its motion must be complete.
+    processes : int
+        How many videos are made at once.
+    on_done : callable
+        Called with (videos done, videos to do) after each.
+    """
+    plan = RenderPlan.of(folder)
+    current = _current_files(folder)
+    pairs = [pair for pair in plan.pairs if current.get(pair.file) != pair.key]
+    sides = {(pair.segment, side) for pair in pairs for side in (pair.left, pair.right)}
+    clips = [
+        clip
+        for clip in plan.clips
+        if current.get(clip.file) != clip.key
+        or (
+            (clip.segment, clip.condition) in sides
+            and not plan.frames(clip.segment, clip.condition).exists()
+        )
+    ]
+    log = _Log(folder, plan, to_do=[*clips, *pairs], on_done=on_done)
+    run_jobs([plan.clip_job(clip) for clip in clips], processes=processes, on_done=log.add)
+    run_jobs(
+        [plan.pair_job(pair) for pair in pairs if plan.can_compose(pair)],
+        processes=processes,
+        on_done=log.add,
+    )
+    _hide_sizes(folder, plan.pairs)
+    _remove_leftovers(folder, plan)
+    return log.count()
+
+
+class _Log:
+    """Keeps `stimuli.json` true while videos are being made."""
+
+    def __init__(
+        self,
+        folder: StudyFolder,
+        plan: RenderPlan,
+        *,
+        to_do: list[ClipVideo | PairVideo],
+        on_done: Callable[[int, int], None],
+    ) -> None:
+        self._path = folder.stimuli
+        self._plan = plan
+        self._to_do = {record.file: record for record in to_do}
+        self._finished = {
+            record.file: record
+            for record in (*plan.clips, *plan.pairs)
+            if record.file not in self._to_do
+        }
+        self._kept = len(self._finished)
+        self._failures: list[str] = []
+        self._on_done = on_done
+        self._write()
+
+    def add(self, outcome: Outcome) -> None:
+        """Record what became of one video."""
+        if outcome.error is None:
+            self._finished[outcome.name] = self._to_do[outcome.name]
+            self._write()
+        else:
+            self._failures.append(f"{outcome.name}: {outcome.error}")
+        made = len(self._finished) - self._kept
+        self._on_done(made + len(self._failures), len(self._to_do))
+
+    def count(self) -> RenderCount:
+        """Return what this run did; a pair whose clip failed counts as failed with it."""
+        return RenderCount(
+            made=len(self._finished) - self._kept,
+            kept=self._kept,
+            failures=tuple(self._failures),
+        )
+
+    def _write(self) -> None:
+        write_stimuli(
+            self._path,
+            Stimuli(
+                clips=tuple(clip for clip in self._plan.clips if clip.file in self._finished),
+                pairs=tuple(pair for pair in self._plan.pairs if pair.file in self._finished),
+            ),
+        )
+
+
+def _current_files(folder: StudyFolder) -> dict[str, str]:
+    """Return the key of each video that is recorded and really there."""
+    if not folder.stimuli.exists():
+        return {}
+    stimuli = read_stimuli(folder.stimuli)
+    return {
+        record.file: record.key
+        for record in (*stimuli.clips, *stimuli.pairs)
+        if (folder.root / record.file).exists()
+    }
+
+
+def _hide_sizes(folder: StudyFolder, pairs: Iterable[PairVideo]) -> None:
+    """Give all pairs of one segment the same file size, whatever they show."""
+    by_segment: defaultdict[str, list[Path]] = defaultdict(list)
+    for pair in pairs:
+        path = folder.root / pair.file
+        if path.exists():
+            by_segment[pair.segment].append(path)
+    for videos in by_segment.values():
+        pad_to_equal_size(videos)
+
+
+def _remove_leftovers(folder: StudyFolder, plan: RenderPlan) -> None:
+    """Remove frames that no clip of the plan needs any more."""
+    needed = {plan.frames(clip.segment, clip.condition) for clip in plan.clips}
+    for path in (folder.videos / ".frames").glob("*.mkv"):
+        if path not in needed:
+            path.unlink()
