@@ -3,61 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Literal
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
-from pydantic import BaseModel, ConfigDict, ValidationError
 from scipy.special import expit
 
-from motion.errors import InputError
-from motion.files import write_text
 from studyapp.definition.study import Study, comparison_name
-from studyapp.definition.validation import explain
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import segment_fit
+from studyapp.rehearsal.record import ExpectedShare, Truth
 
 NODES, WEIGHTS = hermegauss(61)
-
-
-class ExpectedShare(BaseModel):
-    """The true win share of one comparison on one question, towards the reference.
-
-    Attributes
-    ----------
-    share : float
-        Wins of the reference plus half the ties among attentive raters, in [0, 1], averaged over
-        all raters *and all segments* such a population could meet. This is what the report's
-        interval, clustered by participant and by segment, is an interval for.
-    share_on_these_segments : float
-        The same over all raters, but for the very segments of this study, whose luck (how well
-        each condition happens to do in each) is fixed once the seed is. A count over very many
-        participants tends to this one.
-    """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    comparison: str
-    question: str
-    share: float
-    share_on_these_segments: float
-
-
-class Truth(BaseModel):
-    """`rehearsal.json`: what the simulated participants were given to prefer."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    format: Literal[1] = 1
-    seed: int
-    population: Population
-    expected: tuple[ExpectedShare, ...]
-
-    def shares(self) -> Mapping[tuple[str, str], float]:
-        """Return the expected share of every (comparison, question), as the report wants it."""
-        return {(entry.comparison, entry.question): entry.share for entry in self.expected}
 
 
 def compute_truth(
@@ -121,25 +78,3 @@ def win_share(population: Population, gap: float, slope_sd: float) -> float:
         share_of_right = float(WEIGHTS @ (right + tie / 2) / WEIGHTS.sum())
         total += share_of_right if side > 0 else 1 - share_of_right
     return total / 2
-
-
-def write_truth(path: Path, truth: Truth) -> None:
-    """Write `rehearsal.json` in one step."""
-    write_text(path, truth.model_dump_json(indent=1) + "\n")
-
-
-def read_truth(path: Path) -> Truth:
-    """Read `rehearsal.json`.
-
-    Raises
-    ------
-    InputError
-        If it is missing or damaged.
-    """
-    remedy = "Run 'motionjury rehearse' again"
-    try:
-        return Truth.model_validate_json(path.read_bytes())
-    except FileNotFoundError:
-        raise InputError("there was no rehearsal yet", where=path, remedy=remedy) from None
-    except ValidationError as error:
-        raise InputError(explain(error), where=path, remedy=remedy) from None

@@ -2,18 +2,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motion.errors import InputError
 from studyapp.definition.study import Study
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import Rater, ShownPair
-from studyapp.rehearsal.truth import Truth, compute_truth, read_truth, win_share, write_truth
+from studyapp.rehearsal.record import Truth
+from studyapp.rehearsal.truth import compute_truth, win_share
 
 SEGMENTS = tuple(f"s{index}" for index in range(6))
 
@@ -125,22 +124,3 @@ def test_every_comparison_and_question_has_its_truth(study: Study, population: P
         for other in ("mismatched", "static", "brought")
         for question in ("rhythm", "emotion")
     }
-
-
-def test_the_truth_survives_its_file(study: Study, population: Population, tmp_path: Path) -> None:
-    truth = compute_truth(study, SEGMENTS, population=population, seed=1)
-    write_truth(tmp_path / "rehearsal.json", truth)
-    assert read_truth(tmp_path / "rehearsal.json") == truth
-
-
-def test_a_missing_truth_says_what_to_run(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"rehearsal\.json.*motionjury rehearse"):
-        read_truth(tmp_path / "rehearsal.json")
-
-
-@pytest.mark.parametrize("text", ["", "{}", '{"seed": 1, "population": {"weak": 9}}'])
-def test_a_damaged_truth_is_named(tmp_path: Path, text: str) -> None:
-    path = tmp_path / "rehearsal.json"
-    path.write_text(text)
-    with pytest.raises(InputError, match=r"rehearsal\.json"):
-        read_truth(path)

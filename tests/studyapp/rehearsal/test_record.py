@@ -1,0 +1,30 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.definition.study import Study
+from studyapp.rehearsal.population import Population
+from studyapp.rehearsal.record import read_truth, write_truth
+from studyapp.rehearsal.truth import compute_truth
+
+
+def test_the_truth_survives_its_file(study: Study, population: Population, tmp_path: Path) -> None:
+    truth = compute_truth(study, ["s1", "s2"], population=population, seed=1)
+    write_truth(tmp_path / "rehearsal.json", truth)
+    assert read_truth(tmp_path / "rehearsal.json") == truth
+
+
+def test_a_missing_truth_says_what_to_run(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"rehearsal\.json.*motionjury rehearse"):
+        read_truth(tmp_path / "rehearsal.json")
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"seed": 1, "population": {"weak": 9}}'])
+def test_a_damaged_truth_is_named(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "rehearsal.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"rehearsal\.json"):
+        read_truth(path)
