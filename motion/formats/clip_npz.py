@@ -1,0 +1,214 @@
+"""Motion clips as ``.npz``: the study's own files, and the AMASS, BEAT2 and AMUSE variants.
+
+Own files hold ``poses`` (T, 165), ``trans``, ``betas``, ``gender``, ``mocap_frame_rate``,
+``provenance`` (a JSON object), and where the clip has them ``expressions`` and ``arkit``.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
+
+from motion.clip import EXPRESSION_COUNT, MotionClip
+from motion.errors import InputError
+from motion.files import replacing
+from motion.skeleton import BODY_JOINTS, FACE_JOINTS, JOINT_COUNT
+
+Arrays = Mapping[str, NDArray[Any]]
+
+_RATE_KEYS: Final = ("mocap_frame_rate", "mocap_framerate", "fps")
+_TRANS_KEYS: Final = ("trans", "transl")
+_EXPRESSION_KEYS: Final = ("expressions", "expression")
+_PROVENANCE: Final = TypeAdapter(dict[str, str])
+_SMPLH_JOINT_COUNT: Final = 52
+"""SMPL+H has SMPL-X's joints except the three of the face."""
+
+
+def write_clip(path: Path, clip: MotionClip) -> None:
+    """Write `clip` to `path` in one step; equal clips make equal bytes."""
+    arrays: dict[str, NDArray[Any]] = {
+        "poses": clip.poses.reshape(len(clip), -1),
+        "trans": clip.trans,
+        "betas": clip.betas,
+        "gender": np.array(clip.gender),
+        "mocap_frame_rate": np.array(clip.frame_rate),
+        "provenance": np.array(json.dumps(dict(clip.provenance), sort_keys=True)),
+    }
+    if clip.expressions is not None:
+        arrays["expressions"] = clip.expressions
+    if clip.arkit is not None:
+        arrays["arkit"] = clip.arkit
+    with replacing(path) as draft, draft.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
+def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
+    """Read a motion clip from an ``.npz`` file, as it stands.
+
+    Parameters
+    ----------
+    path : Path
+        An own file, or one of AMASS, BEAT2, AMUSE (SMPL-X, poses (T, 165) or (T, 55, 3)) or
+        SMPL+H ((T, 156) or (T, 52, 3); jaw and eyes stay at rest).
+    frame_rate : float, optional
+        Frames per second; overrides the file's own.
+
+    Returns
+    -------
+    MotionClip
+        Its provenance is that of the file; empty where the file has none.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, no ``.npz``, needs unpickling, lacks poses or a frame rate, or
+        its arrays make no clip. Pickled content is never loaded.
+    """
+    path = Path(path)
+    try:
+        arrays = _load(path)
+        poses = _poses(arrays)
+        return MotionClip(
+            poses=poses,
+            trans=_numbers(_first(arrays, _TRANS_KEYS, np.zeros((len(poses), 3))), "trans"),
+            frame_rate=_frame_rate(arrays) if frame_rate is None else frame_rate,
+            betas=_betas(arrays),
+            expressions=_expressions(arrays),
+            arkit=_numbers(arrays["arkit"], "arkit") if "arkit" in arrays else None,
+            gender=_gender(arrays),
+            provenance=_provenance(arrays),
+        )
+    except InputError as error:
+        raise InputError(error.what, where=path, remedy=error.remedy) from error
+
+
+def has_provenance(path: Path) -> bool:
+    """Return whether the ``.npz`` file at `path` was written by `write_clip`."""
+    with zipfile.ZipFile(path) as archive:
+        return "provenance.npy" in archive.namelist()
+
+
+def _load(path: Path) -> Arrays:
+    """Return all arrays of the file by key."""
+    if not path.is_file():
+        raise InputError("there is no such motion file", remedy="Check the path")
+    if not zipfile.is_zipfile(path):
+        raise InputError(
+            "the file is no .npz archive, or is truncated", remedy="Copy or export it again"
+        )
+    arrays: dict[str, NDArray[Any]] = {}
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            for key in archive.files:
+                arrays[key] = _array(archive, key)
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
+        raise InputError("the archive is damaged", remedy="Copy or export it again") from error
+    return arrays
+
+
+def _array(archive: Mapping[str, NDArray[Any]], key: str) -> NDArray[Any]:
+    try:
+        return np.asarray(archive[key])
+    except ValueError as error:
+        raise InputError(
+            f"array {key!r} cannot be read without running code from the file",
+            remedy="Save it as plain numbers or text instead of Python objects",
+        ) from error
+
+
+def _first(arrays: Arrays, keys: tuple[str, ...], default: NDArray[Any]) -> NDArray[Any]:
+    return next((arrays[key] for key in keys if key in arrays), default)
+
+
+def _poses(arrays: Arrays) -> NDArray[np.float32]:
+    """Return the poses as (T, 55, 3), whichever of the known layouts the file has."""
+    if "poses" not in arrays:
+        raise InputError(
+            f"the file has no 'poses' but {', '.join(sorted(arrays)) or 'nothing'}",
+            remedy="Give SMPL-X axis-angle poses of shape (T, 165) under the key 'poses'",
+        )
+    given = _numbers(arrays["poses"], "poses")
+    layouts = {JOINT_COUNT, _SMPLH_JOINT_COUNT}
+    values = given.shape[1] if given.ndim == 2 else 0
+    if given.ndim == 2 and values % 3 == 0:
+        given = given.reshape(len(given), values // 3, 3)
+    if given.ndim != 3 or given.shape[1] not in layouts or given.shape[2] != 3:
+        raise InputError(
+            f"poses has shape {arrays['poses'].shape}",
+            remedy="Give (T, 165) or (T, 55, 3) for SMPL-X, (T, 156) or (T, 52, 3) for SMPL+H",
+        )
+    if given.shape[1] == JOINT_COUNT:
+        return given
+    body, hands = np.split(given, [len(BODY_JOINTS)], axis=1)
+    face = np.zeros((len(given), len(FACE_JOINTS), 3), np.float32)
+    return np.concatenate([body, face, hands], axis=1)
+
+
+def _numbers(array: NDArray[Any], key: str) -> NDArray[np.float32]:
+    if array.dtype.kind not in "fiu":
+        raise InputError(f"{key!r} holds no numbers", remedy=f"Give {key} as floating point")
+    return array.astype(np.float32)
+
+
+def _frame_rate(arrays: Arrays) -> float:
+    for key in _RATE_KEYS:
+        if key in arrays and arrays[key].size == 1:
+            rate = arrays[key]
+            _numbers(rate, key)
+            return float(rate.item())
+    raise InputError(
+        f"the file gives no frame rate (looked for {', '.join(_RATE_KEYS)})",
+        remedy="Give the frames per second with --fps",
+    )
+
+
+def _betas(arrays: Arrays) -> NDArray[np.float32]:
+    """Return one set of betas; a file that repeats it in every frame is fine."""
+    betas = _numbers(arrays.get("betas", np.zeros(0, np.float32)), "betas")
+    if betas.ndim == 2 and len(betas):
+        if np.abs(betas - betas[0]).max(initial=0) > 1e-6:
+            raise InputError(
+                "betas change over time", remedy="Give one set of betas for the whole motion"
+            )
+        return np.array(betas[0])
+    return betas
+
+
+def _expressions(arrays: Arrays) -> NDArray[np.float32] | None:
+    """Return the expressions with the coefficients that the file leaves out set to zero."""
+    given = _first(arrays, _EXPRESSION_KEYS, np.zeros(0, np.float32))
+    if not given.size:
+        return None
+    given = _numbers(given, "expressions")
+    if given.ndim == 2 and given.shape[1] < EXPRESSION_COUNT:
+        return np.pad(given, ((0, 0), (0, EXPRESSION_COUNT - given.shape[1])))
+    return given
+
+
+def _gender(arrays: Arrays) -> str:
+    given = arrays.get("gender", np.array("neutral")).reshape(-1)
+    if given.size != 1:
+        raise InputError(
+            f"gender holds {given.size} values", remedy="Give one of neutral, female, male"
+        )
+    value = given[0]
+    return value.decode("ascii", "replace") if isinstance(value, bytes) else str(value)
+
+
+def _provenance(arrays: Arrays) -> dict[str, str]:
+    if "provenance" not in arrays:
+        return {}
+    try:
+        return _PROVENANCE.validate_json(str(arrays["provenance"]))
+    except ValidationError as error:
+        raise InputError(
+            "provenance is no JSON object of texts", remedy="Remove the key or generate again"
+        ) from error

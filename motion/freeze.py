@@ -1,0 +1,77 @@
+"""Holding channels of a clip still, so that what a condition lacks does not give it away."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.skeleton import FACE_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS, joint_index
+
+FINGER_CURL: Final = 0.3
+"""Bend of every finger joint of a hand at rest, in radians; the thumb stays straight."""
+
+_LEGS: Final = ("hip", "knee", "ankle", "foot")
+_JOINTS_OF_CHANNEL: Final = MappingProxyType(
+    {
+        "face": FACE_JOINTS,
+        "hands": (*LEFT_HAND_JOINTS, *RIGHT_HAND_JOINTS),
+        "lower_body": tuple(f"{side}_{part}" for part in _LEGS for side in ("left", "right")),
+        "root": ("pelvis",),
+    }
+)
+CHANNELS: Final = tuple(_JOINTS_OF_CHANNEL)
+
+
+def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
+    """Return `clip` with `channels` held at neutral values in every frame.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        The motion.
+    channels : collection of str
+        Any of `CHANNELS`. ``face``: jaw, eyes, expressions and ARKit weights are zero.
+        ``hands``: fingers are slightly curled. ``lower_body``: legs are straight. ``root``:
+        the pelvis stays at the origin and faces +z.
+
+    Raises
+    ------
+    InputError
+        If a channel is unknown.
+    """
+    unknown = sorted(set(channels) - set(CHANNELS))
+    if unknown:
+        raise InputError(
+            f"unknown channel {unknown[0]!r} to freeze", remedy=f"Use any of {', '.join(CHANNELS)}"
+        )
+    poses = clip.poses.copy()
+    for channel in channels:
+        for name in _JOINTS_OF_CHANNEL[channel]:
+            poses[:, joint_index(name)] = _neutral(name)
+    frozen = replace(clip, poses=poses)
+    if "root" in channels:
+        frozen = replace(frozen, trans=np.zeros_like(clip.trans))
+    if "face" in channels:
+        frozen = replace(
+            frozen,
+            expressions=None if clip.expressions is None else np.zeros_like(clip.expressions),
+            arkit=None if clip.arkit is None else np.zeros_like(clip.arkit),
+        )
+    return frozen
+
+
+def _neutral(joint: str) -> tuple[float, float, float]:
+    """Return the neutral rotation of `joint`, axis-angle in radians."""
+    # With the arms out and the palms down, fingers bend about z: left ones turn downwards
+    # with a negative angle, right ones with a positive angle.
+    if joint in LEFT_HAND_JOINTS and "thumb" not in joint:
+        return (0.0, 0.0, -FINGER_CURL)
+    if joint in RIGHT_HAND_JOINTS and "thumb" not in joint:
+        return (0.0, 0.0, FINGER_CURL)
+    return (0.0, 0.0, 0.0)

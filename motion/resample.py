@@ -1,0 +1,114 @@
+"""Changing a clip's frame rate, and cutting an excerpt out of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final, cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+
+FloatArray = NDArray[np.float32]
+
+CUT_TOLERANCE: Final = 0.1
+"""Seconds by which an excerpt may reach past the end of its clip; the last frame is held."""
+
+
+def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
+    """Return `clip` at another frame rate, over the same time.
+
+    Rotations are interpolated on the sphere (slerp), everything else linearly. New frame k lies
+    at ``k / frame_rate`` seconds; frames past the last given one repeat it.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        The motion.
+    frame_rate : float
+        Frames per second wanted, above 0.
+
+    Returns
+    -------
+    MotionClip
+        ``round(clip.duration * frame_rate)`` frames, at least one.
+    """
+    if not frame_rate > 0:
+        raise InputError(
+            f"frame rate {frame_rate} is not usable", remedy="Give frames per second above 0"
+        )
+    if frame_rate == clip.frame_rate:
+        return clip
+    count = max(1, round(clip.duration * frame_rate))
+    # Rounding keeps frames that fall on a given one exactly there.
+    position = np.round(np.arange(count) * clip.frame_rate / frame_rate, 9)
+    position = np.minimum(position, len(clip) - 1)
+    before = position.astype(int)
+    after = np.minimum(before + 1, len(clip) - 1)
+    share = position - before
+    return replace(
+        clip,
+        frame_rate=frame_rate,
+        poses=_slerp(clip.poses[before], clip.poses[after], share),
+        trans=_blend(clip.trans, before, after, share),
+        expressions=None
+        if clip.expressions is None
+        else _blend(clip.expressions, before, after, share),
+        arkit=None if clip.arkit is None else _blend(clip.arkit, before, after, share),
+    )
+
+
+def _slerp(first: FloatArray, second: FloatArray, share: NDArray[np.float64]) -> FloatArray:
+    """Return the rotation vectors `share` of the way along the shortest turn."""
+    between = share > 0
+    result = first.copy()
+    start = Rotation.from_rotvec(first[between].reshape(-1, 3))
+    turn = (start.inv() * Rotation.from_rotvec(second[between].reshape(-1, 3))).as_rotvec()
+    joints = first.shape[1]
+    part = Rotation.from_rotvec(turn * np.repeat(share[between], joints)[:, None])
+    result[between] = (start * part).as_rotvec().reshape(-1, joints, 3)
+    return result
+
+
+def _blend(
+    values: FloatArray,
+    before: NDArray[np.int_],
+    after: NDArray[np.int_],
+    share: NDArray[np.float64],
+) -> FloatArray:
+    weight = share.astype(np.float32)[:, None]
+    return cast("FloatArray", (1 - weight) * values[before] + weight * values[after])
+
+
+def cut(clip: MotionClip, start: float, end: float) -> MotionClip:
+    """Return the excerpt of `clip` from `start` to `end`.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        The motion.
+    start, end : float
+        Seconds, ``0 <= start < end``; `end` may lie past the clip by `CUT_TOLERANCE`.
+
+    Returns
+    -------
+    MotionClip
+        Exactly ``round((end - start) * clip.frame_rate)`` frames.
+
+    Raises
+    ------
+    InputError
+        If the excerpt is empty or lies outside the clip.
+    """
+    count = round((end - start) * clip.frame_rate)
+    if start < 0 or count <= 0 or start >= clip.duration or end > clip.duration + CUT_TOLERANCE:
+        raise InputError(
+            f"an excerpt from {start:g} s to {end:g} s was asked of a motion of "
+            f"{clip.duration:.2f} s",
+            remedy="Give start and end within the motion",
+        )
+    first = round(start * clip.frame_rate)
+    return clip.frames(np.minimum(np.arange(first, first + count), len(clip) - 1))

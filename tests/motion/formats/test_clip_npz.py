@@ -1,0 +1,183 @@
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats.clip_npz import has_provenance, read_clip, write_clip
+from tests.motion.random_clips import assert_same_clip, clips, random_clip
+
+
+def save(path: Path, **arrays: Any) -> Path:
+    """Save a file as another project would; None leaves a key out."""
+    given: dict[str, Any] = {
+        "poses": np.full((4, 165), 0.1),
+        "trans": np.zeros((4, 3)),
+        "betas": np.zeros(16),
+        "gender": "female",
+        "mocap_frame_rate": 30,
+        **arrays,
+    }
+    np.savez(path, **{key: value for key, value in given.items() if value is not None})
+    return path
+
+
+@given(clips())
+def test_clips_written_are_read_back(
+    tmp_path_factory: pytest.TempPathFactory, clip: MotionClip
+) -> None:
+    path = tmp_path_factory.mktemp("motion") / "a.npz"
+    write_clip(path, clip)
+    assert_same_clip(read_clip(path), clip)
+    assert has_provenance(path)
+
+
+def test_equal_clips_make_equal_bytes(tmp_path: Path) -> None:
+    write_clip(tmp_path / "a.npz", random_clip())
+    time.sleep(2.1)  # the clock of zip archives ticks every two seconds
+    clip = random_clip()
+    facts = dict(reversed(clip.provenance.items()))
+    write_clip(tmp_path / "b.npz", MotionClip(**{**vars(clip), "provenance": facts}))
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+def test_files_follow_the_convention_of_the_field(tmp_path: Path) -> None:
+    write_clip(tmp_path / "a.npz", random_clip(5))
+    with np.load(tmp_path / "a.npz", allow_pickle=False) as archive:
+        shapes = {key: archive[key].shape for key in archive.files}
+    assert shapes == {
+        "poses": (5, 165),
+        "trans": (5, 3),
+        "betas": (16,),
+        "expressions": (5, 100),
+        "arkit": (5, 52),
+        "gender": (),
+        "mocap_frame_rate": (),
+        "provenance": (),
+    }
+
+
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {"poses": np.full((4, 55, 3), 0.1)},
+        {"mocap_frame_rate": None, "mocap_framerate": np.array(30.0)},
+        {"mocap_frame_rate": None, "fps": np.array([30])},
+        {"gender": np.array(b"female")},
+        {"gender": np.array(["female"])},
+        {"betas": np.zeros((4, 16))},
+        {"trans": None, "transl": np.zeros((4, 3))},
+        {"trans": None},
+        {"dmpls": np.zeros((4, 8)), "marker_labels": np.array(["C7"])},
+    ],
+)
+def test_variants_of_the_field_read_alike(tmp_path: Path, arrays: dict[str, Any]) -> None:
+    clip = read_clip(save(tmp_path / "a.npz", **arrays))
+    assert clip.poses.shape == (4, 55, 3)
+    assert np.allclose(clip.poses, 0.1)
+    assert clip.frame_rate == 30
+    assert clip.gender == "female"
+    assert clip.betas.shape == (16,)
+    assert not has_provenance(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize("shape", [(4, 156), (4, 52, 3)])
+def test_smplh_gets_a_face_at_rest(tmp_path: Path, shape: tuple[int, ...]) -> None:
+    poses = np.arange(4 * 156, dtype=float).reshape(shape) / 1000
+    clip = read_clip(save(tmp_path / "a.npz", poses=poses))
+    rows = poses.reshape(4, 52, 3)
+    np.testing.assert_allclose(clip.poses[:, :22], rows[:, :22])
+    assert not clip.poses[:, 22:25].any()
+    np.testing.assert_allclose(clip.poses[:, 25:], rows[:, 22:])
+
+
+@pytest.mark.parametrize("key", ["expression", "expressions"])
+def test_fewer_expression_coefficients_are_filled_with_zero(tmp_path: Path, key: str) -> None:
+    clip = read_clip(save(tmp_path / "a.npz", **{key: np.ones((4, 50))}))
+    assert clip.expressions is not None
+    assert clip.expressions[:, :50].all()
+    assert not clip.expressions[:, 50:].any()
+
+
+def test_given_rate_overrides_the_file(tmp_path: Path) -> None:
+    assert read_clip(save(tmp_path / "a.npz"), frame_rate=15).frame_rate == 15
+    path = save(tmp_path / "b.npz", mocap_frame_rate=None)
+    assert read_clip(path, frame_rate=15).frame_rate == 15
+
+
+BAD_POSES = np.zeros((4, 165))
+BAD_POSES[2, 7] = np.nan
+
+
+@pytest.mark.parametrize(
+    ("arrays", "complaint"),
+    [
+        ({"poses": None}, "no 'poses' but betas, gender"),
+        ({"poses": np.zeros((4, 72))}, r"poses has shape \(4, 72\)"),
+        ({"poses": np.zeros(165)}, r"poses has shape \(165,\)"),
+        ({"poses": np.zeros((0, 165)), "trans": np.zeros((0, 3))}, "no frame"),
+        ({"poses": np.array([["a"] * 165])}, "'poses' holds no numbers"),
+        ({"poses": BAD_POSES}, r"not a number at index \(2, 2, 1\)"),
+        ({"trans": np.zeros((3, 3))}, "trans has shape"),
+        ({"trans": np.array(["a"] * 4)}, "'trans' holds no numbers"),
+        ({"arkit": np.full((4, 52), 2.0)}, "arkit weights"),
+        ({"expressions": np.zeros((4, 101))}, "expressions has shape"),
+        ({"betas": np.arange(8.0).reshape(4, 2)}, "betas change"),
+        ({"mocap_frame_rate": None}, "no frame rate"),
+        ({"mocap_frame_rate": 0}, "frame rate 0"),
+        ({"mocap_frame_rate": "fast"}, "holds no numbers"),
+        ({"gender": "robot"}, "unknown gender 'robot'"),
+        ({"gender": np.array(["male", "female"])}, "gender holds 2 values"),
+        ({"provenance": "{"}, "provenance is no JSON"),
+        ({"provenance": '{"seed": 1}'}, "provenance is no JSON object of texts"),
+        ({"gender": np.array({"a": 1}, dtype=object)}, "without running code"),
+    ],
+)
+def test_bad_content_is_refused_by_file(
+    tmp_path: Path, arrays: dict[str, Any], complaint: str
+) -> None:
+    path = save(tmp_path / "bad.npz", **arrays)
+    with pytest.raises(InputError, match=complaint) as caught:
+        read_clip(path)
+    assert caught.value.where == str(path)
+    assert caught.value.remedy
+
+
+def test_pickle_is_never_loaded(tmp_path: Path) -> None:
+    class Bomb:
+        def __reduce__(self) -> tuple[Any, ...]:
+            return (Path.touch, (tmp_path / "exploded",))
+
+    path = save(tmp_path / "a.npz", poses=np.array([Bomb()], dtype=object))
+    with pytest.raises(InputError, match="without running code"):
+        read_clip(path)
+    assert not (tmp_path / "exploded").exists()
+
+
+def test_truncated_archive_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    write_clip(path, random_clip())
+    path.write_bytes(path.read_bytes()[:-200])
+    with pytest.raises(InputError, match=r"a\.npz: the file is no \.npz archive, or is truncated"):
+        read_clip(path)
+
+
+def test_damaged_archive_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    write_clip(path, random_clip())
+    content = bytearray(path.read_bytes())
+    content[60:500] = bytes(440)
+    path.write_bytes(bytes(content))
+    with pytest.raises(InputError, match=r"a\.npz: the archive is damaged"):
+        read_clip(path)
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"gone\.npz: there is no such motion file"):
+        read_clip(tmp_path / "gone.npz")

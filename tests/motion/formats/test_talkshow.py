@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from motion.formats.talkshow import read_talkshow
+from motion.skeleton import JOINT_NAMES, joint_index
+
+
+def test_every_channel_lands_on_its_joint(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.tile(np.arange(265) / 1000, (3, 1)))
+    clip = read_talkshow(tmp_path / "a.npy")
+    first_column = {
+        "jaw": 0,
+        "left_eye": 3,
+        "right_eye": 6,
+        "pelvis": 9,
+        "left_hip": 12,
+        "right_wrist": 72,
+        "left_index1": 75,
+        "left_thumb3": 117,
+        "right_index1": 120,
+        "right_thumb3": 162,
+    }
+    for name, column in first_column.items():
+        expected = np.arange(column, column + 3) / 1000
+        np.testing.assert_allclose(clip.poses[1, joint_index(name)], expected, err_msg=name)
+    assert len(np.unique(clip.poses)) == 3 * len(JOINT_NAMES)
+    assert clip.expressions is not None
+    np.testing.assert_allclose(clip.expressions[2], np.arange(165, 265) / 1000)
+    assert clip.frame_rate == 30
+    assert not clip.trans.any()
+
+
+def test_other_rate_can_be_given(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.zeros((3, 265)))
+    assert read_talkshow(tmp_path / "a.npy", frame_rate=15).frame_rate == 15
+
+
+@pytest.mark.parametrize(
+    ("rows", "complaint"),
+    [
+        (np.zeros((3, 264)), r"shape \(3, 264\)"),
+        (np.zeros(265), r"shape \(265,\)"),
+        (np.full((3, 265), np.inf), "not a number"),
+        (np.zeros((0, 265)), "no frame"),
+        (np.full((3, 265), "x"), "type <U1"),
+        (np.array([None]), "plain array"),
+    ],
+)
+def test_what_is_no_talkshow_motion_is_refused_by_name(
+    tmp_path: Path, rows: np.ndarray, complaint: str
+) -> None:
+    np.save(tmp_path / "bad.npy", rows, allow_pickle=True)
+    with pytest.raises(InputError, match=complaint) as caught:
+        read_talkshow(tmp_path / "bad.npy")
+    assert "bad.npy" in caught.value.where
+
+
+def test_missing_and_damaged_files_are_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "bad.npy").write_bytes(b"\x93NUMPY")
+    for name in ("bad.npy", "gone.npy"):
+        with pytest.raises(InputError, match=name):
+            read_talkshow(tmp_path / name)

@@ -1,0 +1,55 @@
+"""Random motion clips for tests."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import strategies as st
+
+from motion.clip import GENDERS, MotionClip
+
+
+def random_clip(
+    frames: int = 12, frame_rate: float = 30, seed: int = 0, *, face: bool = True
+) -> MotionClip:
+    """Return a clip whose every value differs from its neighbours'."""
+    rng = np.random.default_rng(seed)
+    return MotionClip(
+        poses=rng.uniform(-1, 1, (frames, 55, 3)),
+        trans=rng.uniform(-1, 1, (frames, 3)),
+        frame_rate=frame_rate,
+        betas=rng.uniform(-1, 1, 16),
+        expressions=rng.uniform(-1, 1, (frames, 100)) if face else None,
+        arkit=rng.uniform(0, 1, (frames, 52)) if face else None,
+        provenance={"generator": "random", "seed": str(seed)},
+    )
+
+
+@st.composite
+def clips(draw: st.DrawFn) -> MotionClip:
+    """Draw any clip a study may hold."""
+    clip = random_clip(
+        draw(st.integers(1, 20)),
+        draw(st.sampled_from([15.0, 25.0, 29.97, 30.0, 60.0, 120.0])),
+        draw(st.integers(0, 2**32 - 1)),
+        face=draw(st.booleans()),
+    )
+    gender = draw(st.sampled_from(GENDERS))
+    facts = draw(st.dictionaries(st.text(max_size=9), st.text(max_size=9), max_size=3))
+    return MotionClip(
+        poses=clip.poses,
+        trans=clip.trans,
+        frame_rate=clip.frame_rate,
+        betas=clip.betas[: draw(st.integers(0, 16))],
+        expressions=clip.expressions,
+        arkit=clip.arkit,
+        gender=gender,
+        provenance=facts,
+    )
+
+
+def assert_same_clip(left: MotionClip, right: MotionClip) -> None:
+    """Fail unless both clips are equal in every field."""
+    for name in ("poses", "trans", "betas", "expressions", "arkit"):
+        np.testing.assert_array_equal(getattr(left, name), getattr(right, name), err_msg=name)
+    for name in ("frame_rate", "gender", "provenance"):
+        assert getattr(left, name) == getattr(right, name), name
