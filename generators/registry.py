@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from importlib import import_module
 from types import MappingProxyType
 from typing import Final, cast
@@ -9,19 +10,33 @@ from typing import Final, cast
 from generators.interface import Generator
 from motion.errors import InputError
 
-_HOMES: Final = MappingProxyType(
+
+@dataclass(frozen=True)
+class _Entry:
+    """Where a generator lives, and whether it starts from another condition's clips."""
+
+    home: str
+    needs_source: bool = False
+
+
+_GENERATORS: Final = MappingProxyType(
     {
-        "rule_based": "generators.rule_based.generator:RuleBased",
-        "mismatched": "generators.mismatched:Mismatched",
-        "static": "generators.static:Static",
-        "broken": "generators.broken:Broken",
+        "rule_based": _Entry("generators.rule_based.generator:RuleBased"),
+        "mismatched": _Entry("generators.mismatched:Mismatched", needs_source=True),
+        "static": _Entry("generators.static:Static"),
+        "broken": _Entry("generators.broken:Broken", needs_source=True),
     }
 )
 
 
 def generator_names() -> tuple[str, ...]:
     """Return the names of all generators."""
-    return tuple(_HOMES)
+    return tuple(_GENERATORS)
+
+
+def needs_source(name: str) -> bool:
+    """Tell whether generator `name` starts from another condition's clips."""
+    return _entry(name).needs_source
 
 
 def load_generator(name: str) -> Generator:
@@ -32,9 +47,13 @@ def load_generator(name: str) -> Generator:
     InputError
         If there is no generator of that name.
     """
-    if name not in _HOMES:
-        raise InputError(
-            f"there is no generator {name!r}", remedy=f"Use one of {', '.join(_HOMES)}"
-        )
-    module, _, factory = _HOMES[name].partition(":")
+    module, _, factory = _entry(name).home.partition(":")
     return cast("Generator", getattr(import_module(module), factory)())
+
+
+def _entry(name: str) -> _Entry:
+    if name not in _GENERATORS:
+        raise InputError(
+            f"there is no generator {name!r}", remedy=f"Use one of {', '.join(_GENERATORS)}"
+        )
+    return _GENERATORS[name]

@@ -10,7 +10,7 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from generators.registry import generator_names, load_generator
+from generators.registry import generator_names, needs_source
 from motion.errors import InputError
 from motion.freeze import CHANNELS
 from motion.segment import check_name
@@ -171,9 +171,9 @@ class Study(_Section):
         return problems
 
     def _source_problems(self, name: str, condition: Condition) -> list[str]:
-        if condition.generator not in generator_names():
+        if condition.generator is not None and condition.generator not in generator_names():
             return []
-        needs = condition.generator is not None and load_generator(condition.generator).needs_source
+        needs = condition.generator is not None and needs_source(condition.generator)
         if needs and condition.source is None:
             return [f"conditions.{name}: generator {condition.generator!r} needs a source"]
         if condition.source is None:

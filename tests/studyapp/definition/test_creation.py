@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.definition.creation import TEMPLATES, add_condition, new_study
+from studyapp.definition.study import Condition, read_study
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_each_template_is_a_valid_study_with_comments(tmp_path: Path, template: str) -> None:
+    path = tmp_path / "study.toml"
+    made = new_study(path, template=template, name="study")
+    assert read_study(path) == made
+    assert path.read_text().count("#") > 8
+
+
+def test_flags_end_up_in_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="scott", title="T", reference="static", trials=6)
+    study = read_study(path)
+    assert (study.name, study.title, study.reference, study.trials) == ("scott", "T", "static", 6)
+    assert study.conditions["static"].generator == "static"
+    assert study.conditions["mismatched"].source == "static"
+
+
+def test_a_reference_that_no_generator_makes_is_expected_as_files(tmp_path: Path) -> None:
+    study = new_study(tmp_path / "study.toml", name="s", reference="ground_truth")
+    assert study.conditions["ground_truth"].generator is None
+
+
+def test_few_trials_leave_room_for_more_than_practice(tmp_path: Path) -> None:
+    assert new_study(tmp_path / "study.toml", name="s", trials=2).practice == 1
+
+
+def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="a")
+    before = path.read_text()
+    with pytest.raises(InputError, match="exists already"):
+        new_study(path, name="b")
+    assert path.read_text() == before
+
+
+def test_an_invalid_study_is_not_written(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    conditions = {"a": Condition(generator="static"), "b": Condition(generator="nothing")}
+    with pytest.raises(InputError, match="unknown generator 'nothing'"):
+        new_study(path, name="s", reference="a", conditions=conditions)
+    assert not path.exists()
+
+
+def test_adding_a_condition_keeps_the_comments(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="s")
+    comments = path.read_text().count("#")
+    study = add_condition(path, "ground_truth")
+    assert study.conditions["ground_truth"].generator is None
+    assert path.read_text().count("#") == comments
+    assert "ground_truth" in read_study(path).conditions

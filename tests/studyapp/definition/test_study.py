@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomlkit
+
+from motion.errors import InputError
+from studyapp.definition.creation import new_study
+from studyapp.definition.study import Study, read_study
+
+
+@pytest.fixture
+def study_file(tmp_path: Path) -> Path:
+    path = tmp_path / "study.toml"
+    new_study(path, name="study")
+    return path
+
+
+def changed(path: Path, **changes: Any) -> Path:
+    document = tomlkit.parse(path.read_text())
+    for dotted, value in changes.items():
+        *tables, key = dotted.split("__")
+        table: Any = document
+        for name in tables:
+            table = table.setdefault(name, tomlkit.table())
+        table[key] = value
+    path.write_text(tomlkit.dumps(document))
+    return path
+
+
+def test_the_template_follows_the_published_design(study_file: Path) -> None:
+    study = read_study(study_file)
+    assert (study.trials, study.practice, study.catch.trials) == (24, 3, 3)
+    assert study.participants_per_comparison == 25
+    assert study.catch.max_failed == 1
+    assert [question.name for question in study.questions] == ["synchronisation", "emotion"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"referenze": "x"}, "referenze: unknown key"),
+        ({"video__colour": "red"}, "video.colour: unknown key"),
+        ({"reference": "amuse"}, "reference 'amuse' is no condition"),
+        ({"trials": 0}, "trials: Input should be greater"),
+        ({"trials": "6"}, "trials: Input should be a valid integer"),
+        ({"practice": 20, "trials": 10}, "practice 20 is more than trials 10"),
+        ({"freeze": ["nose"]}, "freeze: unknown nose"),
+        ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
+        ({"conditions__mismatched__source": "nobody"}, "source 'nobody' is no other condition"),
+        ({"conditions__mismatched__source": "mismatched"}, "is no other condition"),
+        ({"conditions__rule_based__source": "mismatched"}, "nothing there uses it"),
+        ({"conditions__a b__generator": "static"}, "conditions.a b"),
+        ({"conditions__broken__generator": "static"}, "must not be one of the conditions"),
+        ({"catch__against": "nobody"}, "catch.against 'nobody'"),
+        ({"watching__coverage": 1.5}, "watching.coverage"),
+        ({"format": 2}, "format"),
+    ],
+)
+def test_a_wrong_key_is_named_with_its_file(
+    study_file: Path, changes: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        read_study(changed(study_file, **changes))
+    assert said in str(caught.value)
+    assert str(study_file) in str(caught.value)
+
+
+def test_all_wrong_keys_are_named_at_once(study_file: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        read_study(changed(study_file, trials=-1, colour="red"))
+    assert "trials" in str(caught.value)
+    assert "colour" in str(caught.value)
+
+
+def test_broken_toml_is_named_with_its_line(study_file: Path) -> None:
+    study_file.write_text('name = "a"\ntitle = \n')
+    with pytest.raises(InputError, match="line 2"):
+        read_study(study_file)
+
+
+def test_a_file_that_is_no_text_is_refused(study_file: Path) -> None:
+    study_file.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="UTF-8"):
+        read_study(study_file)
+
+
+def test_a_missing_file_says_how_to_make_one(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="motionjury init"):
+        read_study(tmp_path / "study.toml")
+
+
+def test_a_question_may_name_the_emotion_and_nothing_else(study_file: Path) -> None:
+    text = study_file.read_text().replace("{emotion}", "{condition}")
+    study_file.write_text(text)
+    with pytest.raises(InputError, match=r"may hold \{emotion\}"):
+        read_study(study_file)
+
+
+def with_ground_truth(path: Path) -> Study:
+    return read_study(changed(path, conditions__ground_truth=tomlkit.table()))
+
+
+def test_catch_trials_show_the_ground_truth_where_there_is_one(study_file: Path) -> None:
+    assert read_study(study_file).catch_against == "rule_based"
+    study = with_ground_truth(study_file)
+    assert study.catch_against == "ground_truth"
+    assert ("ground_truth", "broken") in study.pairs
+    assert ("broken", "ground_truth") in study.pairs
+
+
+def test_every_comparison_is_shown_in_both_orders(study_file: Path) -> None:
+    study = with_ground_truth(study_file)
+    assert set(study.others) == {"mismatched", "ground_truth"}
+    assert all((right, left) in study.pairs for left, right in study.pairs)
+    assert len(study.pairs) == 6
+
+
+def test_sources_are_made_before_what_starts_from_them(study_file: Path) -> None:
+    path = changed(study_file, reference="mismatched")
+    assert list(read_study(path).generated()) == ["rule_based", "mismatched", "broken"]
+
+
+def test_sources_in_a_circle_are_refused(study_file: Path) -> None:
+    changed(
+        study_file,
+        conditions__other__generator="mismatched",
+        conditions__other__source="mismatched",
+        conditions__mismatched__source="other",
+    )
+    with pytest.raises(InputError, match="circle"):
+        read_study(study_file)
