@@ -53,6 +53,11 @@ class Form:
     choices: Mapping[str, tuple[str, ...]]
     buttons: Fields
 
+    @property
+    def trial(self) -> str:
+        """Token of the presentation it is for; empty outside a trial."""
+        return dict(self.hidden).get("trial", "")
+
     def filled(self, answers: Mapping[str, str] | None = None) -> dict[str, str]:
         """Return the data a browser would send with `answers` chosen.
 
@@ -162,7 +167,7 @@ class Page:
         if form is None:
             raise BrokenPageError(self, "has no form with the id 'answers'")
         read = self._form(form)
-        if not dict(read.hidden).get("trial"):
+        if not read.trial:
             raise BrokenPageError(self, "does not say in a hidden field 'trial' what it asks about")
         return read
 
