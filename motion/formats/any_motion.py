@@ -1,0 +1,87 @@
+"""Reading whatever motion file a researcher brings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats.bvh import read_bvh, settle_first_frame
+from motion.formats.clip_npz import has_provenance, read_clip
+from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
+from motion.formats.retarget import retarget
+from motion.formats.talkshow import read_talkshow
+from motion.placement import place
+
+
+def read_motion(
+    path: Path, *, frame_rate: float | None = None, joint_map: JointMap | None = None
+) -> MotionClip:
+    """Read a motion of any known format, by content, into the study's world.
+
+    Parameters
+    ----------
+    path : Path
+        BVH of any skeleton, ``.npz`` (AMASS, BEAT2, AMUSE, SMPL+H, own) or TalkSHOW ``.npy``.
+    frame_rate : float, optional
+        Frames per second; overrides the file's own.
+    joint_map : mapping of str to str, optional
+        For a BVH of an unknown skeleton: SMPL-X joint names to the file's.
+
+    Returns
+    -------
+    MotionClip
+        Standing on the floor at the origin, y up, facing +z; own files come as they are. Its
+        provenance holds ``source`` (the file's name), ``format``, and ``notes`` where there is
+        something a person should know.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, of no known format or not usable; the message names it.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            start = file.read(512)
+    except OSError as error:
+        raise InputError(
+            "the motion file cannot be read", where=path, remedy="Check the path"
+        ) from error
+    if start.startswith(b"PK"):
+        clip = read_clip(path, frame_rate=frame_rate)
+        if has_provenance(path):
+            return clip
+        return _placed(clip, path, "npz")
+    if start.startswith(b"\x93NUMPY"):
+        return _placed(read_talkshow(path, frame_rate=frame_rate), path, "talkshow")
+    if start.removeprefix(b"\xef\xbb\xbf").lstrip().upper().startswith(b"HIERARCHY"):
+        return _read_bvh_clip(path, frame_rate, joint_map)
+    raise InputError(
+        "the file is no motion of a known format",
+        where=path,
+        remedy="Give a .bvh, an SMPL-X .npz or a TalkSHOW .npy file",
+    )
+
+
+def _read_bvh_clip(path: Path, frame_rate: float | None, joint_map: JointMap | None) -> MotionClip:
+    motion = settle_first_frame(read_bvh(path, frame_rate=frame_rate))
+    try:
+        if joint_map is None:
+            skeleton, fitting = choose_joint_map(motion.joint_names)
+        else:
+            skeleton, fitting = "own map", check_joint_map(joint_map, motion.joint_names)
+        clip = retarget(motion, fitting)
+    except InputError as error:
+        raise InputError(error.what, where=path, remedy=error.remedy) from error
+    return _placed(clip, path, f"bvh ({skeleton})", motion.notes)
+
+
+def _placed(
+    clip: MotionClip, path: Path, format_name: str, notes: tuple[str, ...] = ()
+) -> MotionClip:
+    """Return the clip in the study's world, with what happened on the way in its provenance."""
+    clip, turns = place(clip)
+    clip = clip.with_provenance(source=path.name, format=format_name)
+    said = "; ".join((*notes, *turns))
+    return clip.with_provenance(notes=said) if said else clip

@@ -1,0 +1,351 @@
+"""BVH motion capture files of any skeleton: parsing, and where it puts each joint."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from motion.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+_CHANNELS: Final = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
+_STILL: Final = 1e-3
+"""Change of a channel, in degrees or length units, below which it does not move."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BvhJoint:
+    """One joint of a BVH skeleton.
+
+    Attributes
+    ----------
+    name : str
+        Its name in the file.
+    parent : int
+        Index of its parent among the joints; -1 for the root.
+    offset : tuple of float
+        Where it lies in its parent's frame when nothing is turned, in the file's length unit.
+    channels : tuple of str
+        Its columns in the order in which they apply, such as ``Zrotation``.
+    """
+
+    name: str
+    parent: int
+    offset: tuple[float, float, float]
+    channels: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BvhMotion:
+    """A parsed BVH file.
+
+    Attributes
+    ----------
+    joints : tuple of BvhJoint
+        Parents before children.
+    values : ndarray, shape (T, C)
+        One column a channel, in joint order: degrees and length units.
+    frame_rate : float
+        Frames per second.
+    notes : tuple of str
+        What was unusual about the file.
+    """
+
+    joints: tuple[BvhJoint, ...]
+    values: FloatArray
+    frame_rate: float
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints, parents before children."""
+        return tuple(joint.name for joint in self.joints)
+
+    @property
+    def rest_positions(self) -> FloatArray:
+        """Joint positions (J, 3) when nothing is turned, in the file's length unit."""
+        positions = np.zeros((len(self.joints), 3))
+        for index, joint in enumerate(self.joints):
+            if joint.parent >= 0:
+                positions[index] = positions[joint.parent] + joint.offset
+        return positions
+
+    def columns(self, index: int) -> slice:
+        """Return which columns of `values` belong to joint `index`."""
+        first = sum(len(joint.channels) for joint in self.joints[:index])
+        return slice(first, first + len(self.joints[index].channels))
+
+    def forward_kinematics(self) -> tuple[FloatArray, FloatArray]:
+        """Return where each joint is and how it is turned in the world.
+
+        Returns
+        -------
+        positions : ndarray, shape (T, J, 3)
+            In the file's length unit. Position channels take the place of the offset.
+        rotations : ndarray, shape (T, J, 3, 3)
+            World rotation matrices.
+        """
+        frames, count = len(self.values), len(self.joints)
+        positions = np.empty((frames, count, 3))
+        rotations = np.empty((frames, count, 3, 3))
+        for index, joint in enumerate(self.joints):
+            local, turn = self._local(index)
+            if joint.parent < 0:
+                positions[:, index], rotations[:, index] = local, turn
+                continue
+            above = rotations[:, joint.parent]
+            positions[:, index] = positions[:, joint.parent] + np.einsum("tij,tj->ti", above, local)
+            rotations[:, index] = above @ turn
+        return positions, rotations
+
+    def _local(self, index: int) -> tuple[FloatArray, FloatArray]:
+        """Return the position (T, 3) and rotation (T, 3, 3) of a joint in its parent's frame."""
+        joint = self.joints[index]
+        values = self.values[:, self.columns(index)]
+        position = np.tile(np.array(joint.offset), (len(values), 1))
+        axes, angles = "", []
+        for column, channel in enumerate(joint.channels):
+            if channel.endswith("position"):
+                position[:, "XYZ".index(channel[0])] = values[:, column]
+            else:
+                axes += channel[0]
+                angles.append(values[:, column])
+        if not axes:
+            return position, np.tile(np.eye(3), (len(values), 1, 1))
+        turns = Rotation.from_euler(axes, np.stack(angles, axis=1), degrees=True)
+        return position, turns.as_matrix()
+
+
+def settle_first_frame(motion: BvhMotion) -> BvhMotion:
+    """Return `motion` without a pose left over in its first row.
+
+    Files cut down to some joints (BEAT's as prepared for its baselines) still hold all joints
+    in row 0 while the others stay at one value from row 1 on, so that the body jumps once. A
+    joint that never moves after row 0 takes its later values there too.
+    """
+    values = motion.values.copy()
+    settled = 0
+    for index in range(len(motion.joints)):
+        columns = values[:, motion.columns(index)]
+        if len(columns) < 3 or not columns.shape[1]:
+            continue
+        still_later = np.ptp(columns[1:], axis=0).max() <= _STILL
+        if still_later and np.abs(columns[0] - columns[1]).max() > _STILL:
+            columns[0] = columns[1]
+            settled += 1
+    if not settled:
+        return motion
+    note = (
+        f"{settled} joints that never move after the first frame had another pose in it; "
+        "they take their later values there"
+    )
+    return replace(motion, values=values, notes=(*motion.notes, note))
+
+
+def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
+    """Parse a BVH file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    frame_rate : float, optional
+        Frames per second; overrides the file's frame time, and accepts a file whose number of
+        frames is not what its header says.
+
+    Raises
+    ------
+    InputError
+        If the file is no BVH, a row has the wrong number of columns or holds no finite
+        numbers, or the header contradicts the rows and no `frame_rate` is given. The message
+        names file and line.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig", errors="replace")
+    except OSError as error:
+        raise InputError("the file cannot be read", where=path, remedy="Check the path") from error
+    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
+    lines = [(number, line) for number, line in lines if line]
+    motion_at = next(
+        (place for place, (_, line) in enumerate(lines) if line.upper() == "MOTION"), None
+    )
+    if not lines or lines[0][1].upper() != "HIERARCHY" or motion_at is None:
+        raise InputError(
+            "the file is no BVH: it has no HIERARCHY followed by MOTION",
+            where=path,
+            remedy="Give a BVH file, or export the motion again",
+        )
+    joints = _parse_hierarchy(lines[1:motion_at], path)
+    header, rows = lines[motion_at + 1 : motion_at + 3], lines[motion_at + 3 :]
+    frames = _header_value(header, 0, r"Frames:\s*(\d+)", "'Frames: <number>'", path)
+    frame_time = _header_value(header, 1, r"Frame Time:\s*(\S+)", "'Frame Time: <seconds>'", path)
+    header_rate = _rate_of(frame_time, f"{path}, line {header[1][0]}")
+    values = _parse_rows(rows, sum(len(joint.channels) for joint in joints), path)
+    notes: tuple[str, ...] = ()
+    if int(frames) != len(values):
+        contradiction = (
+            f"the header says {frames} frames at {header_rate:.6g} per second "
+            f"({int(frames) / header_rate:.2f} s), the file has {len(values)} rows, which over "
+            f"that time would be {len(values) * header_rate / max(1, int(frames)):.4g} per second"
+        )
+        if frame_rate is None:
+            raise InputError(
+                contradiction, where=path, remedy="Give the true frames per second with --fps"
+            )
+        notes = (f"{contradiction}; read at {frame_rate:g} per second",)
+    return BvhMotion(
+        joints=joints,
+        values=values,
+        frame_rate=header_rate if frame_rate is None else frame_rate,
+        notes=notes,
+    )
+
+
+def _parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint, ...]:
+    """Return the joints that the lines between HIERARCHY and MOTION describe."""
+    drafts: list[BvhJoint] = []
+    # What each open brace belongs to: a joint's index, or None for an end site.
+    open_blocks: list[int | None] = []
+    opening: int | None = None
+    for number, line in _statements(lines):
+        where = f"{path}, line {number}"
+        words = line.split()
+        keyword = words[0].upper()
+        if keyword in ("ROOT", "JOINT"):
+            if len(words) < 2 or (keyword == "JOINT") != bool(open_blocks):
+                raise _hierarchy_error(line, where)
+            opening = len(drafts)
+            parent = open_blocks[-1] if open_blocks else -1
+            if parent is None or (parent < 0 and drafts):
+                raise _hierarchy_error(line, where)
+            drafts.append(
+                BvhJoint(name=" ".join(words[1:]), parent=parent, offset=(0, 0, 0), channels=())
+            )
+        elif keyword == "END":
+            opening = None
+        elif keyword == "{":
+            open_blocks.append(opening)
+        elif keyword == "}" and open_blocks:
+            open_blocks.pop()
+        elif keyword in ("OFFSET", "CHANNELS") and open_blocks:
+            current = open_blocks[-1]
+            if current is None:
+                continue
+            if keyword == "OFFSET":
+                drafts[current] = replace(drafts[current], offset=_offset(words, where))
+            else:
+                drafts[current] = replace(drafts[current], channels=_channels(words, where))
+        else:
+            raise _hierarchy_error(line, where)
+    names = [joint.name for joint in drafts]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if open_blocks or not drafts or twice:
+        what = f"joint {twice[0]!r} occurs twice" if twice else "the skeleton is not complete"
+        raise InputError(what, where=path, remedy="Export the file again")
+    return tuple(drafts)
+
+
+def _statements(lines: list[tuple[int, str]]) -> Iterator[tuple[int, str]]:
+    """Yield statements with their line numbers, braces on their own."""
+    for number, line in lines:
+        for part in re.split(r"([{}])", line):
+            if part.strip():
+                yield number, part.strip()
+
+
+def _hierarchy_error(line: str, where: str) -> InputError:
+    return InputError(
+        f"{line!r} does not fit here", where=where, remedy="Repair the line or export again"
+    )
+
+
+def _offset(words: list[str], where: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(word) for word in words[1:])
+    except ValueError as error:
+        raise InputError(
+            f"{' '.join(words)!r} is no offset of three numbers", where=where, remedy="Repair it"
+        ) from error
+    if not np.isfinite([x, y, z]).all():
+        raise InputError("the offset is not finite", where=where, remedy="Repair it")
+    return x, y, z
+
+
+def _channels(words: list[str], where: str) -> tuple[str, ...]:
+    names = tuple(word[:1].upper() + word[1:].lower() for word in words[2:])
+    unknown = [name for name in names if name not in _CHANNELS]
+    if words[1:2] != [str(len(names))] or unknown or len(set(names)) != len(names):
+        raise InputError(
+            f"{' '.join(words)!r} is no list of channels",
+            where=where,
+            remedy="Give their number, then names such as Xposition or Zrotation",
+        )
+    return names
+
+
+def _header_value(
+    header: list[tuple[int, str]], index: int, pattern: str, form: str, path: Path
+) -> str:
+    found = re.fullmatch(pattern, header[index][1], re.IGNORECASE) if index < len(header) else None
+    if found is None:
+        where = f"{path}, line {header[index][0]}" if index < len(header) else path
+        raise InputError(
+            f"the motion's header lacks {form}", where=where, remedy="Repair or export again"
+        )
+    return found[1]
+
+
+def _rate_of(frame_time: str, where: str) -> float:
+    """Return the frame rate that a frame time, rounded to its digits, stands for."""
+    try:
+        seconds = Decimal(frame_time)
+    except InvalidOperation as error:
+        raise InputError(
+            f"frame time {frame_time!r} is no number", where=where, remedy="Give seconds"
+        ) from error
+    if not seconds.is_finite() or seconds <= 0:
+        raise InputError(f"frame time {frame_time} is not usable", where=where, remedy="Repair it")
+    last_digit = Decimal(1).scaleb(int(seconds.as_tuple().exponent))
+    whole = max(1, round(1 / seconds))
+    return float(whole if abs(1 / Decimal(whole) - seconds) <= last_digit else 1 / seconds)
+
+
+def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> FloatArray:
+    """Return all rows as numbers."""
+    if not rows:
+        raise InputError("the motion has no frame", where=path, remedy="Export it again")
+    values = np.empty((len(rows), width))
+    for index, (number, line) in enumerate(rows):
+        where = f"{path}, line {number}"
+        cells = line.split()
+        if len(cells) != width:
+            raise InputError(
+                f"the row has {len(cells)} values, the skeleton has {width} channels",
+                where=where,
+                remedy="Repair the row; a last row that is too short means a truncated file",
+            )
+        try:
+            values[index] = [float(cell) for cell in cells]
+        except ValueError as error:
+            raise InputError(
+                f"the row holds a word that is no number ({error})",
+                where=where,
+                remedy="Repair the row",
+            ) from error
+        if not np.isfinite(values[index]).all():
+            raise InputError(
+                "the row holds a value that is not finite",
+                where=where,
+                remedy="Repair or remove the row",
+            )
+    return values

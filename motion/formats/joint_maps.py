@@ -1,0 +1,177 @@
+"""Which joint of a foreign skeleton moves which SMPL-X joint.
+
+A joint map gives, for each SMPL-X joint name, the name of the source joint whose turn in the
+world it follows. SMPL-X joints that a map leaves out stay as their parent is.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from motion.errors import InputError
+from motion.skeleton import JOINT_NAMES
+
+JointMap = Mapping[str, str]
+
+_SIDES: Final = (("left", "Left", "l"), ("right", "Right", "r"))
+_FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
+
+REQUIRED_JOINTS: Final = (
+    "pelvis",
+    "spine3",
+    "head",
+    *(f"{side}_{part}" for side, *_ in _SIDES for part in ("shoulder", "elbow", "wrist")),
+)
+"""SMPL-X joints without which there is no gesture to speak of."""
+
+_LEG_JOINTS: Final = tuple(
+    f"{side}_{part}" for side, *_ in _SIDES for part in ("hip", "knee", "ankle")
+)
+
+
+def _limbs(arm: Mapping[str, str], pattern: str, side_word: int) -> dict[str, str]:
+    """Return the arm and leg entries of both sides; `pattern` joins side and part."""
+    return {
+        f"{sides[0]}_{joint}": pattern.format(side=sides[side_word], part=part)
+        for sides in _SIDES
+        for joint, part in arm.items()
+    }
+
+
+def _motion_builder(spine: Mapping[str, str]) -> JointMap:
+    """Return the map of the names that MotionBuilder made common, with the given spine."""
+    parts = {
+        "collar": "Shoulder",
+        "shoulder": "Arm",
+        "elbow": "ForeArm",
+        "wrist": "Hand",
+        "hip": "UpLeg",
+        "knee": "Leg",
+        "ankle": "Foot",
+        "foot": "ToeBase",
+    }
+    fingers = {
+        f"{finger}{number}": f"Hand{finger.title()}{number}"
+        for finger in _FINGERS
+        for number in (1, 2, 3)
+    }
+    return MappingProxyType(
+        {
+            "pelvis": "Hips",
+            **spine,
+            "neck": "Neck",
+            "head": "Head",
+            **_limbs(parts | fingers, "{side}{part}", 1),
+        }
+    )
+
+
+def _genea() -> JointMap:
+    parts = {
+        "collar": "shoulder",
+        "shoulder": "arm",
+        "elbow": "forearm",
+        "wrist": "wrist",
+        "hip": "upleg",
+        "knee": "leg",
+        "ankle": "foot",
+        **{f"{finger}{n}": f"{finger}{n}" for finger in _FINGERS for n in (1, 2, 3)},
+    }
+    spine = {"spine1": "b_spine0", "spine2": "b_spine2", "spine3": "b_spine3"}
+    ends = {"pelvis": "b_root", "neck": "b_neck0", "head": "b_head"}
+    return MappingProxyType({**ends, **spine, **_limbs(parts, "b_{side}_{part}", 2)})
+
+
+def _anatomical() -> JointMap:
+    names = ("Collar", "Shoulder", "Elbow", "Wrist", "Hip", "Knee", "Ankle")
+    parts = {name.lower(): name for name in names} | {"foot": "Toe"}
+    spine = {"spine1": "Chest", "spine2": "Chest2", "spine3": "Chest4"}
+    ends = {"pelvis": "Hips", "neck": "Neck", "head": "Head"}
+    return MappingProxyType({**ends, **spine, **_limbs(parts, "{side}{part}", 1)})
+
+
+JOINT_MAPS: Final[Mapping[str, JointMap]] = MappingProxyType(
+    {
+        "beat": _motion_builder({"spine1": "Spine", "spine2": "Spine2", "spine3": "Spine3"}),
+        "mixamo": _motion_builder({"spine1": "Spine", "spine2": "Spine1", "spine3": "Spine2"}),
+        "cmu": _motion_builder({"spine1": "LowerBack", "spine2": "Spine", "spine3": "Spine1"}),
+        "genea": _genea(),
+        "anatomical": _anatomical(),
+        "smplx": MappingProxyType({name: name for name in JOINT_NAMES}),
+    }
+)
+"""Known skeletons: BEAT and ZeroEGGS (four spine joints), Mixamo (three), CMU, GENEA and
+Talking With Hands, names after the anatomical joints, and SMPL-X's own names."""
+
+
+def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
+    """Return the name and the map that fit a skeleton, reduced to the joints it has.
+
+    Parameters
+    ----------
+    joint_names : collection of str
+        The skeleton's joints; a namespace before them, as in ``mixamorig:Hips``, is no matter.
+
+    Returns
+    -------
+    name : str
+        Key of `JOINT_MAPS`.
+    joint_map : mapping
+        From SMPL-X joints to the names as they are in `joint_names`.
+
+    Raises
+    ------
+    InputError
+        If no known map covers the skeleton.
+    """
+    bare = {_without_namespace(name): name for name in joint_names}
+    found = {
+        key: {joint: bare[source] for joint, source in joint_map.items() if source in bare}
+        for key, joint_map in JOINT_MAPS.items()
+    }
+    best = max(found, key=lambda key: (_is_complete(found[key]), len(found[key])))
+    if _is_complete(found[best]):
+        return best, MappingProxyType(found[best])
+    unmapped = sorted(set(joint_names) - set(found[best].values()))
+    raise InputError(
+        f"the skeleton is unknown; the nearest known one, {best!r}, leaves "
+        f"{', '.join(unmapped)} unmapped and finds nothing for "
+        f"{', '.join(joint for joint in REQUIRED_JOINTS if joint not in found[best])}",
+        remedy="Give a joint map from SMPL-X joint names to the names in the file",
+    )
+
+
+def check_joint_map(joint_map: JointMap, joint_names: Collection[str]) -> JointMap:
+    """Return a researcher's own `joint_map` if it fits the skeleton, else raise `InputError`."""
+    unknown = sorted(set(joint_map) - set(JOINT_NAMES))
+    if unknown:
+        raise InputError(
+            f"the joint map names {', '.join(unknown)}, which SMPL-X does not have",
+            remedy=f"Use SMPL-X's names: {', '.join(JOINT_NAMES)}",
+        )
+    absent = sorted(set(joint_map.values()) - set(joint_names))
+    if absent:
+        raise InputError(
+            f"the joint map names {', '.join(absent)}, which the file does not have",
+            remedy=f"Use the file's names: {', '.join(joint_names)}",
+        )
+    if not _is_complete(joint_map):
+        missing = [joint for joint in REQUIRED_JOINTS if joint not in joint_map]
+        raise InputError(
+            f"the joint map lacks {', '.join(missing) or 'some of the leg joints'}",
+            remedy=f"Map {', '.join(REQUIRED_JOINTS)}, and all of {', '.join(_LEG_JOINTS)} or none",
+        )
+    return joint_map
+
+
+def _is_complete(joint_map: JointMap) -> bool:
+    """Return whether the required joints are mapped, and the legs wholly or not at all."""
+    legs = [joint in joint_map for joint in _LEG_JOINTS]
+    return all(joint in joint_map for joint in REQUIRED_JOINTS) and all(legs) == any(legs)
+
+
+def _without_namespace(name: str) -> str:
+    return re.sub(r"^(.*:|mixamorig\d*_?)", "", name)

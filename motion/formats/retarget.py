@@ -1,0 +1,205 @@
+"""Moving the SMPL-X body as another skeleton moves, whatever rest pose that one has.
+
+Each SMPL-X joint turns in the world as the source joint it follows, corrected by one constant
+turn that accounts for the difference of the two rest poses. Spine chains of any length merge
+by themselves, because turns in the world already hold what the joints below contribute.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats.bvh import BvhMotion
+from motion.formats.joint_maps import JointMap
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import JOINT_NAMES, PARENTS, joint_index
+
+FloatArray = NDArray[np.float64]
+Places = Mapping[str, FloatArray]
+
+_SIDES: Final = ("left", "right")
+_LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))
+_FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
+_UPRIGHT: Final = 60.0
+"""Degrees between trunk and legs of a rest pose up to which the figure stands."""
+
+
+def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
+    """Return the motion of a BVH skeleton as an SMPL-X clip, in the file's own world axes.
+
+    Arms, legs and fingers point exactly where the source's bones point; trunk, head and feet
+    turn from rest as the source's do. Translation is scaled by the ratio of leg lengths, so the
+    file's length unit does not matter.
+
+    Parameters
+    ----------
+    motion : BvhMotion
+        The source; its rest pose must be a standing figure, arms in any direction.
+    joint_map : mapping
+        From SMPL-X joint names to source joint names.
+
+    Raises
+    ------
+    InputError
+        If the rest pose is no standing figure.
+    """
+    names = motion.joint_names
+    rest = motion.rest_positions
+    source = {joint: rest[names.index(name)] for joint, name in joint_map.items()}
+    target = {joint: REST_JOINTS[joint_index(joint)] for joint in joint_map}
+    corrections = rest_corrections(source, target)
+    positions, rotations = motion.forward_kinematics()
+    world = np.empty((len(motion.values), len(JOINT_NAMES), 3, 3))
+    local = np.empty_like(world)
+    for index, (joint, parent) in enumerate(zip(JOINT_NAMES, PARENTS, strict=True)):
+        if joint in joint_map:
+            followed = rotations[:, names.index(joint_map[joint])]
+            world[:, index] = followed @ corrections[joint].as_matrix()
+        else:
+            world[:, index] = world[:, parent]
+        above = world[:, parent] if parent >= 0 else np.eye(3)[None]
+        local[:, index] = np.swapaxes(above, 1, 2) @ world[:, index]
+    poses = Rotation.from_matrix(local.reshape(-1, 3, 3)).as_rotvec()
+    scale = _limb_length(target) / _limb_length(source)
+    return MotionClip(
+        poses=poses.reshape(len(local), len(JOINT_NAMES), 3).astype(np.float32),
+        trans=(positions[:, names.index(joint_map["pelvis"])] * scale).astype(np.float32),
+        frame_rate=motion.frame_rate,
+    )
+
+
+def rest_corrections(source: Places, target: Places) -> Mapping[str, Rotation]:
+    """Return the turn that takes each SMPL-X joint's rest pose to the source's.
+
+    Parameters
+    ----------
+    source, target : mapping of str to ndarray, shape (3,)
+        Where the mapped joints are at rest in both skeletons, by SMPL-X name.
+
+    Returns
+    -------
+    mapping of str to Rotation
+        For every mapped joint. Trunk, head, collars and feet: the turn of the whole figure.
+        Limbs: further, by the smallest turn along the chain, so that the bones have the
+        source's directions. Hands: so that the palms face alike, where fingers tell.
+    """
+    figure = _figure_turn(source, target)
+    corrections = dict.fromkeys(source, figure)
+    for side in _SIDES:
+        for limb in _LIMBS:
+            chain = [f"{side}_{part}" for part in limb]
+            before = _follow(chain, figure, source, target, corrections)
+            if limb[-1] == "wrist":
+                corrections[chain[-1]] = before
+        wrist = f"{side}_wrist"
+        hand = _hand_turn(side, source, target) or corrections[wrist]
+        corrections[wrist] = hand
+        for finger in _FINGERS:
+            chain = [f"{side}_{finger}{number}" for number in (1, 2, 3)]
+            last = _follow(chain, hand, source, target, corrections)
+            if chain[-1] in source:
+                corrections[chain[-1]] = last
+    return MappingProxyType(corrections)
+
+
+def _follow(
+    chain: list[str],
+    turn: Rotation,
+    source: Places,
+    target: Places,
+    corrections: dict[str, Rotation],
+) -> Rotation:
+    """Set the corrections along a chain of bones, each from the one before; return the last."""
+    mapped = [joint for joint in chain if joint in source]
+    for joint, child in pairwise(mapped):
+        wanted = source[child] - source[joint]
+        present = turn.apply(target[child] - target[joint])
+        if np.linalg.norm(wanted) > 0:
+            turn = _smallest_turn(present, wanted) * turn
+        corrections[joint] = turn
+    return turn
+
+
+def _smallest_turn(present: FloatArray, wanted: FloatArray) -> Rotation:
+    """Return the smallest turn that takes one direction to the other."""
+    axis = np.cross(present, wanted)
+    sine = np.linalg.norm(axis)
+    angle = np.arctan2(sine, present @ wanted)
+    return Rotation.from_rotvec(axis / sine * angle if sine > 0 else np.zeros(3))
+
+
+def _figure_turn(source: Places, target: Places) -> Rotation:
+    """Return the turn of the whole figure between the rest poses.
+
+    A figure whose axes nearly are the world's is taken to be so exactly: how far a skeleton's
+    spine leans says how it was built, not how the person stood.
+    """
+    up, left = _axes(source)
+    if "left_ankle" in source:
+        feet = (source["left_ankle"] + source["right_ankle"]) / 2
+        legs = source["pelvis"] - feet
+        if np.degrees(np.arctan2(np.linalg.norm(np.cross(legs, up)), legs @ up)) > _UPRIGHT:
+            raise InputError(
+                "the skeleton's rest pose (all rotations zero) is no standing figure",
+                remedy="Export the BVH with a T-pose or A-pose as its rest pose",
+            )
+    turn = _align((up, left), _axes(target))
+    nearest = np.rint(turn.as_matrix())
+    if np.array_equal(nearest @ nearest.T, np.eye(3)):
+        return Rotation.from_matrix(nearest)
+    return turn
+
+
+def _axes(places: Places) -> tuple[FloatArray, FloatArray]:
+    """Return the directions up the trunk and to the figure's left."""
+    up = places["head"] - places["pelvis"]
+    left = places["left_shoulder"] - places["right_shoulder"]
+    if np.linalg.norm(np.cross(up, left)) == 0:
+        raise InputError(
+            "the skeleton's rest pose has no trunk and shoulders",
+            remedy="Check the joint map and the offsets of the file",
+        )
+    return up, left
+
+
+def _hand_turn(side: str, source: Places, target: Places) -> Rotation | None:
+    """Return the turn of a hand, from where middle finger and palm point; None without them."""
+    wrist, middle, index, ring = (
+        f"{side}_{part}" for part in ("wrist", "middle1", "index1", "ring1")
+    )
+    if not {wrist, middle, index, ring} <= set(source):
+        return None
+    frames = [
+        (places[middle] - places[wrist], places[index] - places[ring])
+        for places in (source, target)
+    ]
+    if any(np.linalg.norm(np.cross(*frame)) == 0 for frame in frames):
+        return None
+    return _align(*frames)
+
+
+def _align(
+    wanted: tuple[FloatArray, FloatArray], present: tuple[FloatArray, FloatArray]
+) -> Rotation:
+    """Return the turn that takes the first direction exactly and the second as near as it can."""
+    turn, _ = Rotation.align_vectors(np.stack(wanted), np.stack(present), weights=[np.inf, 1])
+    return turn
+
+
+def _limb_length(places: Places) -> float:
+    """Return the length of the left leg, or of the left arm where there is no leg."""
+    limb = _LIMBS[1] if "left_ankle" in places else _LIMBS[0]
+    joints = np.stack([places[f"left_{part}"] for part in limb])
+    length = float(np.linalg.norm(np.diff(joints, axis=0), axis=1).sum())
+    if length == 0:
+        raise InputError("the skeleton's limbs have no length", remedy="Check the file's offsets")
+    return length
