@@ -1,0 +1,103 @@
+"""Everything the report says, as result objects; no text, no layout."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import pandas as pd
+
+from analysis.exclusions import (
+    ExclusionResult,
+    exclude,
+    failed_catch_trials,
+    incomplete_sessions,
+)
+from analysis.metrics.conditions import StudyMetrics, study_metrics
+from analysis.preferences.side_bias import SideBias, side_bias
+from analysis.preferences.win_share import Preference, compare, compare_by_emotion
+from analysis.report.inputs import ReportInputs
+
+SIGNIFICANCE = 0.05
+"""Holm-corrected p values below this decide for one side."""
+
+Verdict = Literal["reference", "other", "undecided"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Findings:
+    """The results that the report shows.
+
+    Attributes
+    ----------
+    presentations : int
+        Trials of a whole study session, of all kinds.
+    exclusion : ExclusionResult
+        Which study sessions are left out, and the answers with and without them.
+    preferences : tuple of Preference
+        Every comparison and question after exclusions; one family of tests.
+    everyone : tuple of Preference
+        The same without exclusions, in the same order.
+    emotions : tuple of Preference
+        Every comparison, question and emotion after exclusions.
+    side_bias : tuple of SideBias
+        One per question, after exclusions.
+    metrics : StudyMetrics
+        Automatic metrics of every condition that has clips.
+    """
+
+    presentations: int
+    exclusion: ExclusionResult
+    preferences: tuple[Preference, ...]
+    everyone: tuple[Preference, ...]
+    emotions: tuple[Preference, ...]
+    side_bias: tuple[SideBias, ...]
+    metrics: StudyMetrics
+
+
+def find(inputs: ReportInputs) -> Findings:
+    """Run every analysis of the report."""
+    presentations = inputs.presentations or _longest(inputs.responses)
+    exclusion = exclude(
+        inputs.responses,
+        (
+            incomplete_sessions(presentations, len(inputs.questions)),
+            failed_catch_trials(inputs.max_failed_catch),
+        ),
+    )
+    questions = tuple(inputs.questions)
+    comparisons = _comparisons(inputs)
+    return Findings(
+        presentations=presentations,
+        exclusion=exclusion,
+        preferences=compare(exclusion.analysed, comparisons, questions),
+        everyone=compare(exclusion.everyone, comparisons, questions),
+        emotions=compare_by_emotion(exclusion.analysed, comparisons, questions),
+        side_bias=side_bias(exclusion.analysed, questions),
+        metrics=study_metrics(inputs.clips, inputs.speech, frozen=inputs.frozen),
+    )
+
+
+def verdict(preference: Preference) -> Verdict:
+    """Return which side the corrected test decides for, if any."""
+    if not preference.holm_p < SIGNIFICANCE:
+        return "undecided"
+    return "reference" if preference.win_share.estimate > 0.5 else "other"
+
+
+def _longest(responses: pd.DataFrame) -> int:
+    if responses.empty:
+        return 0
+    return int(responses.groupby("study_session")["position"].nunique().max())
+
+
+def _comparisons(inputs: ReportInputs) -> list[tuple[str, str, str]]:
+    """Return the comparisons answered, ordered as the study orders its conditions."""
+    pairs = inputs.responses.loc[
+        inputs.responses["kind"] != "catch", ["comparison", "reference", "other"]
+    ].drop_duplicates()
+    order = {condition: place for place, condition in enumerate(inputs.conditions)}
+    return sorted(
+        ((str(name), str(reference), str(other)) for name, reference, other in pairs.to_numpy()),
+        key=lambda pair: (order.get(pair[2], len(order)), pair),
+    )

@@ -1,0 +1,223 @@
+"""The sections about motions, known truth, generality, methods and limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from importlib.metadata import version
+
+from analysis.metrics.conditions import ConditionScore
+from analysis.report import wording
+from analysis.report.answer import figure_order, people
+from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.findings import SIGNIFICANCE, Findings
+from analysis.report.inputs import ReportInputs
+
+_IN_FULL = ("beat alignment (", "beat alignment by chance")
+"""Metrics that only the CSV shows: they mean nothing without their difference."""
+
+
+def metrics_section(inputs: ReportInputs, findings: Findings) -> Section:
+    """Return automatic metrics per condition with the human answers above them."""
+    heading = "Automatic metrics beside the answers"
+    scores = findings.metrics.conditions
+    if not scores:
+        return Section(
+            anchor="metrics",
+            heading=heading,
+            paragraphs=("The study has no motion files, so there is nothing to measure.",),
+        )
+    present = {score.condition for score in scores}
+    conditions = [c for c in (*inputs.conditions, inputs.catch_condition) if c in present]
+    conditions += sorted(present - set(conditions))
+    names = [
+        name
+        for name in dict.fromkeys(score.name for score in scores)
+        if not name.startswith(_IN_FULL)
+    ]
+    by_place = {(score.condition, score.name): score for score in scores}
+    rows = [_human_row(question, conditions, inputs, findings) for question in figure_order(inputs)]
+    rows += [_metric_row(name, conditions, by_place) for name in names]
+    others = len(conditions) - (inputs.catch_condition in conditions)
+    table = Table(
+        caption="What people preferred and what the metrics say, per condition. First the share "
+        f"of answers preferring the condition to {wording.name(inputs.reference)}; then each "
+        "metric as mean over clips ± standard deviation between clips.",
+        header=("measure", *(wording.name(c) for c in conditions)),
+        rows=tuple(rows),
+        notes=(*_metric_notes(names, scores), *_missing(names, scores)),
+        data="metrics.csv",
+    )
+    return Section(
+        anchor="metrics",
+        heading=heading,
+        paragraphs=(
+            f"With {wording.count(others, 'compared condition')} no correlation between metrics "
+            "and answers can be estimated; the numbers stand side by side for reading. Beat "
+            "alignment is shown above its chance level, because dense beats score high against "
+            "any speech. Deviation and distance reward noise as much as variety: read them "
+            "beside jerk.",
+        ),
+        tables=(table,),
+    )
+
+
+def _human_row(
+    question: str, conditions: Sequence[str], inputs: ReportInputs, findings: Findings
+) -> tuple[Cell, ...]:
+    shares = {p.other: p.win_share for p in findings.preferences if p.question == question}
+    row = [Cell(text=f"preferred to {wording.name(inputs.reference)}: {wording.name(question)}")]
+    for condition in conditions:
+        mean = shares.get(condition)
+        if condition == inputs.reference:
+            text = "reference"
+        elif mean is None:
+            text = "catch trials only" if condition == inputs.catch_condition else "–"
+        elif mean.reason:
+            text = wording.share(1 - mean.estimate)
+        else:
+            text = (
+                f"{wording.share(1 - mean.estimate)} "
+                f"[{wording.share(1 - mean.high)}, {wording.share(1 - mean.low)}]"
+            )
+        row.append(Cell(text=text))
+    return tuple(row)
+
+
+def _metric_row(
+    name: str, conditions: Sequence[str], by_place: dict[tuple[str, str], ConditionScore]
+) -> tuple[Cell, ...]:
+    found = [by_place.get((condition, name)) for condition in conditions]
+    unit = next((f", {score.unit}" for score in found if score and score.unit), "")
+    row = [Cell(text=f"{name}{unit}")]
+    for score in found:
+        if score is None or math.isnan(score.value):
+            row.append(Cell(text="–"))
+        elif math.isnan(score.spread):
+            row.append(Cell(text=wording.quantity(score.value)))
+        else:
+            row.append(
+                Cell(text=f"{wording.quantity(score.value)} ± {wording.quantity(score.spread)}")
+            )
+    return tuple(row)
+
+
+def _metric_notes(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[str]:
+    notes = []
+    for name in names:
+        settings = next(score.settings for score in scores if score.name == name)
+        described = "; ".join(f"{key}: {value}" for key, value in settings.items())
+        notes.append(f"{name} – {described}.")
+    return notes
+
+
+def _missing(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[str]:
+    return [
+        f"{wording.name(score.condition)}, {score.name}: {score.reason}."
+        for score in scores
+        if score.reason and score.name in names
+    ]
+
+
+def truth_section(inputs: ReportInputs, findings: Findings) -> Section:
+    """Return how a rehearsal's estimates compare with what its raters were given."""
+    truth = inputs.truth or {}
+    rows, inside = [], 0
+    for p in findings.preferences:
+        known = truth.get((p.comparison, p.question))
+        if known is None:
+            continue
+        mean = p.win_share
+        covered = mean.low <= known <= mean.high
+        inside += covered
+        rows.append(
+            cells(
+                wording.name(p.question),
+                wording.name(p.other),
+                wording.share(known),
+                wording.estimate(mean),
+                "no interval" if mean.reason else "inside" if covered else "outside",
+            )
+        )
+    return Section(
+        anchor="truth",
+        heading="Known truth against estimate",
+        paragraphs=(
+            f"Simulated raters prefer by rule, so the true win share is known. "
+            f"{inside} of {len(rows)} intervals contain it; in the long run 95 % do.",
+        ),
+        tables=(
+            Table(
+                caption=f"True win share of {wording.name(inputs.reference)} among the simulated "
+                "raters, and its estimate after exclusions.",
+                header=("question", "other", "truth", "estimate", "truth is"),
+                rows=tuple(rows),
+                text_columns=2,
+                data="preferences.csv",
+            ),
+        ),
+    )
+
+
+def generality_section(inputs: ReportInputs, findings: Findings) -> Section:
+    """Return what the result may be generalised to, and what not."""
+    analysed = findings.exclusion.analysed
+    speakers = sorted({segment.speaker for segment in inputs.segments})
+    emotions = list(dict.fromkeys(segment.emotion for segment in inputs.segments))
+    seconds = sum(segment.duration for segment in inputs.segments)
+    bullets = [
+        f"Speech: {wording.count(len(inputs.segments), 'segment')}, "
+        f"{wording.quantity(seconds)} s in all, by "
+        f"{wording.count(len(speakers), 'speaker')} ({wording.listing(speakers)}), "
+        f"{wording.count(len(emotions), 'emotion')} ({wording.listing(emotions)}). Segments are "
+        "treated as a sample, so the intervals speak about further segments like these"
+        + ("; one speaker tells nothing about other speakers." if len(speakers) == 1 else ".")
+    ]
+    if inputs.origin == "rehearsal":
+        bullets.append(
+            "People: none. Simulated raters follow the rules they were given; nothing here tells "
+            "what a person prefers."
+        )
+    elif inputs.origin == "participants":
+        bullets.append(
+            f"People: {findings.exclusion.sessions_analysed} participants recruited for this "
+            "study; the intervals speak about further participants recruited in the same way."
+        )
+    if not analysed.empty:
+        bullets.append(
+            "Conditions: the motions shown, with one avatar, one camera and the questions as "
+            "worded; not a method's other outputs, other questions or other speech."
+        )
+    return Section(anchor="generality", heading="What this generalises to", bullets=tuple(bullets))
+
+
+def methods_section(inputs: ReportInputs, findings: Findings) -> Section:
+    """Return settings and limits."""
+    bullets = [
+        f"{wording.name(name).capitalize()}: {people(inputs)} were asked “"
+        f"{text.replace('{emotion}', '[emotion]')}”"
+        for name, text in inputs.questions.items()
+    ]
+    bullets += [
+        "A study session is complete with "
+        f"{findings.presentations * len(inputs.questions)} answers "
+        f"({wording.count(findings.presentations, 'trial')} of "
+        f"{wording.count(len(inputs.questions), 'question')})."
+        + ("" if inputs.presentations else " This is the longest study session there is."),
+        f"A conclusion in the first sentences needs a Holm-corrected p below {SIGNIFICANCE:g}. "
+        "“The answers do not decide” is not evidence that two conditions are equally good: no "
+        "equivalence margin was declared.",
+        "Tests are two-sided. With few segments the intervals are wide, because two or three "
+        "segments say little about all others; more participants do not cure that.",
+        "Where the two-way variance is not positive, the larger one-way variance takes its place, "
+        "and a footnote says where. Where all answers are alike, or only one participant or "
+        "segment answers, no interval is given.",
+        "Intervals treat the five levels as win, tie and loss; how strong a preference is shows "
+        "only in the counts.",
+    ]
+    if inputs.frozen:
+        held = wording.listing([wording.name(channel) for channel in inputs.frozen])
+        bullets.append(f"The videos hold {held} still; metrics look at the motion as shown.")
+    bullets += inputs.notes
+    bullets.append(f"Made with Motion Jury {version('motionjury')}.")
+    return Section(anchor="methods", heading="Methods, settings and limits", bullets=tuple(bullets))

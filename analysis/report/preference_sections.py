@@ -1,0 +1,281 @@
+"""The sections about the answers: flow, exclusions, counts, win shares, side bias, emotions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from analysis.preferences.clustered import LEVEL
+from analysis.preferences.win_share import Preference
+from analysis.report import wording
+from analysis.report.answer import figure_order, people
+from analysis.report.content import Cell, Picture, Section, Table, cells
+from analysis.report.emotion_figure import FEW_SEGMENTS, emotion_figure
+from analysis.report.findings import Findings
+from analysis.report.inputs import ReportInputs
+
+INTERVAL_NOTE = (
+    f"Intervals at {LEVEL:.0%}, clustered by participant and by segment (Cameron, Gelbach & "
+    "Miller 2011, CR1), t with min(participants, segments) − 1 degrees of freedom, not corrected "
+    "for multiplicity."
+)
+
+
+def flow_section(inputs: ReportInputs, findings: Findings) -> Section:
+    """Return who took part, who was left out, and why."""
+    exclusion = findings.exclusion
+    started = inputs.study_sessions
+    header = ["comparison", *(["started"] if started is not None else []), "answered"]
+    header += [f"− {outcome.description}" for outcome in exclusion.outcomes]
+    header.append("analysed")
+    rows = []
+    for flow in exclusion.flow:
+        row = [wording.name(flow.comparison)]
+        if started is not None:
+            row.append(str(started.get(flow.comparison, flow.answered)))
+        row += [str(flow.answered), *map(str, flow.removed), str(flow.analysed)]
+        rows.append(cells(*row))
+    flow_table = Table(
+        caption=f"Participant flow: study sessions of {people(inputs)} per comparison. Rules "
+        "apply from left to right; a study session counts under the first that removes it.",
+        header=tuple(header),
+        rows=tuple(rows),
+        data="participant_flow.csv",
+    )
+    reasons = Table(
+        caption="Every excluded study session with its reason.",
+        header=("study session", "comparison", "rule", "reason"),
+        rows=tuple(
+            cells(e.study_session, wording.name(e.comparison), e.rule, e.reason)
+            for e in exclusion.exclusions
+        ),
+        text_columns=4,
+        data="exclusions.csv",
+    )
+    return Section(
+        anchor="flow",
+        heading="Who is analysed, who is left out",
+        paragraphs=(_catch_words(inputs), _quality(inputs, findings)),
+        tables=(flow_table, *((reasons,) if exclusion.exclusions else ())),
+    )
+
+
+def _catch_words(inputs: ReportInputs) -> str:
+    return (
+        f"Catch trials show {wording.name(inputs.catch_reference)} beside "
+        f"{wording.name(inputs.catch_condition)}. One is failed when any of its questions is not "
+        f"answered with a slight or clear preference for {wording.name(inputs.catch_reference)}; "
+        f"more than {wording.count(inputs.max_failed_catch, 'failure')} "
+        f"{'excludes' if inputs.max_failed_catch == 1 else 'exclude'} the whole study session. "
+        "Practice and catch trials are never analysed; practice trials shown again at the end are."
+    )
+
+
+def _quality(inputs: ReportInputs, findings: Findings) -> str:
+    analysed = findings.exclusion.analysed
+    if analysed.empty:
+        return "No answers are left to describe."
+    ties = 100 * float((analysed["value"] == 0).mean())
+    days = sorted({str(moment)[:10] for moment in analysed["answered_at"]})
+    span = days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}"
+    return (
+        f"The {len(analysed):,} analysed answers were given on {span}; the median trial took "
+        f"{wording.quantity(float(analysed['seconds'].median()))} s, the least share of a trial's "
+        f"videos watched was {wording.percent(100 * float(analysed['watched'].min()))} %, and "
+        f"{wording.percent(ties)} % of the answers were 'no difference'."
+    )
+
+
+def counts_section(inputs: ReportInputs, findings: Findings) -> Section:
+    """Return the five-level counts and the sums that AMUSE's Table A.5 shows."""
+    reference = wording.name(inputs.reference)
+    counts = Table(
+        caption=f"Answers after exclusions, seen from {reference}: number, and % of the row.",
+        header=(
+            "question",
+            "other",
+            "answers",
+            f"clearly {reference}",
+            f"slightly {reference}",
+            "no difference",
+            "slightly other",
+            "clearly other",
+        ),
+        rows=tuple(
+            cells(
+                wording.name(p.question),
+                wording.name(p.other),
+                str(p.counts.total),
+                *(
+                    f"{number} ({wording.percent(share)})"
+                    for number, share in zip(p.counts.levels, p.counts.percentages, strict=True)
+                ),
+            )
+            for question in figure_order(inputs)
+            for p in findings.preferences
+            if p.question == question
+        ),
+        text_columns=2,
+        data="counts.csv",
+    )
+    return Section(
+        anchor="counts",
+        heading="What was answered",
+        tables=(_table_a5(inputs, findings), counts),
+    )
+
+
+def _table_a5(inputs: ReportInputs, findings: Findings) -> Table:
+    questions = figure_order(inputs)
+    by_place = {(p.other, p.question): p.counts for p in findings.preferences}
+    rows = []
+    for other in dict.fromkeys(p.other for p in findings.preferences):
+        row = [Cell(text=wording.name(other))]
+        for question in questions:
+            counts = by_place[other, question]
+            ours, others = wording.percent(counts.ours), wording.percent(counts.others)
+            row += [
+                Cell(text=ours, best=counts.ours > counts.others),
+                Cell(text=others, best=counts.others > counts.ours),
+                Cell(text=wording.percent(counts.indifferent)),
+            ]
+        rows.append(tuple(row))
+    return Table(
+        caption="Preferences in the layout of AMUSE's Table A.5. Ours: sum of clear and slight "
+        f"preferences for {wording.name(inputs.reference)}, others: for the condition of the row, "
+        "in % of all answers. That table leaves indifferent answers out; here they stand beside.",
+        header=("condition", *(["ours", "others", "indifferent"] * len(questions))),
+        rows=tuple(rows),
+        groups=(("", 1), *((wording.name(question), 3) for question in questions)),
+        notes=("The larger of ours and others is bold. This is no test; see the win shares.",),
+        data="counts.csv",
+    )
+
+
+def win_share_section(inputs: ReportInputs, findings: Findings) -> Section:
+    """Return the win shares with and without exclusions, and the side bias."""
+    rows = []
+    everyone = {(p.comparison, p.question): p for p in findings.everyone}
+    for question in figure_order(inputs):
+        for p in (p for p in findings.preferences if p.question == question):
+            whole = everyone[p.comparison, question]
+            rows.append(
+                (
+                    *cells(wording.name(question), wording.name(p.other)),
+                    Cell(text=wording.estimate(p.win_share)),
+                    *cells(
+                        wording.p_value(p.win_share.p_value),
+                        wording.p_value(p.holm_p),
+                        _basis(p),
+                        wording.estimate(whole.win_share),
+                        wording.p_value(whole.holm_p),
+                        _basis(whole),
+                    ),
+                )
+            )
+    reference = wording.name(inputs.reference)
+    shares = Table(
+        caption=f"Win share of {reference}: preferences for it plus half of the answers 'no "
+        "difference', as a share of all answers, tested against .5; after exclusions, and with "
+        "everybody.",
+        groups=(("", 2), ("after exclusions", 4), ("nobody excluded", 3)),
+        header=(
+            "question",
+            "other",
+            "win share",
+            "p",
+            "p (Holm)",
+            "people × segments",
+            "win share",
+            "p (Holm)",
+            "people × segments",
+        ),
+        rows=tuple(rows),
+        text_columns=2,
+        notes=(
+            INTERVAL_NOTE,
+            f"Holm over the declared family of {len(findings.preferences)} tests: every "
+            "comparison on every question.",
+            *_methods(findings.preferences),
+        ),
+        data="preferences.csv",
+    )
+    return Section(
+        anchor="win-shares",
+        heading="Win shares with their uncertainty",
+        tables=(shares, _side_table(findings)),
+    )
+
+
+def _basis(preference: Preference) -> str:
+    return f"{preference.win_share.participants} × {preference.win_share.segments}"
+
+
+def _methods(preferences: tuple[Preference, ...]) -> Iterator[str]:
+    """Name every estimate whose variance had to fall back."""
+    for p in preferences:
+        if "and segment" not in p.win_share.method and p.win_share.method:
+            yield (
+                f"{wording.name(p.other)}, {wording.name(p.question)}: variance "
+                f"{p.win_share.method}."
+            )
+
+
+def _side_table(findings: Findings) -> Table:
+    return Table(
+        caption="Side bias: share of analysed answers for the left video, half of 'no difference' "
+        "included, over all comparisons, tested against .5.",
+        header=("question", "left share", "p", "reference shown on the left"),
+        rows=tuple(
+            cells(
+                wording.name(bias.question),
+                wording.estimate(bias.left_share),
+                wording.p_value(bias.left_share.p_value),
+                wording.share(bias.reference_on_left),
+            )
+            for bias in findings.side_bias
+        ),
+        notes=(
+            "Sides are random: a bias to one side widens the intervals and pulls win shares "
+            "towards .5, but favours no condition. " + INTERVAL_NOTE,
+        ),
+        data="side_bias.csv",
+    )
+
+
+def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Section:
+    """Return one forest plot per comparison."""
+    pictures = []
+    few = any(p.win_share.segments < FEW_SEGMENTS for p in findings.emotions)
+    for number, comparison in enumerate(dict.fromkeys(p.comparison for p in findings.preferences)):
+        overall = [
+            p
+            for question in figure_order(inputs)
+            for p in findings.preferences
+            if p.comparison == comparison and p.question == question
+        ]
+        within = [p for p in findings.emotions if p.comparison == comparison]
+        reference, other = wording.name(overall[0].reference), wording.name(overall[0].other)
+        descriptive = (
+            f" Descriptive: hollow marks rest on fewer than {FEW_SEGMENTS} segments, and one "
+            "segment alone allows no interval."
+            if few
+            else ""
+        )
+        pictures.append(
+            Picture(
+                svg=emotion_figure(within, overall, name=f"emotion{number}", mark=mark),
+                caption=f"{reference} against {other} within each emotion: win share of "
+                f"{reference} (right of the line: {reference} preferred) with intervals at "
+                f"{LEVEL:.0%}, clustered by participant and segment.{descriptive}",
+                data="emotions.csv",
+            )
+        )
+    return Section(
+        anchor="emotions",
+        heading="Emotion by emotion (descriptive)" if few else "Emotion by emotion",
+        paragraphs=(
+            "No single emotion is tested: these estimates show where a difference comes from, "
+            "not whether there is one.",
+        ),
+        pictures=tuple(pictures),
+    )

@@ -1,0 +1,224 @@
+"""The report's tables as data files: CSV for programs, LaTeX for papers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from typing import Final
+
+import pandas as pd
+
+from analysis.metrics.conditions import ConditionScore
+from analysis.metrics.result import MetricResult
+from analysis.preferences.clustered import ClusteredMean
+from analysis.preferences.counts import LEVEL_NAMES
+from analysis.preferences.win_share import Preference
+from analysis.report import wording
+from analysis.report.answer import figure_order
+from analysis.report.findings import Findings
+from analysis.report.inputs import ReportInputs
+
+_LATEX: Final = str.maketrans(
+    {
+        "\\": r"\textbackslash{}",
+        "&": r"\&",
+        "%": r"\%",
+        "$": r"\$",
+        "#": r"\#",
+        "_": r"\_",
+        "{": r"\{",
+        "}": r"\}",
+        "~": r"\textasciitilde{}",
+        "^": r"\textasciicircum{}",
+        "<": r"\textless{}",
+        ">": r"\textgreater{}",
+        "–": "--",
+        "−": "$-$",
+    }
+)
+
+
+def data_tables(inputs: ReportInputs, findings: Findings) -> dict[str, pd.DataFrame]:
+    """Return every CSV table by file name; the first column says who answered."""
+    tables = {
+        "participant_flow.csv": _flow(inputs, findings),
+        "exclusions.csv": _records(
+            [asdict(exclusion) for exclusion in findings.exclusion.exclusions],
+            ["study_session", "comparison", "rule", "reason"],
+        ),
+        "counts.csv": _records([_counts(p) for p in findings.preferences]),
+        "preferences.csv": _records(
+            [
+                row
+                for exclusions, found in (
+                    ("applied", findings.preferences),
+                    ("none", findings.everyone),
+                )
+                for row in _estimates(found, exclusions, inputs)
+            ]
+        ),
+        "emotions.csv": _records(
+            [{"emotion": p.emotion} | _place(p) | _mean(p.win_share) for p in findings.emotions]
+        ),
+        "side_bias.csv": _records(
+            [
+                {"question": bias.question, "reference_on_left": bias.reference_on_left}
+                | _mean(bias.left_share, "left_share")
+                for bias in findings.side_bias
+            ]
+        ),
+        "metrics.csv": _records([_condition_score(score) for score in findings.metrics.conditions]),
+        "metrics_by_clip.csv": _records(
+            [
+                {"condition": score.condition, "segment": score.segment} | _result(score.result)
+                for score in findings.metrics.clips
+            ]
+        ),
+        "responses_analysed.csv": findings.exclusion.analysed,
+    }
+    for table in tables.values():
+        if "origin" not in table.columns:
+            table.insert(0, "origin", inputs.origin)
+    return tables
+
+
+def latex_table(inputs: ReportInputs, findings: Findings) -> str:
+    """Return the main table, AMUSE's Table A.5 sums with win shares, for LaTeX's booktabs."""
+    questions = figure_order(inputs)
+    by_place = {(p.other, p.question): p for p in findings.preferences}
+    columns = "l" + "rrl" * len(questions)
+    heads = " & ".join(
+        rf"\multicolumn{{3}}{{c}}{{{_latex(wording.name(q).capitalize())}}}" for q in questions
+    )
+    rules = "".join(rf"\cmidrule(lr){{{2 + 3 * k}-{4 + 3 * k}}}" for k in range(len(questions)))
+    lines = [
+        rf"% Needs \usepackage{{booktabs}}. Origin of the answers: {inputs.origin}.",
+        r"\begin{table}",
+        r"  \centering",
+        rf"  \caption{{{_latex(_caption(inputs))}}}",
+        rf"  \begin{{tabular}}{{{columns}}}",
+        r"    \toprule",
+        rf"    & {heads} \\",
+        f"    {rules}",
+        "    Condition" + " & Ours & Others & Win share" * len(questions) + r" \\",
+        r"    \midrule",
+    ]
+    for other in dict.fromkeys(p.other for p in findings.preferences):
+        row = [_latex(wording.name(other))]
+        for question in questions:
+            found = by_place[other, question]
+            counts = found.counts
+            row += [
+                _bold(wording.percent(counts.ours), counts.ours > counts.others),
+                _bold(wording.percent(counts.others), counts.others > counts.ours),
+                _latex(wording.estimate(found.win_share)),
+            ]
+        lines.append(f"    {' & '.join(row)} \\\\")
+    return "\n".join([*lines, r"    \bottomrule", r"  \end{tabular}", r"\end{table}", ""])
+
+
+def _caption(inputs: ReportInputs) -> str:
+    start = "Rehearsal with simulated raters, no person answered. " * (inputs.origin == "rehearsal")
+    reference = wording.name(inputs.reference)
+    return (
+        f"{start}Ours: clear and slight preferences for {reference}, others: for the condition of "
+        "the row, in % of all answers. Win share: preferences for "
+        f"{reference} plus half the ties, with 95% interval clustered by participant and segment."
+    )
+
+
+def _latex(text: str) -> str:
+    return text.translate(_LATEX)
+
+
+def _bold(text: str, best: bool) -> str:
+    return rf"\textbf{{{_latex(text)}}}" if best else _latex(text)
+
+
+def _flow(inputs: ReportInputs, findings: Findings) -> pd.DataFrame:
+    exclusion = findings.exclusion
+    started = inputs.study_sessions
+    rows = []
+    for flow in exclusion.flow:
+        row: dict[str, object] = {"comparison": flow.comparison}
+        if started is not None:
+            row["started"] = started.get(flow.comparison, flow.answered)
+        row["answered"] = flow.answered
+        row |= {
+            f"removed_{outcome.rule.replace(' ', '_')}": removed
+            for outcome, removed in zip(exclusion.outcomes, flow.removed, strict=True)
+        }
+        rows.append(row | {"analysed": flow.analysed})
+    return _records(rows)
+
+
+def _counts(preference: Preference) -> dict[str, object]:
+    counts = preference.counts
+    names = [level.replace(" ", "_") for level in LEVEL_NAMES]
+    return (
+        _place(preference)
+        | {"answers": counts.total}
+        | dict(zip(names, counts.levels, strict=True))
+        | {
+            "ours_percent": counts.ours,
+            "indifferent_percent": counts.indifferent,
+            "others_percent": counts.others,
+        }
+    )
+
+
+def _estimates(
+    found: Sequence[Preference], exclusions: str, inputs: ReportInputs
+) -> Iterable[dict[str, object]]:
+    for p in found:
+        row = _place(p) | {"exclusions": exclusions} | _mean(p.win_share) | {"p_holm": p.holm_p}
+        if inputs.truth:
+            row["true_win_share"] = inputs.truth.get((p.comparison, p.question))
+        yield row
+
+
+def _place(preference: Preference) -> dict[str, object]:
+    return {
+        "comparison": preference.comparison,
+        "reference": preference.reference,
+        "other": preference.other,
+        "question": preference.question,
+    }
+
+
+def _mean(mean: ClusteredMean, name: str = "win_share") -> dict[str, object]:
+    fields = asdict(mean)
+    return {name: fields.pop("estimate"), **fields}
+
+
+def _condition_score(score: ConditionScore) -> dict[str, object]:
+    return {
+        "condition": score.condition,
+        "metric": score.name,
+        "unit": score.unit,
+        "value": score.value,
+        "spread_between_clips": score.spread,
+        "clips_scored": score.scored,
+        "clips": score.clips,
+        "settings": _words(score.settings),
+        "reason": score.reason,
+    }
+
+
+def _result(result: MetricResult) -> dict[str, object]:
+    return {
+        "metric": result.name,
+        "unit": result.unit,
+        "value": result.value,
+        "n": result.n,
+        "settings": _words(result.settings),
+        "reason": result.reason,
+    }
+
+
+def _words(settings: Mapping[str, str]) -> str:
+    return "; ".join(f"{key}: {value}" for key, value in settings.items())
+
+
+def _records(rows: Sequence[dict[str, object]], columns: list[str] | None = None) -> pd.DataFrame:
+    return pd.DataFrame.from_records(rows, columns=columns)

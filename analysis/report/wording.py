@@ -1,0 +1,76 @@
+"""Numbers and names as a reader wants them: sensible digits, no leading zero, no underscore."""
+
+from __future__ import annotations
+
+import math
+
+from analysis.preferences.clustered import ClusteredMean
+
+
+def name(condition: str) -> str:
+    """Return a condition's or a question's name for reading."""
+    return condition.replace("_", " ")
+
+
+def share(value: float) -> str:
+    """Return a share with two digits, '.63'; a dash for NaN."""
+    if math.isnan(value):
+        return "–"
+    text = f"{abs(value):.2f}"
+    sign = "−" if value < 0 and float(text) else ""
+    return sign + (text[1:] if text.startswith("0") else text)
+
+
+def interval(mean: ClusteredMean) -> str:
+    """Return an interval, '[.55, .71]', or why there is none."""
+    if mean.reason:
+        return f"no interval: {mean.reason}"
+    return f"[{share(mean.low)}, {share(mean.high)}]"
+
+
+def estimate(mean: ClusteredMean) -> str:
+    """Return an estimate with its interval, '.63 [.55, .71]'."""
+    if not mean.answers:
+        return "– (no answers)"
+    if mean.reason:
+        return f"{share(mean.estimate)} ({interval(mean)})"
+    return f"{share(mean.estimate)} {interval(mean)}"
+
+
+def p_value(value: float) -> str:
+    """Return a p value, '< .001', '.012' or '.34'; a dash for NaN."""
+    if math.isnan(value):
+        return "–"
+    if value < 0.001:
+        return "< .001"
+    if value > 0.995:
+        return "1"
+    text = f"{value:.3f}" if value < 0.0995 else f"{value:.2f}"
+    return text[1:]
+
+
+def percent(value: float) -> str:
+    """Return a percentage without decimals; a dash for NaN."""
+    return "–" if math.isnan(value) else f"{value:.0f}"
+
+
+def quantity(value: float) -> str:
+    """Return a number with three significant digits; a dash for NaN."""
+    if math.isnan(value):
+        return "–"
+    if value == 0:
+        return "0"
+    digits = max(0, 2 - math.floor(math.log10(abs(value))))
+    return f"{value:.{min(digits, 6)}f}".replace("-", "−")
+
+
+def count(number: int, noun: str, plural: str = "") -> str:
+    """Return a number with its noun, '1 segment', '8 segments'."""
+    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
+
+
+def listing(items: list[str]) -> str:
+    """Return items as a list in words: 'a', 'a and b', 'a, b and c'."""
+    if len(items) < 2:
+        return "".join(items)
+    return f"{', '.join(items[:-1])} and {items[-1]}"
