@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
+
+from tests.tiny_study import write_tiny_study
 
 
 @pytest.fixture(scope="session")
@@ -13,4 +16,20 @@ def shared_data() -> Path:
     folder = Path(__file__).resolve().parents[1].parent / "shared" / "data"
     if not folder.is_dir():
         pytest.skip("the real recordings (../shared/data) are not here")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def tiny_study_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study folder, made once, of really playing videos; `tiny_study` copies it."""
+    folder = tmp_path_factory.mktemp("tiny-study")
+    write_tiny_study(folder)
+    return folder
+
+
+@pytest.fixture
+def tiny_study(tiny_study_template: Path, tmp_path: Path) -> Path:
+    """Return a study folder of its own, ready to be served: see `tests.tiny_study`."""
+    folder = tmp_path / "study"
+    shutil.copytree(tiny_study_template, folder)
     return folder

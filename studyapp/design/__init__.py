@@ -1,0 +1,1 @@
+"""Which trials a participant gets, in which order and with which sides: pure rules."""

@@ -1,0 +1,83 @@
+"""How many trials a participant gets from the segments that a study really has."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from motion.segment import Segment
+from studyapp.definition.study import Study
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrialCount:
+    """The trials of one participant, by kind, and why they are not what the study file asks for.
+
+    Attributes
+    ----------
+    practice, main, repeat, catch : int
+        Presentations of each kind; `repeat` equals `practice`.
+    sentences : tuple of str
+        What differs from the study file and why, for people; empty where nothing does.
+    """
+
+    practice: int
+    main: int
+    repeat: int
+    catch: int
+    sentences: tuple[str, ...] = ()
+
+    @property
+    def presentations(self) -> int:
+        """Trials that a participant sees, of all kinds."""
+        return self.practice + self.main + self.repeat + self.catch
+
+    @property
+    def analysed(self) -> int:
+        """Trials whose answers are analysed."""
+        return self.main + self.repeat
+
+
+def planned_trials(study: Study, segments: Sequence[Segment]) -> TrialCount:
+    """Count the trials of one participant of `study` with these segments.
+
+    Every analysed trial has a segment of its own, so a study with fewer segments than its file
+    asks for shows each of them once.
+    """
+    pairs = min(study.trials, len(segments))
+    practice = min(study.practice, pairs)
+    sentences = []
+    if pairs < study.trials:
+        sentences.append(
+            f"each participant judges {pairs} pairs instead of {study.trials}, because the study "
+            f"has {len(segments)} segments and shows each of them once"
+        )
+    if practice < study.practice:
+        sentences.append(
+            f"{practice} trials are practice instead of {study.practice}, for the same reason"
+        )
+    sentences.extend(_uneven_emotions(segments, pairs))
+    return TrialCount(
+        practice=practice,
+        main=pairs - practice,
+        repeat=practice,
+        catch=study.catch.trials,
+        sentences=tuple(sentences),
+    )
+
+
+def _uneven_emotions(segments: Sequence[Segment], pairs: int) -> list[str]:
+    """Say which emotions have too few segments for an even share of `pairs`."""
+    available = Counter(segment.emotion for segment in segments)
+    if not available:
+        return []
+    share = pairs // len(available)
+    short = {emotion: count for emotion, count in available.items() if count < share}
+    if not short:
+        return []
+    listed = ", ".join(f"{emotion} {count}" for emotion, count in short.items())
+    return [
+        f"the emotions are not shown equally often: an even share is {share} segments each, "
+        f"but there are fewer of {listed}"
+    ]

@@ -1,0 +1,66 @@
+"""Study sessions: one participant's sitting."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import TYPE_CHECKING
+
+from sqlalchemy import CheckConstraint, String, UniqueConstraint
+from sqlalchemy.orm import Mapped, mapped_column, relationship
+
+from studyapp.models.base import Base
+
+if TYPE_CHECKING:
+    from studyapp.models.place import Place
+    from studyapp.models.trial import Trial
+
+
+class StudySession(Base):
+    """One participant's sitting.
+
+    Attributes
+    ----------
+    token : str
+        In the participant's addresses; whoever knows it is the participant.
+    visit : str or None
+        Drawn with the consent page, so that a start sent twice makes one study session.
+    recruiter_participant, recruiter_study, recruiter_session : str
+        What the recruiter calls them (Prolific: ``PROLIFIC_PID``, ``STUDY_ID``,
+        ``SESSION_ID``); no participant name where there is no recruiter.
+    comparison, reference, other : str
+        What this participant compares, also after the place is given to somebody else.
+    consented_at, started_at, last_active_at, completed_at, withdrawn_at : datetime
+        When they agreed, saw the first trial, last did anything, gave the last answer, and took
+        their consent back.
+    completion_code : str or None
+        There is none before the last answer is stored.
+    """
+
+    __tablename__ = "study_sessions"
+    __table_args__ = (
+        UniqueConstraint("recruiter_participant", "recruiter_study"),
+        CheckConstraint(
+            "(completion_code IS NULL) = (completed_at IS NULL)", name="code_only_when_completed"
+        ),
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    token: Mapped[str] = mapped_column(String(64), unique=True)
+    visit: Mapped[str | None] = mapped_column(String(64), unique=True)
+    recruiter_participant: Mapped[str | None] = mapped_column(String(200))
+    recruiter_study: Mapped[str] = mapped_column(String(200), default="")
+    recruiter_session: Mapped[str] = mapped_column(String(200), default="")
+    comparison: Mapped[str] = mapped_column(String(202))
+    reference: Mapped[str] = mapped_column(String(100))
+    other: Mapped[str] = mapped_column(String(100))
+    consented_at: Mapped[datetime]
+    started_at: Mapped[datetime | None]
+    last_active_at: Mapped[datetime]
+    completed_at: Mapped[datetime | None]
+    withdrawn_at: Mapped[datetime | None]
+    completion_code: Mapped[str | None] = mapped_column(String(32), unique=True)
+
+    place: Mapped[Place | None] = relationship(back_populates="study_session")
+    trials: Mapped[list[Trial]] = relationship(
+        back_populates="study_session", order_by="Trial.position", cascade="all, delete-orphan"
+    )

@@ -1,0 +1,1 @@
+"""What participants and researchers do to the database, one use case a file."""

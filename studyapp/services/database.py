@@ -1,0 +1,155 @@
+"""Opening the study's database: SQLite beside the study, or PostgreSQL by address."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Self
+
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError
+from sqlalchemy.orm import Session
+
+from motion.errors import InputError
+
+BUSY_SECONDS: Final = 30
+"""How long a writer waits for another one before it gives up."""
+
+
+def sqlite_url(path: Path) -> str:
+    """Return the database address of an SQLite file."""
+    return f"sqlite:///{path.resolve()}"
+
+
+@dataclass(frozen=True)
+class Database:
+    """An open database at the newest schema.
+
+    Several processes may have the same one open. Work is done in `writing` or `reading`, each
+    one transaction: all of it is stored, or nothing.
+    """
+
+    engine: Engine
+
+    @classmethod
+    def open(cls, url: str) -> Self:
+        """Open the database at `url`, making it or bringing it to the newest schema.
+
+        Raises
+        ------
+        InputError
+            If the address is unusable, the file is no database or damaged, or a newer version
+            of Motion Jury made it.
+        """
+        shown = _shown(url)
+        try:
+            engine = _engine(url)
+            with engine.connect() as connection:
+                is_current = _revision(connection) == _head()
+            if not is_current:
+                _migrate(engine, shown)
+        except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
+            raise InputError(
+                f"the database address cannot be used: {error}",
+                where=shown,
+                remedy="Give an address such as sqlite:////folder/responses.db, and install the "
+                "driver it needs",
+            ) from error
+        except DatabaseError as error:
+            raise InputError(
+                f"the database cannot be opened: {error.orig}",
+                where=shown,
+                remedy="Check that the path is right and writable; if the file is damaged, put a "
+                "backup in its place",
+            ) from error
+        return cls(engine)
+
+    @contextmanager
+    def writing(self) -> Iterator[Session]:
+        """Give a session whose transaction excludes other writers and is stored at the end."""
+        engine = self.engine.execution_options(writes=True)
+        with Session(engine, expire_on_commit=False) as session, session.begin():
+            yield session
+
+    @contextmanager
+    def reading(self) -> Iterator[Session]:
+        """Give a session that sees one state of the database and stores nothing."""
+        with Session(self.engine, expire_on_commit=False) as session:
+            yield session
+
+    def close(self) -> None:
+        """Give back all connections."""
+        self.engine.dispose()
+
+
+def migration_config(connection: Connection) -> Config:
+    """Return the configuration with which Alembic works on `connection`."""
+    config = Config()
+    config.set_main_option("script_location", "studyapp:migrations")
+    config.attributes["connection"] = connection
+    return config
+
+
+def _migrate(engine: Engine, shown: str) -> None:
+    """Bring the database to the newest schema; several processes may try at once."""
+    with engine.execution_options(writes=True).begin() as connection:
+        config = migration_config(connection)
+        known = {step.revision for step in ScriptDirectory.from_config(config).walk_revisions()}
+        revision = _revision(connection)
+        if revision is not None and revision not in known:
+            raise InputError(
+                f"the database has a schema ({revision}) that this version does not know",
+                where=shown,
+                remedy="Update Motion Jury to the version that made it, or choose another database",
+            )
+        command.upgrade(config, "head")
+
+
+def _revision(connection: Connection) -> str | None:
+    return MigrationContext.configure(connection).get_current_revision()
+
+
+def _head() -> str | None:
+    config = Config()
+    config.set_main_option("script_location", "studyapp:migrations")
+    return ScriptDirectory.from_config(config).get_current_head()
+
+
+def _shown(url: str) -> str:
+    """Return the address without its password."""
+    try:
+        return make_url(url).render_as_string(hide_password=True)
+    except ArgumentError:
+        return "DATABASE_URL"
+
+
+def _engine(url: str) -> Engine:
+    address = make_url(url)
+    if address.get_backend_name() != "sqlite":
+        return create_engine(address, pool_pre_ping=True)
+    engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS})
+    event.listen(engine, "connect", _set_up_sqlite)
+    event.listen(engine, "begin", _begin_sqlite)
+    return engine
+
+
+def _set_up_sqlite(connection: sqlite3.Connection, _record: Any) -> None:
+    # The driver must not open transactions by itself: `_begin_sqlite` does, of the right kind.
+    connection.isolation_level = None
+    for pragma in ("journal_mode = WAL", "foreign_keys = ON", "synchronous = FULL"):
+        connection.execute(f"PRAGMA {pragma}")
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    # A writer takes the lock at once: one that first reads and then writes could find that
+    # another has written in between, and fail.
+    writes = connection.get_execution_options().get("writes", False)
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")

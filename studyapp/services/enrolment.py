@@ -1,0 +1,132 @@
+"""Enrolment: a participant agrees, and gets a place and their trials; coming again resumes."""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Final
+
+from sqlalchemy import ColumnElement, select
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import Session
+
+from studyapp.clock import Clock
+from studyapp.design.counterbalancing import participant_trials
+from studyapp.models import Place, StudySession, Trial
+from studyapp.services.database import Database
+from studyapp.services.places import least_filled, open_places, release_stale
+from studyapp.services.refusal import StudyFullError
+from studyapp.services.served_study import ServedStudy
+
+TOKEN_BYTES: Final = 24
+"""Random bytes of every token: 192 bits."""
+
+ATTEMPTS: Final = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrival:
+    """Who comes, as far as anybody says so.
+
+    Attributes
+    ----------
+    visit : str or None
+        Drawn with the consent page; the same one always means the same study session.
+    recruiter_participant : str or None
+        The recruiter's name for the participant, who takes part once in each of the
+        recruiter's studies.
+    recruiter_study, recruiter_session : str
+        The recruiter's names for the study and the sitting; may be empty.
+    """
+
+    visit: str | None = None
+    recruiter_participant: str | None = None
+    recruiter_study: str = ""
+    recruiter_session: str = ""
+
+
+def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str:
+    """Give the arriving participant a study session and return its token.
+
+    Whoever has one already gets that one back, whatever its state.
+
+    Raises
+    ------
+    StudyFullError
+        If no place is open.
+    """
+    for _ in range(ATTEMPTS):
+        try:
+            with database.writing() as session:
+                return _enrol(session, served, arrival, clock.now())
+        except IntegrityError:
+            # On PostgreSQL writers run side by side: another process has just taken the same
+            # place or enrolled the same participant. SQLite lets one writer in at a time.
+            continue
+    raise StudyFullError(
+        "Very many people are starting right now.", "Please try again in a minute with this link."
+    )
+
+
+def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str:
+    known = session.scalars(select(StudySession).where(_is_same(arrival))).first()
+    if known is not None:
+        return known.token
+    study = served.study
+    open_places(session, study)
+    release_stale(session, now)
+    place = least_filled(session, study)
+    if place is None:
+        raise StudyFullError(
+            "The study has all the participants it needs at the moment.",
+            "Thank you for your interest. A place may open again: you can try later with the "
+            "same link.",
+        )
+    study_session = StudySession(
+        token=secrets.token_urlsafe(TOKEN_BYTES),
+        visit=arrival.visit,
+        recruiter_participant=arrival.recruiter_participant,
+        recruiter_study=arrival.recruiter_study,
+        recruiter_session=arrival.recruiter_session,
+        comparison=place.comparison,
+        reference=place.reference,
+        other=place.other,
+        consented_at=now,
+        last_active_at=now,
+        trials=_trials(served, place),
+    )
+    session.add(study_session)
+    place.study_session = study_session
+    session.flush()
+    return study_session.token
+
+
+def _is_same(arrival: Arrival) -> ColumnElement[bool]:
+    if arrival.recruiter_participant is None:
+        return StudySession.visit == arrival.visit
+    return (StudySession.recruiter_participant == arrival.recruiter_participant) & (
+        StudySession.recruiter_study == arrival.recruiter_study
+    )
+
+
+def _trials(served: ServedStudy, place: Place) -> list[Trial]:
+    planned = participant_trials(
+        served.study, served.segments, other=place.other, number=place.number
+    )
+    return [
+        Trial(
+            position=trial.position,
+            kind=trial.kind,
+            segment=trial.segment.name,
+            emotion=trial.segment.emotion,
+            speaker=trial.segment.speaker,
+            left_condition=trial.left,
+            right_condition=trial.right,
+            expected=trial.expected or "",
+            repeats=trial.repeats,
+            duration=served.videos[trial.segment.name, trial.left, trial.right].duration,
+            media_token=secrets.token_urlsafe(TOKEN_BYTES),
+        )
+        for trial in planned
+    ]

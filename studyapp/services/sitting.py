@@ -1,0 +1,84 @@
+"""Where a study session stands."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from studyapp.models import StudySession, Trial
+from studyapp.services.refusal import ConflictError, NotTheirsError, UnknownAddressError
+
+State = Literal["instructed", "started", "completed", "withdrawn", "lapsed"]
+
+
+def find(session: Session, token: str) -> StudySession:
+    """Return the study session with this token, kept from other writers until stored.
+
+    Raises
+    ------
+    UnknownAddressError
+        If there is none.
+    """
+    found = session.scalars(
+        select(StudySession).where(StudySession.token == token).with_for_update()
+    ).first()
+    if found is None:
+        raise UnknownAddressError(
+            "This address belongs to no participant of this study.",
+            "Please open the link you were given once more; nothing you answered is lost.",
+        )
+    return found
+
+
+def state_of(study_session: StudySession) -> State:
+    """Return where `study_session` stands.
+
+    ``instructed`` has agreed but not yet begun, ``lapsed`` was silent for so long that its place
+    was given back.
+    """
+    if study_session.withdrawn_at is not None:
+        return "withdrawn"
+    if study_session.completed_at is not None:
+        return "completed"
+    if study_session.place is None:
+        return "lapsed"
+    return "instructed" if study_session.started_at is None else "started"
+
+
+def require_started(study_session: StudySession) -> None:
+    """Raise `ConflictError` unless `study_session` is in the middle of its trials."""
+    state = state_of(study_session)
+    if state != "started":
+        raise ConflictError(
+            {
+                "instructed": "You have not begun yet.",
+                "completed": "You have already finished: all your answers are stored.",
+                "withdrawn": "You have withdrawn from this study.",
+                "lapsed": "Your place was given to somebody else after a long pause.",
+            }[state],
+            "The page you come to next shows how to go on.",
+        )
+
+
+def current_trial(study_session: StudySession) -> Trial | None:
+    """Return the trial to be shown, None when there is none left."""
+    return next((trial for trial in study_session.trials if not trial.settled), None)
+
+
+def trial_of(study_session: StudySession, media_token: str) -> Trial:
+    """Return the trial that `media_token` names.
+
+    Raises
+    ------
+    NotTheirsError
+        If it is none of this study session.
+    """
+    for trial in study_session.trials:
+        if trial.media_token == media_token:
+            return trial
+    raise NotTheirsError(
+        "This pair of videos does not belong to you.",
+        "Go on with your own; nothing you answered is lost.",
+    )

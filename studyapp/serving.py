@@ -1,0 +1,82 @@
+"""Serving a study to participants through gunicorn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from flask import Flask
+from gunicorn.app.base import BaseApplication
+
+from studyapp.services.database import Database
+from studyapp.services.served_study import ServedStudy
+from studyapp.web.app import create_app, database_url_of
+
+THREADS = 8
+"""Requests that one worker handles side by side; a slow line must not hold up the others."""
+
+
+class StudyServer(BaseApplication):  # type: ignore[misc]
+    """gunicorn, set up in this process; every worker makes its own application."""
+
+    def __init__(self, options: dict[str, Any], folder: Path, **application: Any) -> None:
+        self.options = options
+        self.folder = folder
+        self.application = application
+        super().__init__()
+
+    def load_config(self) -> None:
+        """Take over the options; no file and no command line is read."""
+        for name, value in self.options.items():
+            self.cfg.set(name, value)
+
+    def load(self) -> Flask:
+        """Make the application, in the worker's own process."""
+        return create_app(self.folder, **self.application)
+
+
+def run_server(
+    folder: Path,
+    host: str,
+    port: int,
+    workers: int,
+    *,
+    database_url: str | None = None,
+    rehearsal_speed: float | None = None,
+) -> None:
+    """Serve the study in `folder` until the process is told to stop (SIGINT or SIGTERM).
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder.
+    host, port : str, int
+        Where to listen.
+    workers : int
+        Processes.
+    database_url, rehearsal_speed
+        See `studyapp.web.app.create_app`.
+
+    Raises
+    ------
+    InputError
+        Before anything is served: if the study or a video is missing, or the database cannot
+        be used.
+    """
+    ServedStudy.read(folder)
+    url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal_speed is not None)
+    # The workers find the newest schema and need not make it all at once.
+    Database.open(url).close()
+    options = {
+        "bind": f"{host}:{port}",
+        "workers": workers,
+        "worker_class": "gthread",
+        "threads": THREADS,
+        "preload_app": False,
+        # Addresses hold participants' tokens.
+        "accesslog": None,
+        "loglevel": "warning",
+        "proc_name": "motionjury",
+        "control_socket_disable": True,
+    }
+    StudyServer(options, folder, database_url=url, rehearsal_speed=rehearsal_speed).run()

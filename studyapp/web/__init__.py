@@ -1,0 +1,28 @@
+"""The pages of a participant.
+
+Every page is plain HTML; its next step is a ``<form method="post">``. Scripts make it pleasant,
+and report what was played. There are no cookies: a random token in the address is the
+participant. What programs may rely on:
+
+==============================  ================================================================
+``GET /``                       consent. The form posts to ``/`` and leads to ``/take/<token>``;
+                                it carries ``visit`` and, where the recruiter gave them in the
+                                address, ``PROLIFIC_PID``, ``STUDY_ID`` and ``SESSION_ID``.
+``GET /take/<token>``           where the participant stands: instructions, a trial, the end.
+``POST /take/<token>/begin``    the instructions' form.
+``POST /take/<token>/answers``  the trial's form ``<form id="answers">``: a hidden ``trial`` and
+                                for each question one radio group of its name, values -2 (clearly
+                                A) to 2 (clearly B). The same answers may be sent twice.
+``POST /take/<token>/unplayable``  the form ``<form id="unplayable">``: ``trial`` alone.
+``POST`` the ``data-watched-url`` of ``<video id="pair">``
+                                JSON ``{"batch": n, "intervals": [[from, to], ...]}``, seconds of
+                                the video that were played; n counts the reports of a trial from
+                                0. The answer holds ``missing``, the seconds still to be played.
+``GET /media/<media token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its
+                                length as ``data-duration``.
+``<output id="completion-code">``  on the last page, the completion code.
+==============================  ================================================================
+
+Refusals are pages (or JSON, where the request accepts that) with status 403, 404, 409 or 422;
+they change nothing.
+"""

@@ -1,0 +1,90 @@
+"""The web application of one study."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Final
+
+from flask import Flask
+from jinja2 import StrictUndefined
+
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.definition.folder import StudyFolder
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.served_study import ServedStudy
+from studyapp.web import media, participant
+from studyapp.web.errors import register_error_pages
+from studyapp.web.headers import protect
+from studyapp.web.running import Running, attach
+
+LARGEST_REQUEST: Final = 64 * 1024
+SCRIPT_SECONDS: Final = 300
+"""How long a browser may keep style and scripts without asking again."""
+
+
+def database_url_of(
+    folder: Path, *, database_url: str | None = None, rehearsal: bool = False
+) -> str:
+    """Return the address of the database that answers go to.
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder.
+    database_url : str, optional
+        Takes precedence over everything else.
+    rehearsal : bool
+        A rehearsal's answers go to a database of their own, whatever the environment says;
+        those of participants to ``DATABASE_URL`` where it is set, else beside the study.
+    """
+    if database_url is not None:
+        return database_url
+    files = StudyFolder(folder)
+    if rehearsal:
+        return sqlite_url(files.rehearsal)
+    return os.environ.get("DATABASE_URL") or sqlite_url(files.responses)
+
+
+def create_app(
+    folder: Path, *, database_url: str | None = None, rehearsal_speed: float | None = None
+) -> Flask:
+    """Make the application that serves the study in `folder`.
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder; its videos must be complete.
+    database_url : str, optional
+        See `database_url_of`.
+    rehearsal_speed : float, optional
+        Makes a rehearsal: seconds that count as passed for each real one.
+
+    Raises
+    ------
+    InputError
+        If the study, its media or its database cannot be used.
+    """
+    if rehearsal_speed is not None and not rehearsal_speed > 0:
+        raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
+    served = ServedStudy.read(folder)
+    url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal_speed is not None)
+    app = Flask("studyapp.web")
+    app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
+    app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
+    app.jinja_env.undefined = StrictUndefined
+    app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
+    attach(
+        app,
+        Running(
+            served=served,
+            database=Database.open(url),
+            clock=Clock(speed=rehearsal_speed or 1.0),
+        ),
+    )
+    app.register_blueprint(participant.pages)
+    app.register_blueprint(media.pages)
+    register_error_pages(app)
+    protect(app)
+    return app

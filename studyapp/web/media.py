@@ -1,0 +1,39 @@
+"""The videos, under names that say nothing."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from flask import Blueprint, abort, send_file
+from flask.typing import ResponseReturnValue
+
+from studyapp.services.taking_part import video_key
+from studyapp.web.running import running
+
+pages = Blueprint("media", __name__)
+
+KEPT_SECONDS: Final = 3600
+
+
+@pages.get("/media/<token>.mp4")
+def video(token: str) -> ResponseReturnValue:
+    """Send the video of a trial, whole or the byte range asked for.
+
+    The headers are the same for every file: its name and age would tell videos apart.
+    """
+    here = running()
+    key = video_key(here.database, token)
+    found = here.served.video(*key) if key is not None else None
+    if found is None:
+        abort(404)
+    response = send_file(
+        found.file,
+        mimetype="video/mp4",
+        download_name="video.mp4",
+        conditional=True,
+        etag=False,
+    )
+    for name in ("Last-Modified", "Content-Disposition", "Expires"):
+        response.headers.pop(name, None)
+    response.headers["Cache-Control"] = f"private, max-age={KEPT_SECONDS}"
+    return response

@@ -1,0 +1,186 @@
+"""The participant's way: consent, instructions, trials, completion code."""
+
+from __future__ import annotations
+
+import re
+import secrets
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Final
+
+from flask import Blueprint, jsonify, redirect, render_template, request, url_for
+from flask.typing import ResponseReturnValue
+from pydantic import ValidationError
+
+from studyapp.design.trial_count import planned_trials
+from studyapp.services.answering import answer, skip_unplayable
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.refusal import UnacceptableError
+from studyapp.services.taking_part import ShownTrial, begin, look, withdraw
+from studyapp.services.watching import record_watched
+from studyapp.web.errors import wants_json
+from studyapp.web.running import running
+from studyapp.web.watch_report import WatchReport
+from studyapp.web.wording import SCALE, asked, frozen_words
+
+pages = Blueprint("participant", __name__)
+
+RECRUITER_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
+RECRUITER_NAME: Final = re.compile(r"[\x21-\x7e]{1,200}")
+VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")
+
+
+@pages.get("/")
+def consent() -> ResponseReturnValue:
+    """Say what the study is and ask for consent; nothing is stored."""
+    here = running()
+    return render_template(
+        "consent.html",
+        study=here.study,
+        paragraphs=[text for text in here.study.page.consent.split("\n\n") if text.strip()],
+        visit=secrets.token_urlsafe(24),
+        recruiter=_recruiter(request.args),
+    )
+
+
+@pages.post("/")
+def start() -> ResponseReturnValue:
+    """Enrol the participant, or bring them back to where they were."""
+    here = running()
+    recruiter = _recruiter(request.form)
+    visit = request.form.get("visit", "")
+    if not recruiter and not VISIT.fullmatch(visit):
+        raise UnacceptableError(
+            "The start did not come from the start page.", "Please open the study's link again."
+        )
+    arrival = Arrival(
+        visit=None if recruiter else visit,
+        recruiter_participant=recruiter.get("PROLIFIC_PID"),
+        recruiter_study=recruiter.get("STUDY_ID", ""),
+        recruiter_session=recruiter.get("SESSION_ID", ""),
+    )
+    token = enrol(here.database, here.served, arrival, here.clock)
+    return _to_where_they_stand(token)
+
+
+@pages.get("/take/<token>")
+def stand(token: str) -> ResponseReturnValue:
+    """Show where the participant stands."""
+    return _where_they_stand(token)
+
+
+@pages.post("/take/<token>/begin")
+def begin_trials(token: str) -> ResponseReturnValue:
+    """Leave the instructions."""
+    here = running()
+    begin(here.database, token, here.clock)
+    return _to_where_they_stand(token)
+
+
+@pages.post("/take/<token>/answers")
+def answers(token: str) -> ResponseReturnValue:
+    """Store the answers of the present trial."""
+    here = running()
+    given = {name: value for name, value in request.form.items() if name != "trial"}
+    try:
+        answer(here.database, here.study, token, request.form.get("trial", ""), given, here.clock)
+    except UnacceptableError as refusal:
+        if wants_json():
+            raise
+        problem = f"{refusal.what} {refusal.remedy}"
+        return _where_they_stand(token, problem=problem, given=given), 422
+    return _to_where_they_stand(token)
+
+
+@pages.post("/take/<token>/unplayable")
+def unplayable(token: str) -> ResponseReturnValue:
+    """Go on without the video that does not play."""
+    here = running()
+    skip_unplayable(here.database, token, request.form.get("trial", ""), here.clock)
+    return _to_where_they_stand(token)
+
+
+@pages.post("/take/<token>/watched/<media_token>")
+def watched(token: str, media_token: str) -> ResponseReturnValue:
+    """Store a report of played intervals."""
+    here = running()
+    try:
+        report = WatchReport.model_validate(request.get_json(force=True, silent=True))
+    except ValidationError:
+        return jsonify(problem="This is not a report of played intervals."), 422
+    known = record_watched(
+        here.database,
+        token,
+        media_token,
+        batch=report.batch,
+        intervals=report.intervals,
+        coverage=here.study.watching.coverage,
+        clock=here.clock,
+    )
+    return jsonify(asdict(known))
+
+
+@pages.get("/take/<token>/withdraw")
+def ask_withdrawal(token: str) -> ResponseReturnValue:
+    """Ask whether the participant really wants to stop."""
+    here = running()
+    look(here.database, here.served, token, here.clock)
+    return render_template("withdraw.html", study=here.study, token=token)
+
+
+@pages.post("/take/<token>/withdraw")
+def confirm_withdrawal(token: str) -> ResponseReturnValue:
+    """Take the consent back."""
+    here = running()
+    withdraw(here.database, token, here.clock)
+    return _to_where_they_stand(token)
+
+
+def _to_where_they_stand(token: str) -> ResponseReturnValue:
+    address = url_for("participant.stand", token=token)
+    if wants_json():
+        return jsonify(next=address)
+    return redirect(address, 303)
+
+
+def _where_they_stand(
+    token: str, *, problem: str = "", given: Mapping[str, str] | None = None
+) -> str:
+    here = running()
+    situation = look(here.database, here.served, token, here.clock)
+    if situation.trial is not None:
+        return _trial_page(token, situation.trial, problem, given or {})
+    return render_template(
+        f"{situation.state}.html",
+        study=here.study,
+        token=token,
+        presentations=situation.presentations,
+        count=planned_trials(here.study, here.served.segments),
+        frozen=frozen_words(here.study),
+        completion_code=situation.completion_code,
+    )
+
+
+def _trial_page(token: str, trial: ShownTrial, problem: str, given: Mapping[str, str]) -> str:
+    study = running().study
+    return render_template(
+        "trial.html",
+        study=study,
+        token=token,
+        trial=trial,
+        questions=[asked(question, trial.emotion) for question in study.questions],
+        scale=SCALE,
+        problem=problem,
+        given=given,
+    )
+
+
+def _recruiter(values: Mapping[str, str]) -> dict[str, str]:
+    """Return the recruiter's names; none at all where it did not name the participant."""
+    names = {name: values[name] for name in RECRUITER_NAMES if values.get(name)}
+    if any(not RECRUITER_NAME.fullmatch(value) for value in names.values()):
+        raise UnacceptableError(
+            "The link holds a participant name that cannot be used.",
+            "Please open the study once more from the page that sent you here.",
+        )
+    return names if "PROLIFIC_PID" in names else {}

@@ -1,0 +1,39 @@
+"""What every request needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, cast
+
+from flask import Flask, current_app
+
+from studyapp.clock import Clock
+from studyapp.definition.study import Study
+from studyapp.services.database import Database
+from studyapp.services.served_study import ServedStudy
+
+EXTENSION: Final = "motionjury"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Running:
+    """The study being served, its database and its clock."""
+
+    served: ServedStudy
+    database: Database
+    clock: Clock
+
+    @property
+    def study(self) -> Study:
+        """The study's definition."""
+        return self.served.study
+
+
+def attach(app: Flask, running: Running) -> None:
+    """Make `running` known to the requests of `app`."""
+    app.extensions[EXTENSION] = running
+
+
+def running() -> Running:
+    """Return what the present request needs."""
+    return cast(Running, current_app.extensions[EXTENSION])

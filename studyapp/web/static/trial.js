@@ -1,0 +1,45 @@
+// A trial: playing the pair, seeing that it was played, answering, and going on.
+
+import { Answers } from "./answers.js";
+import { Playback } from "./playback.js";
+import { Submission } from "./submission.js";
+import { WatchEvidence } from "./watch_evidence.js";
+
+const video = document.getElementById("pair");
+const evidence = new WatchEvidence(video);
+const answers = new Answers(document.getElementById("answers"));
+const needed = document.getElementById("needed");
+const watched = document.getElementById("watched");
+let fetchedAhead = false;
+
+function missing() {
+  const parts = evidence.missing > 0 ? ["play the pair to the end"] : [];
+  const numbers = answers.unanswered();
+  if (numbers.length) parts.push(`answer ${numbers.join(" and ")}`);
+  return parts;
+}
+
+function show() {
+  const parts = missing();
+  needed.textContent = parts.length ? `Still needed: ${parts.join(", ")}` : "All done – press Next";
+  needed.classList.toggle("complete", parts.length === 0);
+  watched.textContent =
+    evidence.missing > 0 ? `Watched: still ${Math.ceil(evidence.missing)} s` : "Watched ✓";
+  watched.classList.toggle("complete", evidence.missing <= 0);
+  if (evidence.missing <= 0) fetchAhead();
+}
+
+// Only the next pair, and only when this one no longer needs the line.
+function fetchAhead() {
+  if (fetchedAhead || !video.dataset.following) return;
+  fetchedAhead = true;
+  fetch(video.dataset.following, { priority: "low" }).catch(() => {
+    fetchedAhead = false;
+  });
+}
+
+new Playback(video, document.getElementById("controls"));
+new Submission(answers, evidence, missing);
+evidence.addEventListener("change", show);
+answers.addEventListener("change", show);
+show();

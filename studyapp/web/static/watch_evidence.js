@@ -1,0 +1,125 @@
+// Which parts of the video were really played. The server decides whether that is enough; here
+// it is measured, reported in numbered batches, and shown before the server has answered.
+
+const REPORT_EVERY_MS = 2000;
+const RETRY_MS = 2000;
+const LARGEST_STEP = 1.0; // seconds between two looks at a playing video
+
+export function merged(intervals) {
+  const union = [];
+  for (const [from, to] of [...intervals].sort((a, b) => a[0] - b[0])) {
+    const last = union[union.length - 1];
+    if (last && from <= last[1]) last[1] = Math.max(last[1], to);
+    else union.push([from, to]);
+  }
+  return union;
+}
+
+function length(intervals) {
+  return intervals.reduce((sum, [from, to]) => sum + to - from, 0);
+}
+
+export class WatchEvidence extends EventTarget {
+  constructor(video) {
+    super();
+    this.video = video;
+    this.duration = Number(video.dataset.duration);
+    this.needed = Number(video.dataset.coverage) * this.duration;
+    this.played = JSON.parse(video.dataset.watched);
+    this.batch = Number(video.dataset.nextBatch);
+    this.unsent = [];
+    this.last = null; // where the playing video was when last looked at
+    this.sending = null;
+    video.addEventListener("playing", () => this.open());
+    video.addEventListener("timeupdate", () => this.look());
+    video.addEventListener("ended", () => this.close(true));
+    for (const name of ["pause", "seeking", "waiting", "stalled", "volumechange"]) {
+      video.addEventListener(name, () => this.close(false));
+    }
+    setInterval(() => this.report(), REPORT_EVERY_MS);
+    addEventListener("pagehide", () => {
+      this.close(false);
+      this.report();
+    });
+  }
+
+  get missing() {
+    const rest = this.needed - length(merged([...this.played, ...this.unsent]));
+    return rest < 0.001 ? 0 : rest;
+  }
+
+  // A video that nobody can see or hear does not count as watched.
+  get counts() {
+    return !document.hidden && !this.video.muted && this.video.volume > 0;
+  }
+
+  open() {
+    if (this.counts) this.last = this.video.currentTime;
+  }
+
+  look() {
+    const now = this.video.currentTime;
+    if (this.last === null) {
+      if (!this.video.paused && !this.video.seeking) this.open();
+      return;
+    }
+    const step = now - this.last;
+    if (step > 0 && step <= LARGEST_STEP) this.add(this.last, now);
+    this.last = now;
+  }
+
+  close(atEnd) {
+    if (this.last !== null && !this.video.seeking) {
+      const now = atEnd ? Math.max(this.video.currentTime, this.duration) : this.video.currentTime;
+      if (now > this.last && now - this.last <= LARGEST_STEP) this.add(this.last, now);
+    }
+    this.last = null;
+    if (atEnd) this.report();
+  }
+
+  add(from, to) {
+    this.unsent = merged([...this.unsent, [from, to]]);
+    this.dispatchEvent(new Event("change"));
+  }
+
+  // Send what is unsent; resolves when nothing is, or when sending failed.
+  async report() {
+    while (this.sending) await this.sending;
+    if (!this.unsent.length) return;
+    this.sending = this.send();
+    await this.sending;
+    this.sending = null;
+  }
+
+  async send() {
+    const intervals = this.unsent;
+    this.unsent = [];
+    this.played = merged([...this.played, ...intervals]);
+    const body = JSON.stringify({ batch: this.batch, intervals });
+    for (;;) {
+      try {
+        const answer = await fetch(this.video.dataset.watchedUrl, {
+          method: "POST",
+          headers: { "Content-Type": "application/json", Accept: "application/json" },
+          body,
+          keepalive: true,
+        });
+        if (answer.ok) {
+          const known = await answer.json();
+          this.played = known.intervals;
+          this.batch = known.next_batch;
+          this.dispatchEvent(new Event("change"));
+          return;
+        }
+        if (answer.status < 500) {
+          // Another window is ahead of this one: start again from what the server knows.
+          location.reload();
+          return;
+        }
+      } catch {
+        // The connection is lost; the same report is sent again under the same number.
+      }
+      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+    }
+  }
+}

@@ -1,0 +1,53 @@
+"""Words on the pages that depend on the study."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from studyapp.definition.study import Question, Study
+
+SCALE: Final = (
+    (-2, "clearly A"),
+    (-1, "slightly A"),
+    (0, "no difference"),
+    (1, "slightly B"),
+    (2, "clearly B"),
+)
+"""The five answers in the order of the videos, from left to right."""
+
+CHANNEL_WORDS: Final = {
+    "face": "face",
+    "hands": "fingers",
+    "lower_body": "legs",
+    "root": "whole-body movement through space",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class AskedQuestion:
+    """A question as a trial asks it.
+
+    Attributes
+    ----------
+    parts : tuple of (str, bool)
+        The text in pieces; True marks the emotion, which the page emphasises.
+    """
+
+    name: str
+    parts: tuple[tuple[str, bool], ...]
+
+
+def asked(question: Question, emotion: str) -> AskedQuestion:
+    """Return `question` with the emotion of the segment in its place."""
+    pieces = question.text.split("{emotion}")
+    parts: list[tuple[str, bool]] = [(pieces[0], False)]
+    for piece in pieces[1:]:
+        parts += [(emotion, True), (piece, False)]
+    return AskedQuestion(name=question.name, parts=tuple(part for part in parts if part[0]))
+
+
+def frozen_words(study: Study) -> str:
+    """Return what the videos hold still, as a list in words; empty where nothing is."""
+    words = [CHANNEL_WORDS[channel] for channel in study.freeze]
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
