@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
+from analysis.preferences.clustered import LEVEL
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
-from analysis.report.findings import Findings, verdict
+from analysis.report.findings import Findings, Verdict, verdict
 from analysis.report.inputs import ReportInputs
 
 
@@ -45,38 +48,41 @@ def flow_line(inputs: ReportInputs, findings: Findings) -> str:
     if inputs.study_sessions is not None:
         steps.append(f"{sum(inputs.study_sessions.values())} started")
     steps.append(f"{exclusion.sessions_answered} answered")
-    steps += [f"{o.removed} excluded ({o.description})" for o in exclusion.outcomes if o.removed]
-    if not exclusion.exclusions:
-        steps.append("none excluded")
+    removed = [f"{o.removed} excluded: {o.description}" for o in exclusion.outcomes if o.removed]
+    steps += removed or ["none excluded"]
     steps.append(f"{exclusion.sessions_analysed} analysed")
     return f"{people(inputs).capitalize()}: {' → '.join(steps)}."
 
 
 def _about(question: str, inputs: ReportInputs, findings: Findings) -> str:
     found = [p for p in findings.preferences if p.question == question]
-    won = [p for p in found if verdict(p) == "reference"]
-    lost = [p for p in found if verdict(p) == "other"]
-    open_ = [p for p in found if verdict(p) == "undecided"]
     reference = wording.name(inputs.reference)
+    sides = {side: [p for p in found if verdict(p) == side] for side in get_args(Verdict)}
+    first = next(p for side in sides.values() for p in side)
+    named = {
+        side: wording.listing([_with_numbers(p, full=p is first) for p in preferences])
+        for side, preferences in sides.items()
+    }
     clauses = []
-    if won:
-        against = wording.listing([_with_numbers(p) for p in won])
-        clauses.append(f"{people(inputs)} preferred {reference} to {against}")
-    if lost:
-        against = wording.listing([_with_numbers(p) for p in lost])
-        clauses.append(
-            f"{'they' if clauses else people(inputs)} preferred {against} to {reference}"
-        )
-    if open_:
-        against = wording.listing([_with_numbers(p) for p in open_])
-        clauses.append(f"the answers do not decide between {reference} and {against}")
+    if named["reference"]:
+        clauses.append(f"{people(inputs)} preferred {reference} to {named['reference']}")
+    if named["other"]:
+        subject = "they" if clauses else people(inputs)
+        clauses.append(f"{subject} preferred {named['other']} to {reference}")
+    if named["undecided"]:
+        clauses.append(f"the answers do not decide between {reference} and {named['undecided']}")
     return f"On {wording.name(question)}, {'; '.join(clauses)}."
 
 
-def _with_numbers(preference: Preference) -> str:
+def _with_numbers(preference: Preference, *, full: bool) -> str:
+    """Return the other condition with the reference's win share; `full` says what that is."""
+    mean = preference.win_share
+    other = wording.name(preference.other)
+    if not full or mean.reason:
+        return f"{other} ({wording.estimate(mean)})"
     return (
-        f"{wording.name(preference.other)} "
-        f"({wording.name(preference.reference)} wins {wording.estimate(preference.win_share)})"
+        f"{other} (win share of {wording.name(preference.reference)} "
+        f"{wording.share(mean.estimate)}, {LEVEL:.0%} interval {wording.interval(mean)})"
     )
 
 
@@ -88,15 +94,14 @@ def _basis(inputs: ReportInputs, findings: Findings) -> str:
         for kept, everyone in zip(findings.preferences, findings.everyone, strict=True)
         if verdict(kept) != verdict(everyone)
     ]
-    out = len(exclusion.exclusions)
-    if not out:
+    if not exclusion.exclusions:
         effect = "nobody was excluded"
     elif changed:
         effect = (
-            f"with the {out} excluded, the conclusion would differ for {wording.listing(changed)}"
+            f"had nobody been excluded, the conclusion would differ for {wording.listing(changed)}"
         )
     else:
-        effect = f"with the {out} excluded, every conclusion would be the same"
+        effect = "had nobody been excluded, every conclusion would be the same"
     return (
         f"This rests on {wording.count(len(analysed), 'answer')} by "
         f"{exclusion.sessions_analysed} of {exclusion.sessions_answered} {people(inputs)} about "

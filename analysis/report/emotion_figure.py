@@ -42,11 +42,15 @@ def emotion_figure(
     reference, other = wording.name(overall[0].reference), wording.name(overall[0].other)
     hints: dict[str, str] = {}
     with mpl.rc_context(STYLE):
-        height = 0.3 * rows + 1.25
+        height = 0.3 * rows + (1.45 if mark else 1.25)
         figure = Figure(figsize=(11.6, height))
         panels = figure.subplots(1, len(overall), squeeze=False, sharey=True)[0]
         figure.subplots_adjust(
-            left=0.125, right=0.965, top=1 - 0.48 / height, bottom=0.68 / height, wspace=0.12
+            left=0.125,
+            right=0.965,
+            top=1 - (0.68 if mark else 0.48) / height,
+            bottom=0.68 / height,
+            wspace=0.12,
         )
         for number, (axes, whole) in enumerate(zip(panels, overall, strict=True)):
             within = [p for p in emotions if p.question == whole.question]

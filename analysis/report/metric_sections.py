@@ -123,7 +123,8 @@ def truth_section(inputs: ReportInputs, findings: Findings) -> Section:
     """Return how a rehearsal's estimates compare with what its raters were given."""
     truth = inputs.truth or {}
     rows, inside = [], 0
-    for p in findings.preferences:
+    order = figure_order(inputs)
+    for p in sorted(findings.preferences, key=lambda p: order.index(p.question)):
         known = truth.get((p.comparison, p.question))
         if known is None:
             continue

@@ -22,14 +22,16 @@ COLOURS: Final = ("#0072b2", "#56b4e9", "#d9dce0", "#e69f00", "#d55e00")
 """Okabe & Ito's blue and vermillion pairs, grey between, in the order of the five levels."""
 
 _INK_ON: Final = ("white", "#16191d", "#16191d", "#16191d", "white")
-_NARROWEST_LABEL: Final = 7.0
+_NARROWEST_LABEL: Final = 0.045
+"""Share of the axis that a part must span to carry its number."""
+
 _COLUMNS: Final = 2
 
 
 def preference_figure(
     preferences: Sequence[Preference], questions: Sequence[str], *, mark: str
 ) -> Markup:
-    """Draw one panel per question and one bar per comparison.
+    """Draw one panel per question and one bar per comparison, its win share beside it.
 
     Parameters
     ----------
@@ -44,37 +46,54 @@ def preference_figure(
     by_place = {(p.other, p.question): p for p in preferences}
     reference = wording.name(preferences[0].reference)
     lines = math.ceil(len(questions) / _COLUMNS)
-    bars = 0.52 * len(others)
+    height = lines * (0.5 * len(others) + 1.05) + 0.42
+    reach = _reach(preferences)
     hints: dict[str, str] = {}
     with mpl.rc_context(STYLE):
-        height = lines * (bars + 0.95) + 0.75
         figure = Figure(figsize=(11.6, height))
-        grid = figure.subplots(
-            lines, _COLUMNS, squeeze=False, gridspec_kw={"wspace": 0.62, "hspace": 0.95 / bars}
+        grid = figure.add_gridspec(
+            lines,
+            3 * _COLUMNS - 1,
+            width_ratios=[3.6, 1.15, *([0.72, 3.6, 1.15] * (_COLUMNS - 1))],
+            hspace=1.05 / (0.5 * len(others)),
+            wspace=0.06,
+            left=0.1,
+            right=0.915,
+            top=1 - 0.55 / height,
+            bottom=0.92 / height,
         )
-        figure.subplots_adjust(left=0.105, right=0.895, top=1 - 0.42 / height, bottom=1.02 / height)
-        panels = grid.ravel().tolist()
-        for number, (question, axes) in enumerate(zip(questions, panels, strict=False)):
-            for row, other in enumerate(others):
-                preference = by_place[other, question]
-                gid = f"bar{number}-{row}"
-                hints |= _bar(axes, row, preference, gid)
-            _dress(axes, others, by_place, question, reference)
-        for axes in panels[len(questions) :]:
-            axes.set_visible(False)
+        for number, question in enumerate(questions):
+            line, column = divmod(number, _COLUMNS)
+            bars = figure.add_subplot(grid[line, 3 * column])
+            forest = figure.add_subplot(grid[line, 3 * column + 1])
+            found = [by_place[other, question] for other in others]
+            for row, preference in enumerate(found):
+                hints |= _bar(bars, row, preference, f"bar{number}-{row}", reach)
+                _win_share(forest, row, preference)
+            _dress_bars(bars, found, question, reach, labelled=column == 0)
+            _dress_forest(forest, len(others))
         _legend(figure, reference, height)
         if mark:
             figure.text(
-                0.995,
-                1 - 0.02 / height,
+                0.1,
+                1 - 0.03 / height,
                 mark,
-                ha="right",
                 va="top",
-                color="#a33f00",
+                color="#8a3500",
                 fontsize=9,
                 fontweight="bold",
             )
         return inline_svg(figure, name="preferences", alt=_alt(preferences, reference), hints=hints)
+
+
+def _reach(preferences: Sequence[Preference]) -> int:
+    """Return how far the axis must go on both sides, in percent."""
+    sides = [0.0]
+    for p in preferences:
+        if p.counts.total:
+            half = p.counts.indifferent / 2
+            sides += [p.counts.ours + half, p.counts.others + half]
+    return min(100, max(60, math.ceil(max(sides)) + 5))
 
 
 def _sorted_others(preferences: Sequence[Preference], question: str) -> list[str]:
@@ -82,46 +101,59 @@ def _sorted_others(preferences: Sequence[Preference], question: str) -> list[str
     return sorted(shares, key=lambda other: (math.isnan(shares[other]), -shares[other]))
 
 
-def _bar(axes: Axes, row: int, preference: Preference, gid: str) -> dict[str, str]:
-    """Draw one row; return the hover text of its parts."""
-    percentages = preference.counts.percentages
+def _bar(axes: Axes, row: int, preference: Preference, gid: str, reach: int) -> dict[str, str]:
+    """Draw one row of bars; return the hover text of its parts."""
     hints: dict[str, str] = {}
-    if preference.counts.total:
-        left = -(percentages[0] + percentages[1] + percentages[2] / 2)
-        for level, width in enumerate(percentages):
-            patch = axes.barh(row, width, left=left, height=0.62, color=COLOURS[level])[0]
-            patch.set_gid(f"{gid}-{level}")
-            hints[f"{gid}-{level}"] = _hint(preference, level)
-            if width >= _NARROWEST_LABEL:
-                axes.text(
-                    left + width / 2,
-                    row,
-                    f"{width:.0f}",
-                    ha="center",
-                    va="center",
-                    color=_INK_ON[level],
-                    fontsize=9,
-                )
-            left += width
+    if not preference.counts.total:
+        axes.text(0, row, "no answers", ha="center", va="center", fontsize=9)
+        return hints
+    percentages = preference.counts.percentages
+    left = -(percentages[0] + percentages[1] + percentages[2] / 2)
+    for level, width in enumerate(percentages):
+        patch = axes.barh(row, width, left=left, height=0.62, color=COLOURS[level])[0]
+        patch.set_gid(f"{gid}-{level}")
+        hints[f"{gid}-{level}"] = _hint(preference, level)
+        if width >= _NARROWEST_LABEL * 2 * reach:
+            axes.text(
+                left + width / 2,
+                row,
+                f"{width:.0f}",
+                ha="center",
+                va="center",
+                color=_INK_ON[level],
+                fontsize=9,
+            )
+        left += width
+    return hints
+
+
+def _win_share(axes: Axes, row: int, preference: Preference) -> None:
     mean = preference.win_share
+    if not mean.answers:
+        return
+    if not mean.reason:
+        axes.plot(
+            [mean.low, mean.high], [row, row], color="#16191d", linewidth=1.6, solid_capstyle="butt"
+        )
+    axes.plot([mean.estimate], [row], marker="o", markersize=5.5, color="#16191d")
+    beside = axes.get_yaxis_transform()
     axes.text(
-        1.03,
-        row - 0.17,
+        1.08,
+        row - 0.16,
         wording.share(mean.estimate),
-        transform=axes.get_yaxis_transform(),
+        transform=beside,
         va="center",
         fontsize=11,
         fontweight="bold",
     )
     axes.text(
-        1.03,
-        row + 0.24,
-        textwrap.shorten(wording.interval(mean), 30),
-        transform=axes.get_yaxis_transform(),
+        1.08,
+        row + 0.23,
+        mean.reason or wording.interval(mean),
+        transform=beside,
         va="center",
         fontsize=8.5,
     )
-    return hints
 
 
 def _hint(preference: Preference, level: int) -> str:
@@ -142,36 +174,41 @@ def _levels(reference: str, other: str) -> tuple[str, ...]:
     )
 
 
-def _dress(
-    axes: Axes,
-    others: Sequence[str],
-    by_place: dict[tuple[str, str], Preference],
-    question: str,
-    reference: str,
+def _dress_bars(
+    axes: Axes, found: Sequence[Preference], question: str, reach: int, *, labelled: bool
 ) -> None:
+    reference = textwrap.shorten(wording.name(found[0].reference), 22, placeholder=" …")
     axes.set_title(
-        wording.name(question).capitalize(), loc="left", fontsize=11.5, fontweight="bold", pad=12
+        wording.name(question).capitalize(), loc="left", fontsize=11.5, fontweight="bold", pad=9
     )
-    axes.axvline(0, color="#22262b", linewidth=0.8, zorder=3)
-    axes.set_xlim(-100, 100)
-    axes.set_xticks([-100, -50, 0, 50, 100], labels=["100", "50", "0", "50", "100"])
-    axes.set_ylim(len(others) - 0.5, -0.5)
-    labels = []
-    for other in others:
-        raters = by_place[other, question].win_share.participants
-        wrapped = "\n".join(textwrap.wrap(wording.name(other), 16)[:2])
-        labels.append(f"{wrapped}\nn = {raters}")
-    axes.set_yticks(range(len(others)), labels=labels, fontsize=9.5, linespacing=1.25)
-    axes.tick_params(axis="y", length=0)
+    axes.axvline(0, color="#5f6670", linewidth=0.8, zorder=0)
+    axes.set_xlim(-reach, reach)
+    axes.set_xticks([-50, 0, 50], labels=["50", "0", "50"])
+    axes.set_ylim(len(found) - 0.5, -0.5)
+    labels = [
+        "\n".join(
+            [*textwrap.wrap(wording.name(p.other), 16)[:2], f"n = {p.win_share.participants}"]
+        )
+        for p in found
+    ]
+    axes.set_yticks(range(len(found)), labels=labels if labelled else [""] * len(found))
+    axes.tick_params(axis="y", length=0, labelsize=9.5)
     axes.tick_params(axis="x", labelsize=8.5)
-    axes.set_xlabel(
-        f"← share preferring {textwrap.shorten(reference, 20)}, %   ·   "
-        "share preferring the other, % →",
-        fontsize=8.5,
-    )
-    axes.text(
-        1.03, 1.0, "win share", transform=axes.transAxes, fontsize=8.5, va="bottom", color="#5f6670"
-    )
+    axes.set_xlabel(f"← prefer {reference}, % · prefer the other, % →", fontsize=9)
+
+
+def _wrapped(condition: str) -> str:
+    return "\n".join(textwrap.wrap(wording.name(condition), 16, max_lines=2, placeholder=" …"))
+
+
+def _dress_forest(axes: Axes, rows: int) -> None:
+    axes.axvline(0.5, color="#5f6670", linewidth=0.8, zorder=0)
+    axes.set_xlim(0, 1)
+    axes.set_xticks([0, 0.5, 1], labels=["0", ".5", "1"])
+    axes.set_ylim(rows - 0.5, -0.5)
+    axes.set_yticks([])
+    axes.tick_params(axis="x", labelsize=8.5)
+    axes.set_xlabel("win share", fontsize=9)
 
 
 def _legend(figure: Figure, reference: str, height: float) -> None:

@@ -33,6 +33,7 @@ _LATEX: Final = str.maketrans(
         "<": r"\textless{}",
         ">": r"\textgreater{}",
         "–": "--",
+        wording.NO_BREAK: "~",
         "−": "$-$",
     }
 )

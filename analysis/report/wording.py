@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from analysis.preferences.clustered import ClusteredMean
+
+NO_BREAK: Final = "\u00a0"
+"""A space at which no line is broken."""
 
 
 def name(condition: str) -> str:
@@ -25,7 +29,7 @@ def interval(mean: ClusteredMean) -> str:
     """Return an interval, '[.55, .71]', or why there is none."""
     if mean.reason:
         return f"no interval: {mean.reason}"
-    return f"[{share(mean.low)}, {share(mean.high)}]"
+    return f"[{share(mean.low)},{NO_BREAK}{share(mean.high)}]"
 
 
 def estimate(mean: ClusteredMean) -> str:
@@ -34,7 +38,7 @@ def estimate(mean: ClusteredMean) -> str:
         return "– (no answers)"
     if mean.reason:
         return f"{share(mean.estimate)} ({interval(mean)})"
-    return f"{share(mean.estimate)} {interval(mean)}"
+    return f"{share(mean.estimate)}{NO_BREAK}{interval(mean)}"
 
 
 def p_value(value: float) -> str:
