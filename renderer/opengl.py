@@ -1,0 +1,112 @@
+"""Offscreen OpenGL for pyrender 0.1.45: import this before pyrender, and take pyrender from here.
+
+pyrender's last release pins PyOpenGL 3.1.0 and was written for older Pythons. What stands between
+the two and a machine with nothing but Mesa's software library is mended here, in place:
+
+- PyOpenGL 3.1.0 does not know ``OSMesaCreateContextAttribs``, which pyrender calls;
+- it hands out a new pointer object for the current OSMesa context at every call, so that
+  pyrender's shader cache, keyed by it, never hits: each frame compiles its shader again and leaks;
+- it has no array handler for the ctypes argument type under the name Python 3.12 gave it;
+- pyrender imports its window viewer, hence pyglet and X11, whether or not a window is wanted;
+- its mesh bounds use ``np.infty``, which NumPy 2 no longer has.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import importlib
+import os
+import sys
+import types
+from typing import Any, Final
+
+import numpy as np
+
+from motion.errors import InputError
+
+_OSMESA_CONSTANTS: Final = {
+    "OSMESA_DEPTH_BITS": 0x30,
+    "OSMESA_STENCIL_BITS": 0x31,
+    "OSMESA_ACCUM_BITS": 0x32,
+    "OSMESA_PROFILE": 0x33,
+    "OSMESA_CORE_PROFILE": 0x34,
+    "OSMESA_COMPAT_PROFILE": 0x35,
+    "OSMESA_CONTEXT_MAJOR_VERSION": 0x36,
+    "OSMESA_CONTEXT_MINOR_VERSION": 0x37,
+}
+_LIBRARIES: Final = {"osmesa": "OSMesa", "egl": "EGL"}
+
+
+def _choose_platform() -> str:
+    """Return the offscreen platform to use: OSMesa where there is one, else EGL."""
+    asked = os.environ.get("PYOPENGL_PLATFORM")
+    for platform, library in _LIBRARIES.items():
+        if asked in (None, platform) and ctypes.util.find_library(library):
+            return platform
+    raise InputError(
+        f"no offscreen OpenGL library was found (looked for {asked or 'OSMesa, then EGL'})",
+        remedy="Install Mesa's software renderer: sudo apt-get install libosmesa6"
+        " (where that package is gone: libegl1 and libgl1-mesa-dri)",
+    )
+
+
+def _mend_osmesa() -> None:
+    """Give PyOpenGL 3.1.0 what pyrender asks of OSMesa."""
+    platform = importlib.import_module("OpenGL.platform")
+    osmesa = importlib.import_module("OpenGL.osmesa")
+    # A plain address is equal and hashable from call to call, PyOpenGL's pointer objects are not.
+    platform.PLATFORM.GetCurrentContext.restype = ctypes.c_void_p
+    create = platform.PLATFORM.OSMesa.OSMesaCreateContextAttribs
+    create.restype = osmesa.OSMesaContext
+    create.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
+
+    def create_context(attributes: Any, shared: Any) -> Any:
+        """Call the library's own function, which PyOpenGL does not bind."""
+        return create(ctypes.addressof(attributes), shared)
+
+    for name, value in {"OSMesaCreateContextAttribs": create_context, **_OSMESA_CONSTANTS}.items():
+        setattr(osmesa, name, value)
+
+
+def _mend_python_312() -> None:
+    """Register the handler of ctypes' argument type under its new module name."""
+    formats = importlib.import_module("OpenGL.plugins").FormatHandler
+    formats(
+        "ctypesparameter312",
+        "OpenGL.arrays.ctypesparameters.CtypesParameterHandler",
+        ["_ctypes.CArgObject"],
+    )
+
+
+def _import_pyrender() -> Any:
+    """Import pyrender without its window viewer."""
+    viewer = types.ModuleType("pyrender.viewer")
+    viewer.Viewer = type("Viewer", (), {})  # type: ignore[attr-defined]
+    sys.modules.setdefault("pyrender.viewer", viewer)
+    module = importlib.import_module("pyrender")
+
+    def bounds(mesh: Any) -> Any:
+        """Return the box round all primitives, shape (2, 3)."""
+        boxes = np.array([primitive.bounds for primitive in mesh.primitives])
+        return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+    module.Mesh.bounds = property(bounds)
+    return module
+
+
+PLATFORM: Final = _choose_platform()
+"""``osmesa`` or ``egl``."""
+
+os.environ["PYOPENGL_PLATFORM"] = PLATFORM
+_mend_python_312()
+if PLATFORM == "osmesa":
+    _mend_osmesa()
+pyrender: Final = _import_pyrender()
+"""The mended pyrender package."""
+
+
+def renderer_name() -> str:
+    """Return what draws in the current context, as OpenGL names it (``llvmpipe (LLVM …)``)."""
+    gl = importlib.import_module("OpenGL.GL")
+    return str(gl.glGetString(gl.GL_RENDERER).decode())

@@ -1,0 +1,43 @@
+#version 330 core
+
+// Lighting per vertex: the avatar's triangles are a few pixels wide, so shading each pixel looks
+// the same and costs several times as much.
+
+layout(location = 0) in vec3 position;
+layout(location = NORMAL_LOC) in vec3 normal;
+layout(location = COLOR_0_LOC) in vec4 color_0;  // sRGB colour; alpha is how much it gleams
+
+struct DirectionalLight {
+    vec3 color;
+    float intensity;
+    vec3 direction;
+};
+
+uniform mat4 V;
+uniform mat4 P;
+uniform vec3 cam_pos;
+uniform vec3 ambient_light;
+uniform int n_directional_lights;
+uniform DirectionalLight directional_lights[MAX_DIRECTIONAL_LIGHTS];
+
+out vec3 shade;
+
+const float WRAP = 0.25;
+
+void main()
+{
+    gl_Position = P * V * vec4(position, 1.0);
+    vec3 n = normalize(normal);
+    vec3 to_eye = normalize(cam_pos - position);
+    vec3 albedo = pow(color_0.rgb, vec3(2.2));
+    vec3 light = ambient_light * (0.8 + 0.2 * n.y);
+    float gleam = 0.0;
+    for (int i = 0; i < n_directional_lights; i++) {
+        vec3 l = -normalize(directional_lights[i].direction);
+        float facing = max((dot(n, l) + WRAP) / (1.0 + WRAP), 0.0);
+        light += directional_lights[i].intensity * directional_lights[i].color * facing * facing;
+        float mirrored = max(dot(n, normalize(l + to_eye)), 0.0);
+        gleam += directional_lights[i].intensity * pow(mirrored, 24.0);
+    }
+    shade = pow(min(albedo * light + vec3(color_0.a * gleam), vec3(1.0)), vec3(1.0 / 2.2));
+}
