@@ -220,12 +220,17 @@ class Page:
         )
 
     def _controls(self, form: Tag) -> list[Tag]:
-        """Return the form's inputs and buttons, those outside that name it included."""
-        inside = form.find_all(["input", "button"])
-        if not form.get("id"):
-            return list(inside)
-        outside = self._soup.find_all(["input", "button"], attrs={"form": form["id"]})
-        return [*inside, *(control for control in outside if control not in inside)]
+        """Return the form's inputs and buttons; one may name its form and lie elsewhere."""
+        controls = self._soup.find_all(["input", "button"])
+        return [
+            control
+            for control in controls
+            if (
+                control["form"] == form.get("id")
+                if control.has_attr("form")
+                else control.find_parent("form") is form
+            )
+        ]
 
 
 def _kind(control: Tag) -> str:

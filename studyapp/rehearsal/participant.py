@@ -41,7 +41,7 @@ class Participant:
     stop : Event
         Set when the rehearsal is to stop.
     at_first_trial : callable, optional
-        Does something with the first trial's page before it is answered.
+        Called with the first trial's page and the answers it is about to get.
     """
 
     entrance: str
@@ -51,7 +51,7 @@ class Participant:
     eyes: Eyes
     speed: float
     stop: Event
-    at_first_trial: Callable[[Visit, Page], None] | None = None
+    at_first_trial: Callable[[Visit, Page, dict[str, str]], None] | None = None
 
     def take_part(self, client: httpx.Client) -> str:
         """Go from the link to the end and return the completion code.
@@ -69,7 +69,7 @@ class Participant:
         page = visit.open(self.entrance)
         before: tuple[str, str] | None = None
         same = 0
-        greeted = self.at_first_trial is None
+        at_trial = self.at_first_trial
         while (code := page.completion_code) is None:
             step = (page.address, page.answer_form().trial if page.asks else "")
             same = same + 1 if step == before else 1
@@ -79,18 +79,15 @@ class Participant:
             if not page.asks:
                 page = visit.send(page.next_form())
                 continue
-            if self.at_first_trial is not None and not greeted:
-                self.at_first_trial(visit, page)
-                greeted = True
-            page = self._judge(visit, page)
+            answers = self._answers(page)
+            if at_trial is not None:
+                at_trial(visit, page, answers)
+                at_trial = None
+            visit.watch(page)
+            page = visit.send(page.answer_form(), answers)
         return code
 
-    def _judge(self, visit: Visit, page: Page) -> Page:
-        """Watch and answer one trial; return the page that follows."""
-        visit.watch(page)
-        return visit.send(page.answer_form(), self.answers(page))
-
-    def answers(self, page: Page) -> dict[str, str]:
+    def _answers(self, page: Page) -> dict[str, str]:
         """Return this participant's answers to the pair on `page`."""
         sight = self.eyes.look(page)
         rater = Rater(population=self.population, seed=self.seed, name=sight.rater)

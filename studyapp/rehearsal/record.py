@@ -38,12 +38,25 @@ class ExpectedShare(BaseModel):
 
 
 class Truth(BaseModel):
-    """`rehearsal.json`: what the simulated participants were given to prefer."""
+    """`rehearsal.json`: what the simulated participants were given to prefer.
+
+    Attributes
+    ----------
+    seed : int
+        Seed of the rehearsal.
+    study : str
+        Digest of the study that was rehearsed: its definition, segments and videos.
+    population : Population
+        Whom the participants were drawn from.
+    expected : tuple of ExpectedShare
+        What they prefer, for every comparison and question.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     format: Literal[1] = 1
     seed: int
+    study: str
     population: Population
     expected: tuple[ExpectedShare, ...]
 

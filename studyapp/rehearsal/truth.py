@@ -12,15 +12,15 @@ from scipy.special import expit
 from studyapp.definition.study import Study, comparison_name
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import segment_fit
-from studyapp.rehearsal.record import ExpectedShare, Truth
+from studyapp.rehearsal.record import ExpectedShare
 
 NODES, WEIGHTS = hermegauss(61)
 
 
-def compute_truth(
+def expected_shares(
     study: Study, segments: Sequence[str], *, population: Population, seed: int
-) -> Truth:
-    """Return the truth of a rehearsal of `study` with the named `segments`."""
+) -> tuple[ExpectedShare, ...]:
+    """Return what a rehearsal of `study` with the named `segments` should find."""
     expected = []
     for other in study.others:
         for question in study.questions:
@@ -44,7 +44,7 @@ def compute_truth(
                     ),
                 )
             )
-    return Truth(seed=seed, population=population, expected=tuple(expected))
+    return tuple(expected)
 
 
 def win_share(population: Population, gap: float, slope_sd: float) -> float:

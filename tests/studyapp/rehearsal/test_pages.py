@@ -19,7 +19,9 @@ TRIAL = """
     <label><input type="radio" name="rhythm" value="2"> clearly B</label>
   </fieldset>
   <button type="button" name="replay">Replay</button>
+  <button form="unplayable" name="skip" value="yes">Go on without this video</button>
 </form>
+<form method="post" id="unplayable"></form>
 <button form="answers" name="go" value="next">Next</button>
 """
 

@@ -7,14 +7,21 @@ import pytest
 from motion.errors import InputError
 from studyapp.definition.study import Study
 from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.record import read_truth, write_truth
-from studyapp.rehearsal.truth import compute_truth
+from studyapp.rehearsal.record import Truth, read_truth, write_truth
+from studyapp.rehearsal.truth import expected_shares
 
 
 def test_the_truth_survives_its_file(study: Study, population: Population, tmp_path: Path) -> None:
-    truth = compute_truth(study, ["s1", "s2"], population=population, seed=1)
+    truth = Truth(
+        seed=1,
+        study="0123",
+        population=population,
+        expected=expected_shares(study, ["s1", "s2"], population=population, seed=1),
+    )
     write_truth(tmp_path / "rehearsal.json", truth)
-    assert read_truth(tmp_path / "rehearsal.json") == truth
+    again = read_truth(tmp_path / "rehearsal.json")
+    assert again == truth
+    assert again.shares()["rule_based-static", "rhythm"] == pytest.approx(0.77, abs=0.03)
 
 
 def test_a_missing_truth_says_what_to_run(tmp_path: Path) -> None:

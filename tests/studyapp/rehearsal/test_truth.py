@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +12,8 @@ from hypothesis import strategies as st
 from studyapp.definition.study import Study
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import Rater, ShownPair
-from studyapp.rehearsal.record import Truth
-from studyapp.rehearsal.truth import compute_truth, win_share
+from studyapp.rehearsal.record import ExpectedShare
+from studyapp.rehearsal.truth import expected_shares, win_share
 
 SEGMENTS = tuple(f"s{index}" for index in range(6))
 
@@ -33,8 +34,8 @@ def counted_share(
     return float(np.mean(scores))
 
 
-def expected(truth: Truth, other: str, question: str) -> tuple[float, float]:
-    for entry in truth.expected:
+def expected(truth: Sequence[ExpectedShare], other: str, question: str) -> tuple[float, float]:
+    for entry in truth:
         if (entry.comparison, entry.question) == (f"rule_based-{other}", question):
             return entry.share, entry.share_on_these_segments
     raise AssertionError("no such comparison")
@@ -49,7 +50,7 @@ def attentive(population: Population) -> Population:
 def test_very_many_raters_agree_with_the_share_on_these_segments(
     study: Study, attentive: Population, other: str
 ) -> None:
-    truth = compute_truth(study, SEGMENTS, population=attentive, seed=4)
+    truth = expected_shares(study, SEGMENTS, population=attentive, seed=4)
     counted = counted_share(attentive, seed=4, raters=range(3000), other=other, question="rhythm")
     assert counted == pytest.approx(expected(truth, other, "rhythm")[1], abs=0.012)
 
@@ -61,7 +62,7 @@ def test_very_many_studies_agree_with_the_share_over_all_segments(
         counted_share(attentive, seed=seed, raters=range(6), other="static", question="emotion")
         for seed in range(500)
     ]
-    truth = compute_truth(study, SEGMENTS, population=attentive, seed=0)
+    truth = expected_shares(study, SEGMENTS, population=attentive, seed=0)
     error = np.std(counted) / math.sqrt(len(counted))
     assert abs(np.mean(counted) - expected(truth, "static", "emotion")[0]) < 3 * error
 
@@ -72,7 +73,7 @@ def test_luck_of_the_segments_averages_out_over_studies(
     both = np.array(
         [
             expected(
-                compute_truth(study, SEGMENTS, population=attentive, seed=seed),
+                expected_shares(study, SEGMENTS, population=attentive, seed=seed),
                 "mismatched",
                 "rhythm",
             )
@@ -118,8 +119,8 @@ def test_a_known_share_is_reproduced_by_hand() -> None:
 
 
 def test_every_comparison_and_question_has_its_truth(study: Study, population: Population) -> None:
-    shares = compute_truth(study, SEGMENTS, population=population, seed=1).shares()
-    assert set(shares) == {
+    truth = expected_shares(study, SEGMENTS, population=population, seed=1)
+    assert {(entry.comparison, entry.question) for entry in truth} == {
         (f"rule_based-{other}", question)
         for other in ("mismatched", "static", "brought")
         for question in ("rhythm", "emotion")

@@ -1,0 +1,104 @@
+"""What of an earlier rehearsal can be gone on with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from sqlalchemy import select
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import read_stimuli
+from studyapp.models import StudySession
+from studyapp.rehearsal.population import Population, default_population
+from studyapp.rehearsal.record import Truth, read_truth, write_truth
+from studyapp.rehearsal.truth import expected_shares
+from studyapp.services.database import Database
+from studyapp.stages.digest import digest
+
+_SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Roster:
+    """Where the simulated participants of a rehearsal stand, by name.
+
+    Attributes
+    ----------
+    finished : tuple of str
+        Those who have their completion code.
+    halfway : tuple of str
+        Those in the middle of their study session. They are to come back before anybody new
+        comes, so that their places are not thought abandoned.
+    awaited : tuple of str
+        Those who have not come yet.
+    """
+
+    finished: tuple[str, ...]
+    halfway: tuple[str, ...]
+    awaited: tuple[str, ...]
+
+
+def prepare(
+    folder: StudyFolder, *, seed: int, population: Population | None = None
+) -> tuple[Truth, str]:
+    """Make the study folder ready for a rehearsal with `seed`, keeping one that fits.
+
+    Returns
+    -------
+    truth : Truth
+        What this rehearsal's participants prefer, as written to ``rehearsal.json``.
+    note : str
+        What became of an earlier rehearsal, for people; empty where there was none.
+    """
+    study = folder.study()
+    segments = tuple(folder.segments())
+    pairs = read_stimuli(folder.stimuli).pairs
+    population = population or default_population(study)
+    truth = Truth(
+        seed=seed,
+        study=digest(study.model_dump_json(), segments, sorted(pair.key for pair in pairs)),
+        population=population,
+        expected=expected_shares(
+            study, [segment.name for segment in segments], population=population, seed=seed
+        ),
+    )
+    note = ""
+    if folder.rehearsal.exists():
+        difference = _difference(folder, truth)
+        if not difference:
+            return truth, "An earlier rehearsal of this study is gone on with."
+        note = f"The answers of an earlier rehearsal were removed: {difference}."
+    for ending in _SQLITE_ENDINGS:
+        folder.rehearsal.with_name(folder.rehearsal.name + ending).unlink(missing_ok=True)
+    write_truth(folder.rehearsal_truth, truth)
+    return truth, note
+
+
+def _difference(folder: StudyFolder, truth: Truth) -> str:
+    """Say why the rehearsal in `folder` cannot be gone on with; empty if it can."""
+    try:
+        earlier = read_truth(folder.rehearsal_truth)
+    except InputError:
+        return f"{folder.rehearsal_truth.name} does not tell what they were"
+    if earlier.study != truth.study:
+        return "the study has changed since"
+    if earlier.seed != truth.seed:
+        return f"its seed was {earlier.seed}, not {truth.seed}"
+    return "" if earlier == truth else "its participants were drawn from another population"
+
+
+def call_roster(database: Database, count: int) -> Roster:
+    """Return where `count` simulated participants stand."""
+    with database.reading() as session:
+        rows = session.execute(
+            select(StudySession.recruiter_participant, StudySession.completed_at)
+        ).all()
+    known = {row.recruiter_participant: row.completed_at for row in rows}
+    names = [f"rehearsal-{number:05d}" for number in range(count)]
+    return Roster(
+        finished=tuple(name for name in names if known.get(name) is not None),
+        halfway=tuple(name for name in names if name in known and known[name] is None),
+        awaited=tuple(name for name in names if name not in known),
+    )

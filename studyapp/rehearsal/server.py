@@ -1,0 +1,134 @@
+"""The study's real server, run for a rehearsal on a port of this machine alone."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Final
+
+import httpx
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.serving import run_server
+
+HOST: Final = "127.0.0.1"
+PROCESSES: Final = 2
+START_SECONDS: Final = 30.0
+STOP_SECONDS: Final = 10.0
+
+
+@contextmanager
+def rehearsal_server(folder: StudyFolder, *, speed: float) -> Iterator[str]:
+    """Serve `folder` as it is served to people, but for the clock and the database.
+
+    However the block ends, the server is stopped.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study; answers go to its ``rehearsal.db``.
+    speed : float
+        How much faster than real the server's clock runs.
+
+    Yields
+    ------
+    str
+        The server's address.
+
+    Raises
+    ------
+    InputError
+        If it does not start; the message holds its last words.
+    """
+    port = _free_port()
+    with tempfile.TemporaryFile() as words, _ended_by_sigterm():
+        process = subprocess.Popen(  # noqa: S603 - its own interpreter and module
+            [sys.executable, "-m", __name__, str(folder.root), str(port), repr(speed)],
+            stdin=subprocess.DEVNULL,
+            stdout=words,
+            stderr=subprocess.STDOUT,
+            # Ctrl-C in the terminal is for the rehearsal, which then stops the server itself.
+            start_new_session=True,
+        )
+        try:
+            address = f"http://{HOST}:{port}"
+            if not _is_up(process, address):
+                words.seek(0)
+                last = words.read().decode(errors="replace").strip().splitlines()[-1:]
+                raise InputError(
+                    f"the study's server did not start: {' '.join(last) or 'it said nothing'}",
+                    where=folder.root,
+                    remedy="Try 'motionjury serve' to see all it says",
+                )
+            yield address
+        finally:
+            _stop(process)
+
+
+def _free_port() -> int:
+    """Return a port of the loopback that nobody listens on."""
+    with socket.socket() as listener:
+        listener.bind((HOST, 0))
+        return int(listener.getsockname()[1])
+
+
+def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:
+    """Wait until the server answers; False when it ended or takes too long."""
+    deadline = time.monotonic() + START_SECONDS
+    while time.monotonic() < deadline and process.poll() is None:
+        try:
+            if httpx.get(address, trust_env=False).is_success:
+                return True
+        except httpx.TransportError:
+            time.sleep(0.1)
+    return False
+
+
+def _stop(process: subprocess.Popen[bytes]) -> None:
+    """End the server with all its processes, gently at first."""
+    process.terminate()
+    try:
+        process.wait(STOP_SECONDS)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+@contextmanager
+def _ended_by_sigterm() -> Iterator[None]:
+    """Let a SIGTERM leave the block as Ctrl-C does, so that the server is not left behind."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def leave(number: int, _frame: FrameType | None) -> None:
+        raise SystemExit(128 + number)
+
+    before = signal.signal(signal.SIGTERM, leave)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _serve(arguments: list[str]) -> None:
+    """Be the server: study folder, port and speed are the command's arguments."""
+    folder, port, speed = arguments
+    try:
+        run_server(Path(folder), HOST, int(port), PROCESSES, rehearsal_speed=float(speed))
+    except InputError as error:
+        sys.exit(str(error))
+
+
+if __name__ == "__main__":
+    _serve(sys.argv[1:])

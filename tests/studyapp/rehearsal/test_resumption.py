@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import replace
+from datetime import UTC, datetime
+from typing import Any
+
+import pytest
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import StudySession
+from studyapp.rehearsal.population import default_population
+from studyapp.rehearsal.record import read_truth
+from studyapp.rehearsal.resumption import call_roster, prepare
+from studyapp.services.database import Database, sqlite_url
+
+
+@pytest.fixture
+def begun(folder: StudyFolder) -> StudyFolder:
+    """A folder with a rehearsal that was begun with seed 1."""
+    prepare(folder, seed=1)
+    Database.open(sqlite_url(folder.rehearsal)).close()
+    return folder
+
+
+@pytest.fixture
+def database(begun: StudyFolder) -> Iterator[Database]:
+    with closing(Database.open(sqlite_url(begun.rehearsal))) as opened:
+        yield opened
+
+
+def test_the_truth_is_on_disk_before_anybody_comes(folder: StudyFolder) -> None:
+    truth, note = prepare(folder, seed=7)
+    assert read_truth(folder.rehearsal_truth) == truth
+    assert truth.seed == 7
+    assert note == ""
+    assert not folder.rehearsal.exists()
+
+
+def test_the_same_rehearsal_is_gone_on_with(begun: StudyFolder) -> None:
+    _, note = prepare(begun, seed=1)
+    assert "gone on with" in note
+    assert begun.rehearsal.exists()
+
+
+def test_another_seed_starts_anew_and_says_so(begun: StudyFolder) -> None:
+    _, note = prepare(begun, seed=2)
+    assert "seed was 1, not 2" in note
+    assert not list(begun.root.glob("rehearsal.db*"))
+    assert read_truth(begun.rehearsal_truth).seed == 2
+
+
+def test_a_changed_study_starts_anew_and_says_so(begun: StudyFolder) -> None:
+    text = begun.definition.read_text()
+    begun.definition.write_text(text.replace("trials = 3", "trials = 2"))
+    _, note = prepare(begun, seed=1)
+    assert "the study has changed" in note
+    assert not begun.rehearsal.exists()
+
+
+def test_other_people_start_anew_and_it_says_so(begun: StudyFolder) -> None:
+    others = replace(default_population(begun.study()), inattentive=0.5)
+    _, note = prepare(begun, seed=1, population=others)
+    assert "another population" in note
+    assert not begun.rehearsal.exists()
+
+
+def test_answers_that_nobody_can_explain_are_removed(begun: StudyFolder) -> None:
+    begun.rehearsal_truth.unlink()
+    _, note = prepare(begun, seed=1)
+    assert "rehearsal.json" in note
+    assert not begun.rehearsal.exists()
+
+
+def test_real_answers_are_never_touched(begun: StudyFolder) -> None:
+    begun.responses.write_bytes(b"real answers")
+    prepare(begun, seed=2)
+    assert begun.responses.read_bytes() == b"real answers"
+
+
+def test_the_roster_tells_who_is_where(database: Database) -> None:
+    now = datetime.now(UTC)
+    shared: dict[str, Any] = {
+        "comparison": "a-b",
+        "reference": "a",
+        "other": "b",
+        "consented_at": now,
+        "last_active_at": now,
+    }
+    with database.writing() as session:
+        session.add_all(
+            [
+                StudySession(
+                    token="done",  # noqa: S106
+                    recruiter_participant="rehearsal-00002",
+                    completed_at=now,
+                    completion_code="K",
+                    **shared,
+                ),
+                StudySession(
+                    token="half",  # noqa: S106
+                    recruiter_participant="rehearsal-00001",
+                    **shared,
+                ),
+            ]
+        )
+    roster = call_roster(database, 4)
+    assert roster.finished == ("rehearsal-00002",)
+    assert roster.halfway == ("rehearsal-00001",)
+    assert roster.awaited == ("rehearsal-00000", "rehearsal-00003")
