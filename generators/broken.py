@@ -1,0 +1,145 @@
+"""A motion that nobody can take for a good one, for catch trials.
+
+AMUSE shows in its catch trials "a broken motion filled with artifacts" (Chhatre et al. 2024,
+appendix H) against the recording; whoever does not prefer the recording was not watching. So
+the faults must be plain within two seconds and never stop: limbs pop, joints twist beyond what
+a body can do, everything jitters, and at times it freezes and jumps.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from generators.clip_length import with_length
+from generators.interface import SpeechSegment, StudyClips, required_source, seeded_stream
+from motion.clip import MotionClip
+from motion.resample import resample
+from motion.skeleton import joint_index
+
+FloatArray = NDArray[np.float64]
+
+_SLOT: Final = 0.8
+_POP_SECONDS: Final = (0.1, 0.25)
+_TWIST_SECONDS: Final = (0.35, 0.7)
+_FREEZE_SECONDS: Final = (0.25, 0.45)
+_POPS_IN_SLOT: Final = 2
+_POP_DEGREES: Final = (60.0, 110.0)
+_TWIST_DEGREES: Final = (120.0, 165.0)
+_JITTER_DEGREES: Final = 5.0
+_FINGER_JITTER_DEGREES: Final = 14.0
+_ROOT_JITTER: Final = 0.008
+_FACE_JITTER: Final = 0.08
+_SIDES: Final = ("left", "right")
+_POPPING: Final = tuple(f"{side}_{part}" for part in ("shoulder", "elbow") for side in _SIDES)
+_TWISTING: Final = ("neck", *(f"{side}_{part}" for part in ("elbow", "wrist") for side in _SIDES))
+_JITTERING: Final = (
+    *("spine1", "spine2", "spine3", "neck", "head"),
+    *(f"{side}_{part}" for part in ("collar", "shoulder", "elbow", "wrist") for side in _SIDES),
+)
+
+
+class Broken:
+    """Breaks the source condition's clip of the same segment."""
+
+    name: Final = "broken"
+    needs_source: Final = True
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`."""
+        clips = required_source(source, self.name)
+        rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
+        frames = speech.frame_count(frame_rate)
+        whole = with_length(resample(clips.clip(speech.segment.name), frame_rate), frames)
+        stuttering = whole.frames(_stutter(frames, frame_rate, rng))
+        broken = _break_face(stuttering, rng)
+        return MotionClip(
+            poses=_break_body(stuttering, rng),
+            trans=stuttering.trans + rng.normal(0, _ROOT_JITTER, (frames, 3)).astype(np.float32),
+            frame_rate=frame_rate,
+            betas=whole.betas,
+            expressions=whole.expressions,
+            arkit=broken,
+            gender=whole.gender,
+            provenance={
+                **whole.provenance,
+                "generator": self.name,
+                "seed": str(seed),
+                "segment": speech.segment.name,
+            },
+        )
+
+
+def _slots(frames: int, frame_rate: float) -> NDArray[np.int_]:
+    """Return the first frame of each stretch that gets its own faults."""
+    return np.arange(0, frames, max(1, round(_SLOT * frame_rate)))
+
+
+def _span(
+    slot: int, seconds: tuple[float, float], frame_rate: float, rng: np.random.Generator
+) -> slice:
+    """Return frames that begin in the slot's first half."""
+    begin = slot + round(rng.uniform(0, _SLOT / 2) * frame_rate)
+    return slice(begin, begin + max(1, round(rng.uniform(*seconds) * frame_rate)))
+
+
+def _stutter(frames: int, frame_rate: float, rng: np.random.Generator) -> NDArray[np.int_]:
+    """Return frame indices that stop for a while in every other slot and then jump on."""
+    index = np.arange(frames)
+    for slot in _slots(frames, frame_rate)[1::2]:
+        frozen = _span(slot, _FREEZE_SECONDS, frame_rate, rng)
+        index[frozen] = min(frozen.start, frames - 1)
+    return index
+
+
+def _break_body(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float32]:
+    """Return the clip's poses, shape (T, 55, 3), with faults from its first half second on."""
+    poses = clip.poses.astype(float)
+    rate = clip.frame_rate
+    for slot in _slots(len(clip), rate):
+        for joint in rng.choice(_POPPING, _POPS_IN_SLOT, replace=False):
+            span = _span(slot, _POP_SECONDS, rate, rng)
+            _turn(poses[span, joint_index(joint)], _random_turn(_POP_DEGREES, rng))
+        joint = rng.choice(_TWISTING)
+        span = _span(slot, _TWIST_SECONDS, rate, rng)
+        poses[span, joint_index(joint)] = _random_turn(_TWIST_DEGREES, rng)
+    for name in _JITTERING:
+        joint = joint_index(name)
+        poses[:, joint] += rng.normal(0, np.radians(_JITTER_DEGREES), (len(clip), 3))
+    fingers = poses[:, joint_index("left_index1") :]
+    fingers += rng.normal(0, np.radians(_FINGER_JITTER_DEGREES), fingers.shape)
+    return poses.astype(np.float32)
+
+
+def _random_turn(degrees: tuple[float, float], rng: np.random.Generator) -> FloatArray:
+    """Return a turn, axis-angle, about a random axis by an angle within `degrees`."""
+    axis = rng.normal(size=3)
+    turn: FloatArray = axis / np.linalg.norm(axis) * np.radians(rng.uniform(*degrees))
+    return turn
+
+
+def _turn(rotvecs: FloatArray, turn: FloatArray) -> None:
+    """Turn `rotvecs`, shape (T, 3), by `turn` in place."""
+    if len(rotvecs):
+        rotvecs[:] = (Rotation.from_rotvec(turn) * Rotation.from_rotvec(rotvecs)).as_rotvec()
+
+
+def _break_face(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float32] | None:
+    """Return the clip's facial actions, flickering and at times at full strength."""
+    if clip.arkit is None:
+        return None
+    arkit = clip.arkit + rng.normal(0, _FACE_JITTER, clip.arkit.shape)
+    for slot in _slots(len(clip), clip.frame_rate):
+        for action in rng.choice(arkit.shape[1], 4, replace=False):
+            arkit[_span(slot, _POP_SECONDS, clip.frame_rate, rng), action] = 1.0
+    return np.clip(arkit, 0, 1).astype(np.float32)

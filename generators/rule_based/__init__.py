@@ -1,0 +1,1 @@
+"""Beat gestures from the speech's own energy and pitch, coloured by an emotion."""

@@ -1,0 +1,180 @@
+"""From what trunk, head and hands do to the rotations of the 55 joints.
+
+The trunk is posed first; the arms then reach, by inverse kinematics, for places that move with
+the chest, and the legs keep the feet where they stood.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from generators.rule_based.finger_pose import finger_rotations
+from generators.rule_based.hand_pose import DEVIATION, ELBOW_OUT, FLEXION, PLACE, PRONATION
+from generators.rule_based.limb_reach import Limb, reach
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
+
+FloatArray = NDArray[np.float64]
+
+_SIDES: Final = (("left", 1.0), ("right", -1.0))
+_ELBOW_HANGS: Final = (0.45, -0.75, -0.6)
+_KNEES_POINT: Final = (0.12, 0.0, 1.0)
+_TWIST_IN_FOREARM: Final = 0.5
+_LIFT_WITH_ARM: Final = 11.0
+_LIFT_LEVEL: Final = 2.0
+_ADVANCE_WITH_ARM: Final = 8.0
+_SPINE: Final = ("spine1", "spine2", "spine3")
+_NECK_SHARE: Final = 0.45
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trunk:
+    """What everything but the arms and the face does.
+
+    All turns are shape (T, 3), degrees about x (nodding, forward positive), y (turning, to the
+    body's left positive) and z (tilting, towards the body's right positive).
+
+    Attributes
+    ----------
+    pelvis, spine, head : ndarray, shape (T, 3)
+        Turn of the pelvis in the world; of the spine and of neck and head as wholes.
+    shift : ndarray, shape (T, 3)
+        Of the pelvis, in metres.
+    shoulders_up, shoulders_forward : ndarray, shape (T,)
+        Degrees of both collar bones.
+    """
+
+    pelvis: FloatArray
+    spine: FloatArray
+    head: FloatArray
+    shift: FloatArray
+    shoulders_up: FloatArray
+    shoulders_forward: FloatArray
+
+
+def pose_body(trunk: Trunk, hands: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Return the joint rotations and the translation of a standing body.
+
+    Parameters
+    ----------
+    trunk : Trunk
+    hands : mapping of str to ndarray, shape (T, 13)
+        Channels of `hand_pose` for ``left`` and ``right``.
+
+    Returns
+    -------
+    poses : ndarray, shape (T, 55, 3)
+        Axis-angle in radians. Jaw and eyes stay zero: the face's own actions move them, and a
+        body that maps both would move them twice.
+    trans : ndarray, shape (T, 3)
+        Metres.
+    """
+    poses = np.zeros((len(trunk.shift), JOINT_COUNT, 3))
+    poses[:, joint_index("pelvis")] = _rotvec(trunk.pelvis)
+    for name in _SPINE:
+        poses[:, joint_index(name)] = _rotvec(trunk.spine / len(_SPINE))
+    poses[:, joint_index("neck")] = _rotvec(trunk.head * _NECK_SHARE)
+    poses[:, joint_index("head")] = _rotvec(trunk.head * (1 - _NECK_SHARE))
+    for side, sign in _SIDES:
+        poses[:, joint_index(f"{side}_collar")] = _collar(trunk, hands[side], sign)
+    joints, turns = forward_kinematics(poses, trunk.shift, REST_JOINTS)
+    for side, sign in _SIDES:
+        _pose_arm(poses, joints, turns, side, sign, hands[side])
+        _pose_leg(poses, joints, turns, side, sign)
+    return poses, trunk.shift
+
+
+def _collar(trunk: Trunk, hand: FloatArray, sign: float) -> FloatArray:
+    """Return the collar bone's turn: it rises and advances with the arm it carries."""
+    place = hand[:, PLACE] / np.linalg.norm(hand[:, PLACE], axis=1, keepdims=True)
+    lift = trunk.shoulders_up + _LIFT_WITH_ARM * place[:, 1] + _LIFT_LEVEL
+    advance = trunk.shoulders_forward + _ADVANCE_WITH_ARM * np.maximum(place[:, 2], 0) ** 2
+    return _rotvec(np.column_stack([np.zeros(len(lift)), -sign * advance, sign * lift]))
+
+
+def _pose_arm(
+    poses: FloatArray,
+    joints: FloatArray,
+    turns: FloatArray,
+    side: str,
+    sign: float,
+    hand: FloatArray,
+) -> None:
+    """Write shoulder, elbow, wrist and fingers of one arm into `poses`."""
+    shoulder, elbow, wrist = (joint_index(f"{side}_{j}") for j in ("shoulder", "elbow", "wrist"))
+    arm = Limb(
+        upper=REST_JOINTS[elbow] - REST_JOINTS[shoulder],
+        lower=REST_JOINTS[wrist] - REST_JOINTS[elbow],
+        folds_toward=np.array([0.0, 0.0, 1.0]),
+        comfort=0.93,
+    )
+    chest = turns[:, joint_index("spine3")]
+    place = hand[:, PLACE] * (sign, 1.0, 1.0) * arm.length
+    swivel = np.radians(hand[:, ELBOW_OUT])
+    out, down, back = _ELBOW_HANGS
+    pole = np.column_stack(
+        [
+            sign * (out * np.cos(swivel) - down * np.sin(swivel)),
+            down * np.cos(swivel) + out * np.sin(swivel),
+            np.full(len(swivel), back),
+        ]
+    )
+    # From where the shoulder would be with the collar at rest, so that a shrug lifts the hand
+    # less than the shoulder.
+    spine3 = joint_index("spine3")
+    socket = REST_JOINTS[shoulder] - REST_JOINTS[spine3]
+    target = joints[:, spine3] + np.einsum("tij,tj->ti", chest, socket + place)
+    upper, lower = reach(arm, joints[:, shoulder], target, np.einsum("tij,tj->ti", chest, pole))
+    collar = turns[:, joint_index(f"{side}_collar")]
+    bend = np.swapaxes(upper, 1, 2) @ lower
+    forearm = np.array([1.0, 0.0, 0.0])
+    twist = np.radians(hand[:, PRONATION, None]) * forearm
+    flex = np.radians(hand[:, FLEXION, None]) * (0.0, 0.0, -sign)
+    deviate = np.radians(hand[:, DEVIATION, None]) * (0.0, -sign, 0.0)
+    poses[:, shoulder] = _matrix_rotvec(np.swapaxes(collar, 1, 2) @ upper)
+    in_forearm = Rotation.from_rotvec(twist * _TWIST_IN_FOREARM)
+    poses[:, elbow] = (Rotation.from_matrix(bend) * in_forearm).as_rotvec()
+    in_wrist = Rotation.from_rotvec(twist * (1 - _TWIST_IN_FOREARM))
+    poses[:, wrist] = (in_wrist * Rotation.from_rotvec(flex + deviate)).as_rotvec()
+    first = joint_index(f"{side}_index1")
+    poses[:, first : first + 15] = finger_rotations(hand, sign)
+
+
+def _pose_leg(
+    poses: FloatArray, joints: FloatArray, turns: FloatArray, side: str, sign: float
+) -> None:
+    """Write hip, knee and ankle of one leg into `poses`, the foot staying where it stands."""
+    hip, knee, ankle = (joint_index(f"{side}_{joint}") for joint in ("hip", "knee", "ankle"))
+    leg = Limb(
+        upper=REST_JOINTS[knee] - REST_JOINTS[hip],
+        lower=REST_JOINTS[ankle] - REST_JOINTS[knee],
+        folds_toward=np.array([0.0, 0.0, -1.0]),
+        comfort=0.99,
+    )
+    frames = len(poses)
+    out, up, forward = _KNEES_POINT
+    pole = np.tile([sign * out, up, forward], (frames, 1))
+    foot = np.tile(REST_JOINTS[ankle], (frames, 1))
+    upper, lower = reach(leg, joints[:, hip], foot, pole)
+    pelvis = turns[:, joint_index("pelvis")]
+    poses[:, hip] = _matrix_rotvec(np.swapaxes(pelvis, 1, 2) @ upper)
+    poses[:, knee] = _matrix_rotvec(np.swapaxes(upper, 1, 2) @ lower)
+    poses[:, ankle] = _matrix_rotvec(np.swapaxes(lower, 1, 2))
+
+
+def _rotvec(turn: FloatArray) -> FloatArray:
+    """Return axis-angle, shape (T, 3), of turns in degrees: about y, then x, then z."""
+    about_yxz = turn[:, [1, 0, 2]]
+    rotvec: FloatArray = Rotation.from_euler("YXZ", about_yxz, degrees=True).as_rotvec()
+    return rotvec
+
+
+def _matrix_rotvec(matrix: FloatArray) -> FloatArray:
+    rotvec: FloatArray = Rotation.from_matrix(matrix).as_rotvec()
+    return rotvec

@@ -1,0 +1,61 @@
+"""The rule-based generator: the parts put together."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from generators.interface import SpeechSegment, StudyClips, seeded_stream
+from generators.rule_based.body_pose import pose_body
+from generators.rule_based.emotion_table import STYLES
+from generators.rule_based.face_motion import move_face
+from generators.rule_based.gesture_plan import HANDS, plan_gestures
+from generators.rule_based.hand_tracks import hand_track
+from generators.rule_based.posture import stand
+from motion.clip import MotionClip
+from motion.prosody import prosody
+
+
+class RuleBased:
+    """Beat gestures, posture and face from the speech's own energy and pitch."""
+
+    name: Final = "rule_based"
+    needs_source: Final = False
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`."""
+        frames = speech.frame_count(frame_rate)
+        times = np.arange(frames) / frame_rate
+        style = STYLES[speech.segment.emotion]
+        heard = prosody(speech.audio, frame_rate)
+        rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
+        gestures = plan_gestures(heard, style.gestures, rng)
+        restlessness = style.liveliness.restlessness
+        hands = {
+            hand: hand_track(hand, gestures, style.gestures, times, restlessness, rng)
+            for hand in HANDS
+        }
+        trunk = stand(style, heard, hands, times, rng)
+        poses, trans = pose_body(trunk, hands)
+        head_in_world = trunk.pelvis + trunk.spine + trunk.head
+        arkit = move_face(style, speech.audio, heard, head_in_world, times, rng)
+        return MotionClip(
+            poses=poses.astype(np.float32),
+            trans=trans.astype(np.float32),
+            frame_rate=frame_rate,
+            arkit=arkit.astype(np.float32),
+            provenance={
+                "generator": self.name,
+                "seed": str(seed),
+                "segment": speech.segment.name,
+                "emotion": speech.segment.emotion,
+            },
+        )

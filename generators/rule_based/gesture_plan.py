@@ -1,0 +1,190 @@
+"""Which accents get a gesture, of what form, by which hand, and when its phases run.
+
+A gesture has a preparation, a stroke, a hold and, unless the next one follows at once, a
+retraction (Kendon 1980; McNeill 1992, ch. 3). The stroke ends at the accent: that is where the
+farthest point of a beat lies in speech (Leonard & Cummins 2011; Loehr 2012).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from generators.rule_based.emotion_style import GestureManner
+from generators.rule_based.gesture_forms import FORMS, GestureForm
+from motion.prosody import Prosody
+
+FloatArray = NDArray[np.float64]
+
+HANDS: Final = ("left", "right")
+
+_PREPARATION: Final = 0.5
+_RECOIL: Final = 0.32
+_STROKE: Final = 0.26
+_SHORTEST_HOLD: Final = 0.08
+_RETRACTION: Final = 0.85
+_WORTH_RETRACTING: Final = 1.1
+_QUICKEST_START: Final = 0.3
+_UNIT_GAP: Final = 1.6
+_LONGEST_UNIT: Final = 4
+_FORM_CHANGES: Final = 0.3
+_STRONG_HAND: Final = 0.65
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gesture:
+    """One gesture and its phases.
+
+    Attributes
+    ----------
+    form : GestureForm
+        What is done.
+    hands : tuple of str
+        ``left``, ``right`` or both.
+    begin : float
+        When the preparation begins, in seconds.
+    stroke : float
+        When preparation ends and the stroke begins.
+    apex : float
+        When the stroke ends and the hold begins: on the accent.
+    release : float
+        When the hold ends.
+    rest : float or None
+        When the retraction ends; None where the next gesture begins out of the hold.
+    strength : float
+        Prominence of the accent, in (0, 1].
+    """
+
+    form: GestureForm
+    hands: tuple[str, ...]
+    begin: float
+    stroke: float
+    apex: float
+    release: float
+    rest: float | None
+    strength: float
+
+
+def plan_gestures(
+    prosody: Prosody, manner: GestureManner, rng: np.random.Generator
+) -> tuple[Gesture, ...]:
+    """Return the gestures that go with the accents of `prosody`.
+
+    Parameters
+    ----------
+    prosody : Prosody
+    manner : GestureManner
+        How the emotion gestures.
+    rng : numpy.random.Generator
+        Chooses forms and hands.
+
+    Returns
+    -------
+    tuple of Gesture
+        In time order; the phases of one hand do not overlap. Empty where nothing is accented.
+    """
+    picked = _pick_accents(prosody, manner.least_gap)
+    strong_hand = HANDS[int(rng.random() < 0.7)]
+    gestures: list[Gesture] = []
+    for unit in _units(prosody.accents[picked], manner.tempo):
+        form = _choose_form(manner, rng)
+        hands = _choose_hands(form, manner, strong_hand, rng)
+        for place, apex in enumerate(unit):
+            if place and rng.random() < _FORM_CHANGES:
+                form = _choose_form(manner, rng, len(hands))
+            earlier = _latest_of(gestures, hands)
+            free = 0.0 if earlier is None else earlier.apex + _SHORTEST_HOLD
+            begin, stroke = _approach(apex, free, bool(place), manner.tempo, rng)
+            gestures.append(
+                Gesture(
+                    form=form,
+                    hands=hands,
+                    begin=begin,
+                    stroke=stroke,
+                    apex=apex,
+                    release=apex + manner.longest_hold * rng.uniform(0.4, 1.0),
+                    rest=None,
+                    strength=float(np.interp(apex, prosody.accents, prosody.prominence)),
+                )
+            )
+    return tuple(
+        _with_ending(gesture, gestures[number + 1 :], manner.tempo)
+        for number, gesture in enumerate(gestures)
+    )
+
+
+def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:
+    """Return the strongest accents that lie at least `least_gap` seconds apart, in time order."""
+    picked: list[int] = []
+    for accent in np.argsort(-prosody.prominence, kind="stable"):
+        time = prosody.accents[accent]
+        apart = all(abs(time - prosody.accents[other]) >= least_gap for other in picked)
+        if apart and time >= _QUICKEST_START:
+            picked.append(int(accent))
+    return np.array(sorted(picked), dtype=np.intp)
+
+
+def _units(apexes: FloatArray, tempo: float) -> list[list[float]]:
+    """Return the apexes in runs that one hand makes without going back to rest."""
+    units: list[list[float]] = []
+    for apex in apexes.tolist():
+        if units and apex - units[-1][-1] < _UNIT_GAP / tempo and len(units[-1]) < _LONGEST_UNIT:
+            units[-1].append(apex)
+        else:
+            units.append([apex])
+    return units
+
+
+def _choose_form(
+    manner: GestureManner, rng: np.random.Generator, hand_count: int | None = None
+) -> GestureForm:
+    """Return a form the emotion likes, one for `hand_count` hands if that is given."""
+    usable = [
+        (FORMS[name], liking)
+        for name, liking in manner.forms.items()
+        if hand_count is None
+        or (FORMS[name].both_hands if hand_count == 2 else FORMS[name].one_hand)
+    ]
+    liking = np.array([weight for _, weight in usable])
+    return usable[int(rng.choice(len(usable), p=liking / liking.sum()))][0]
+
+
+def _choose_hands(
+    form: GestureForm, manner: GestureManner, strong_hand: str, rng: np.random.Generator
+) -> tuple[str, ...]:
+    """Return the hands to make `form` with; the strong hand more often than the other."""
+    both, strong = rng.random() < manner.both_hands, rng.random() < _STRONG_HAND
+    if not form.one_hand or (form.both_hands and both):
+        return HANDS
+    return tuple(hand for hand in HANDS if (hand == strong_hand) == strong)
+
+
+def _latest_of(gestures: Sequence[Gesture], hands: tuple[str, ...]) -> Gesture | None:
+    """Return the last of `gestures` that shares a hand with `hands`."""
+    shared = (gesture for gesture in reversed(gestures) if set(gesture.hands) & set(hands))
+    return next(shared, None)
+
+
+def _approach(
+    apex: float, free: float, again: bool, tempo: float, rng: np.random.Generator
+) -> tuple[float, float]:
+    """Return when preparation and stroke begin, squeezed where the hand is free late."""
+    stroke = _STROKE / tempo * rng.uniform(0.85, 1.2)
+    preparation = (_RECOIL if again else _PREPARATION) / tempo * rng.uniform(0.85, 1.2)
+    squeeze = min(1.0, (apex - free) / (stroke + preparation))
+    return apex - squeeze * (stroke + preparation), apex - squeeze * stroke
+
+
+def _with_ending(gesture: Gesture, later: Sequence[Gesture], tempo: float) -> Gesture:
+    """Return the gesture held until the next of its hands begins, or retracted before."""
+    following = next((other for other in later if set(other.hands) & set(gesture.hands)), None)
+    if following is None:
+        return replace(gesture, rest=gesture.release + _RETRACTION / tempo)
+    room = following.begin - gesture.release
+    if room < _WORTH_RETRACTING:
+        return replace(gesture, release=following.begin)
+    return replace(gesture, rest=gesture.release + min(_RETRACTION / tempo, room))

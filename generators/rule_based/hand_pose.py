@@ -1,0 +1,111 @@
+"""What one arm and hand do at one instant, in terms that are the same for left and right."""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandShape:
+    """How far each finger is curled: 0 straight, 1 in a fist; and how far they are spread."""
+
+    thumb: float
+    index: float
+    middle: float
+    ring: float
+    pinky: float
+    spread: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandPose:
+    """Where a hand is and how it is held.
+
+    Attributes
+    ----------
+    outward, up, forward : float
+        From the shoulder to the wrist in the chest's own frame, in arm lengths (shoulder to
+        wrist); outward is away from the other arm.
+    elbow_out : float
+        Degrees by which the elbow is raised to the side from where it hangs by itself.
+    pronation : float
+        Degrees of turning the forearm: 0 with the thumb up, +80 palm down, -80 palm up.
+    flexion : float
+        Degrees of bending the wrist towards the palm.
+    deviation : float
+        Degrees of bending the wrist towards the thumb.
+    shape : HandShape
+    """
+
+    outward: float
+    up: float
+    forward: float
+    elbow_out: float
+    pronation: float
+    flexion: float
+    deviation: float
+    shape: HandShape
+
+    def channels(self) -> NDArray[np.float64]:
+        """Return the pose as one vector, shape (13,); its parts are the slices below."""
+        *arm, shape = astuple(self)
+        return np.array([*arm, *shape], float)
+
+
+PLACE: Final = slice(0, 3)
+ELBOW_OUT: Final = 3
+PRONATION: Final = 4
+FLEXION: Final = 5
+DEVIATION: Final = 6
+CURLS: Final = slice(7, 12)
+SPREAD: Final = 12
+CHANNELS: Final = 13
+
+MOST_PRONATION: Final = 80.0
+MOST_FLEXION: Final = 70.0
+MOST_DEVIATION: Final = 20.0
+
+
+def within_joint_range(course: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return hand channels, shape (T, 13), kept within what wrists and fingers can do."""
+    kept = course.copy()
+    for channel, most in (
+        (PRONATION, MOST_PRONATION),
+        (FLEXION, MOST_FLEXION),
+        (DEVIATION, MOST_DEVIATION),
+    ):
+        kept[:, channel] = np.clip(kept[:, channel], -most, most)
+    kept[:, CURLS] = np.clip(kept[:, CURLS], 0, 1)
+    kept[:, SPREAD] = np.clip(kept[:, SPREAD], -0.2, 1)
+    return kept
+
+
+RELAXED: Final = HandShape(thumb=0.25, index=0.24, middle=0.32, ring=0.38, pinky=0.42, spread=0.1)
+OPEN: Final = HandShape(thumb=0.05, index=0.08, middle=0.1, ring=0.13, pinky=0.14, spread=0.4)
+FLAT: Final = HandShape(thumb=0.2, index=0.05, middle=0.06, ring=0.08, pinky=0.1, spread=0.0)
+WIDE: Final = HandShape(thumb=0.0, index=0.03, middle=0.04, ring=0.06, pinky=0.05, spread=0.9)
+FIST: Final = HandShape(thumb=0.8, index=0.9, middle=0.93, ring=0.95, pinky=0.95, spread=0.0)
+LOOSE_FIST: Final = HandShape(thumb=0.5, index=0.55, middle=0.62, ring=0.68, pinky=0.7, spread=0.0)
+PINCH: Final = HandShape(thumb=0.6, index=0.58, middle=0.36, ring=0.3, pinky=0.28, spread=0.15)
+POINTING: Final = HandShape(thumb=0.6, index=0.04, middle=0.75, ring=0.82, pinky=0.85, spread=0.0)
+
+BY_THE_SIDE: Final = HandPose(
+    outward=0.10, up=-0.94, forward=0.14, elbow_out=0, pronation=25, flexion=6, deviation=0,
+    shape=RELAXED,
+)  # fmt: skip
+BEFORE_THE_WAIST: Final = HandPose(
+    outward=-0.09, up=-0.60, forward=0.50, elbow_out=0, pronation=30, flexion=-4, deviation=0,
+    shape=RELAXED,
+)  # fmt: skip
+BEFORE_THE_CHEST: Final = HandPose(
+    outward=-0.07, up=-0.46, forward=0.46, elbow_out=-8, pronation=20, flexion=0, deviation=4,
+    shape=LOOSE_FIST,
+)  # fmt: skip
+FISTS_BY_THE_SIDE: Final = HandPose(
+    outward=0.20, up=-0.88, forward=0.20, elbow_out=14, pronation=40, flexion=4, deviation=0,
+    shape=FIST,
+)  # fmt: skip

@@ -1,0 +1,125 @@
+"""The course of one hand through its planned gestures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from generators.rule_based.emotion_style import GestureManner
+from generators.rule_based.gesture_plan import Gesture
+from generators.rule_based.hand_pose import (
+    CURLS,
+    ELBOW_OUT,
+    FLEXION,
+    PLACE,
+    PRONATION,
+    SPREAD,
+    within_joint_range,
+)
+from generators.rule_based.minimum_jerk import Movement, follow
+from generators.rule_based.smooth_noise import smooth_noise
+
+FloatArray = NDArray[np.float64]
+
+_CENTRE: Final = np.array([-0.10, -0.48, 0.52])
+_PLACE_VARIETY: Final = np.array([0.05, 0.045, 0.04])
+_TURN_VARIETY: Final = 7.0
+_SECOND_HAND: Final = 0.9
+_FOLLOW_THROUGH: Final = 0.05
+_HAND_DRIFT: Final = 0.007
+
+
+def hand_track(
+    hand: str,
+    gestures: Sequence[Gesture],
+    manner: GestureManner,
+    times: FloatArray,
+    restlessness: float,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Return what `hand` does at each time.
+
+    Parameters
+    ----------
+    hand : str
+        ``left`` or ``right``.
+    gestures : sequence of Gesture
+        The plan for both hands.
+    manner : GestureManner
+    times : ndarray, shape (T,)
+        Seconds.
+    restlessness : float
+        Speed of the idle drift against an unmoved speaker's.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    ndarray, shape (T, 13)
+        The channels of `hand_pose`.
+    """
+    rest = manner.rest.channels() + _variety(rng) * 0.5
+    rest[ELBOW_OUT] += manner.elbows_out
+    movements: list[Movement] = []
+    for gesture in gestures:
+        if hand not in gesture.hands:
+            continue
+        size = manner.amplitude * (0.75 + 0.35 * gesture.strength) * rng.uniform(0.9, 1.1)
+        if len(gesture.hands) == 2 and hand == "left":
+            size *= _SECOND_HAND
+        apex, upbeat = _key_poses(gesture, manner, size, rng)
+        bow = np.zeros(len(rest))
+        bow[PLACE] = (0.05 * size, 0.0, 0.03 * size)
+        movements += [
+            Movement(start=gesture.begin, end=gesture.stroke + 0.03, target=upbeat, bow=bow),
+            Movement(start=gesture.stroke, end=gesture.apex, target=apex),
+        ]
+        if gesture.rest is not None:
+            movements.append(
+                Movement(start=gesture.release, end=gesture.rest, target=rest, bow=bow * 0.6)
+            )
+    course = follow(rest, movements, times)
+    # Fingers and the wrist's bend trail the arm a little, as loosely held hands do.
+    trailing = follow(rest, movements, times - _FOLLOW_THROUGH)
+    for channels in (CURLS, SPREAD, FLEXION):
+        course[:, channels] = trailing[:, channels]
+    return within_joint_range(course + _drift(times, len(rest), restlessness, rng))
+
+
+def _key_poses(
+    gesture: Gesture, manner: GestureManner, size: float, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    """Return the hand at the end and at the beginning of the gesture's stroke."""
+    apex = gesture.form.apex.channels()
+    apex[PLACE] = _CENTRE + (apex[PLACE] - _CENTRE) * (0.4 + 0.6 * size)
+    apex[ELBOW_OUT] += manner.elbows_out
+    apex += _variety(rng)
+    upbeat = apex.copy()
+    upbeat[PLACE] -= size * np.array(gesture.form.stroke)
+    upbeat[[PRONATION, FLEXION]] += np.array(gesture.form.wind_up) * min(size, 1.2)
+    shape = gesture.form.wind_up_shape
+    upbeat[CURLS] = (shape.thumb, shape.index, shape.middle, shape.ring, shape.pinky)
+    upbeat[SPREAD] = shape.spread
+    return apex, upbeat
+
+
+def _variety(rng: np.random.Generator) -> FloatArray:
+    """Return small differences, shape (13,), for no two gestures are quite the same."""
+    variety = np.zeros(13)
+    variety[PLACE] = rng.normal(0, _PLACE_VARIETY)
+    variety[[ELBOW_OUT, PRONATION, FLEXION]] = rng.normal(0, _TURN_VARIETY, 3) * (0.6, 1.0, 0.5)
+    variety[CURLS] = rng.normal(0, 0.03, 5)
+    return variety
+
+
+def _drift(
+    times: FloatArray, channels: int, restlessness: float, rng: np.random.Generator
+) -> FloatArray:
+    noise = smooth_noise(times, channels, 0.08 * restlessness, 0.6 * restlessness, rng)
+    scale = np.zeros(channels)
+    scale[PLACE] = _HAND_DRIFT
+    scale[[ELBOW_OUT, PRONATION, FLEXION]] = (1.2, 2.0, 1.2)
+    scale[CURLS] = 0.018
+    return noise * scale
