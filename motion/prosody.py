@@ -52,6 +52,8 @@ _SHORTEST_SYLLABLE: Final = 0.12
 _NEIGHBOURHOOD: Final = 1.5
 _PITCH_REACH: Final = 0.08
 _LEAST_RISE: Final = 0.06
+_AUDIBLE_ENERGY: Final = 1 / _DYNAMIC_RANGE
+_AUDIBLE_PITCH: Final = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -192,7 +194,9 @@ def _accents(energy: FloatArray, pitch: FloatArray) -> tuple[FloatArray, FloatAr
         return np.zeros(0), np.zeros(0)
     loudness = _rise_of_energy(energy)[nuclei]
     height = _height_of_pitch(pitch, nuclei)
-    score = (2 * _standardised(loudness) + _standardised(height)) / 3
+    score = (
+        2 * _standardised(loudness, _AUDIBLE_ENERGY) + _standardised(height, _AUDIBLE_PITCH)
+    ) / 3
     strong = score >= np.median(score) - 1e-9
     peak = score[strong]
     lowest, highest = float(peak.min()), float(peak.max())
@@ -230,10 +234,12 @@ def _height_of_pitch(pitch: FloatArray, nuclei: NDArray[np.intp]) -> FloatArray:
     return heights
 
 
-def _standardised(values: FloatArray) -> FloatArray:
-    """Return `values` in units of their spread around their mean; zeros where all are alike."""
-    spread = float(values.std())
-    return (values - values.mean()) / spread if spread > 1e-9 else np.zeros(len(values))
+def _standardised(values: FloatArray, least_spread: float) -> FloatArray:
+    """Return `values` around their mean in units of their spread, but at least `least_spread`.
+
+    Differences that nobody hears must not count as much as audible ones.
+    """
+    return (values - values.mean()) / max(float(values.std()), least_spread)
 
 
 def _pauses(energy: FloatArray) -> FloatArray:
