@@ -239,7 +239,8 @@ def _standardised(values: FloatArray, least_spread: float) -> FloatArray:
 
     Differences that nobody hears must not count as much as audible ones.
     """
-    return (values - values.mean()) / max(float(values.std()), least_spread)
+    standardised: FloatArray = (values - values.mean()) / max(float(values.std()), least_spread)
+    return standardised
 
 
 def _pauses(energy: FloatArray) -> FloatArray:
