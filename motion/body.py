@@ -1,0 +1,284 @@
+"""The body layer: from a motion clip to the vertices of any body in SMPL-X's file format.
+
+Shape, expression and pose blend shapes, then linear blend skinning, as in SMPL-X (Pavlakos et al.
+2019, "Expressive Body Capture", section 3.1, equations 1-3), in NumPy and over many frames at
+once, because drawing videos needs no gradients.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.spatial.transform import Rotation
+
+from motion.clip import EXPRESSION_COUNT, MotionClip
+from motion.errors import InputError
+from motion.skeleton import JOINT_COUNT, PARENTS
+
+FloatArray = NDArray[np.float32]
+
+_REQUIRED: Final = (
+    "v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table",
+)  # fmt: skip
+_SURFACE: Final = ("material", "material_names", "shade")
+_FULL_SHAPE_COUNT: Final = 300
+_SHORT_SHAPE_COUNT: Final = 10  # SMPL-X files of 2019 hold 10 shape and 10 expression components
+_FRAMES_AT_ONCE: Final = 8
+_STILL: Final = 1e-7
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyModel:
+    """A body that a motion clip can be put on.
+
+    Attributes
+    ----------
+    template : ndarray, shape (V, 3), float32
+        Vertices in T-pose, metres, y up, facing +z.
+    faces : ndarray, shape (F, 3), int64
+        Triangles.
+    shape_directions : ndarray, shape (V, 3, S), float32
+        What one unit of each shape coefficient adds.
+    expression_directions : ndarray, shape (V, 3, E), float32
+        What one unit of each expression coefficient, or of each ARKit weight, adds.
+    pose_directions : ndarray, shape (V, 3, 486), float32, or None
+        What the joints' rotations add before skinning; None where they add nothing.
+    joint_regressor : sparse matrix, shape (55, V)
+        Joints as weighted sums of vertices.
+    weights : sparse matrix, shape (V, 55)
+        Skin weights.
+    has_arkit_slots : bool
+        Whether the expression directions are ARKit's facial actions, in the order of
+        `motion.face.ARKIT_NAMES`, rather than SMPL-X's expression components.
+    credits : str
+        Whose work the body is; empty where the file does not say.
+    surface : mapping of str to ndarray
+        Further per-vertex arrays that a default body carries for drawing.
+    """
+
+    template: FloatArray
+    faces: NDArray[np.int64]
+    shape_directions: FloatArray
+    expression_directions: FloatArray
+    pose_directions: FloatArray | None
+    joint_regressor: sparse.csr_array
+    weights: sparse.csr_array
+    has_arkit_slots: bool = False
+    credits: str = ""
+    surface: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    def joints(self, betas: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Return the joints of the unposed body with shape `betas`, shape (55, 3), in metres."""
+        return np.asarray(self.joint_regressor @ self._shaped(betas).astype(np.float64))
+
+    def vertices(self, clip: MotionClip, frames: slice = slice(None)) -> FloatArray:
+        """Return where the body's vertices are in the `frames` of `clip`.
+
+        Parameters
+        ----------
+        clip : MotionClip
+            The motion. Its betas are applied as far as the model has shape directions; its ARKit
+            weights or expression coefficients as the model has slots for (`expression_note` says
+            when a clip has only the other kind).
+        frames : slice
+            Which frames; all by default.
+
+        Returns
+        -------
+        ndarray, shape (n, V, 3), float32
+            Metres.
+        """
+        part = clip.frames(frames)
+        shaped = self._shaped(clip.betas)
+        result = np.empty((len(part), *self.template.shape), np.float32)
+        for start in range(0, len(part), _FRAMES_AT_ONCE):
+            batch = slice(start, min(start + _FRAMES_AT_ONCE, len(part)))
+            self._skin(part.frames(batch), shaped, result[batch])
+        return result
+
+    def _shaped(self, betas: NDArray[np.floating]) -> FloatArray:
+        """Return the template with shape `betas`, shape (V, 3)."""
+        count = min(len(betas), self.shape_directions.shape[2])
+        if not count or not np.any(betas[:count]):
+            return self.template
+        added = self.shape_directions[:, :, :count] @ np.asarray(betas[:count], np.float32)
+        return np.asarray(self.template + added)
+
+    def _skin(self, clip: MotionClip, shaped: FloatArray, out: FloatArray) -> None:
+        """Write the vertices of all frames of `clip` to `out`, shape (n, V, 3)."""
+        count = len(clip)
+        out[:] = shaped
+        joints = np.broadcast_to(self.joint_regressor @ shaped, (count, JOINT_COUNT, 3))
+        coefficients = self._expression_coefficients(clip)
+        if coefficients is not None:
+            moved, directions, joint_directions = self._expression_parts
+            out[:, moved] += np.tensordot(coefficients, directions, axes=(1, 2))
+            joints = joints + np.tensordot(coefficients, joint_directions, axes=(1, 2))
+        local = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_matrix()
+        local = local.reshape(count, JOINT_COUNT, 3, 3)
+        if self.pose_directions is not None:
+            change = (local[:, 1:] - np.eye(3)).reshape(count, -1).astype(np.float32)
+            out += np.tensordot(change, self.pose_directions, axes=(1, 2))
+        transforms = _skinning_transforms(local, joints, clip.trans)
+        flat = transforms.transpose(1, 0, 2, 3).reshape(JOINT_COUNT, -1)
+        blended = (self.weights @ flat).reshape(-1, count, 3, 4)
+        for frame in range(count):
+            matrices = blended[:, frame]
+            moved_by = np.einsum("vab,vb->va", matrices[:, :, :3], out[frame])
+            np.add(moved_by, matrices[:, :, 3], out=out[frame])
+
+    def _expression_coefficients(self, clip: MotionClip) -> FloatArray | None:
+        """Return the coefficients, shape (n, E), that the model has slots for."""
+        values = clip.arkit if self.has_arkit_slots else clip.expressions
+        if values is None or not np.any(values):
+            return None
+        slots = self.expression_directions.shape[2]
+        held = np.zeros((len(values), slots), np.float32)
+        held[:, : values.shape[1]] = values[:, :slots]
+        return held
+
+    @cached_property
+    def _expression_parts(self) -> tuple[NDArray[np.int_], FloatArray, FloatArray]:
+        """The vertices that expressions move, how they do, and how the joints move with them."""
+        directions = self.expression_directions
+        moved = np.flatnonzero(np.abs(directions).max(axis=(1, 2)) > _STILL)
+        flat = self.joint_regressor @ directions.reshape(len(directions), -1)
+        joints = flat.reshape(JOINT_COUNT, 3, -1).astype(np.float32)
+        return moved, np.ascontiguousarray(directions[moved]), joints
+
+
+def read_body(path: Path) -> BodyModel:
+    """Read a body model from a file in SMPL-X's ``.npz`` layout.
+
+    Parameters
+    ----------
+    path : Path
+        The default body, or a licensed ``SMPLX_*.npz``. Nothing in it is unpickled.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is no such archive, or lacks an array or has one of a wrong shape.
+    """
+    if not path.is_file():
+        raise InputError(
+            "there is no such body model", where=path, remedy="Give the path of an SMPL-X .npz file"
+        )
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            missing = [name for name in _REQUIRED if name not in archive]
+            if missing:
+                raise InputError(
+                    f"the body model lacks {', '.join(missing)}",
+                    where=path,
+                    remedy="Give an SMPL-X model in .npz format (not SMPL, SMPL+H or MANO)",
+                )
+            arrays = {name: archive[name] for name in (*_REQUIRED, *_extras(archive.files))}
+    except (ValueError, OSError, zipfile.BadZipFile) as error:
+        raise InputError(
+            f"the file cannot be read as a body model ({error})",
+            where=path,
+            remedy="Give an SMPL-X model in .npz format; convert a .pkl with the smplx tools",
+        ) from error
+    _check_shapes(arrays, path)
+    shapes = arrays["shapedirs"].astype(np.float32)
+    full = shapes.shape[2] >= _FULL_SHAPE_COUNT + EXPRESSION_COUNT
+    shape_count = _FULL_SHAPE_COUNT if full else _SHORT_SHAPE_COUNT
+    poses = arrays["posedirs"].astype(np.float32)
+    surface: dict[str, NDArray[Any]] = {name: arrays[name] for name in _SURFACE if name in arrays}
+    return BodyModel(
+        template=arrays["v_template"].astype(np.float32),
+        faces=arrays["f"].astype(np.int64),
+        shape_directions=_without_zeros_at_end(shapes[:, :, :shape_count]),
+        expression_directions=_without_zeros_at_end(shapes[:, :, shape_count:]),
+        pose_directions=poses if np.any(poses) else None,
+        joint_regressor=sparse.csr_array(arrays["J_regressor"].astype(np.float32)),
+        weights=sparse.csr_array(arrays["weights"].astype(np.float32)),
+        has_arkit_slots=bool(arrays.get("arkit_slots", False)),
+        credits=str(arrays.get("credits", "")),
+        surface=surface,
+    )
+
+
+def expression_note(clip: MotionClip, body: BodyModel) -> str | None:
+    """Return what of the clip's facial expression `body` cannot show, or None if it shows all.
+
+    ARKit weights and SMPL-X's expression coefficients are different spaces; a body has slots for
+    one of them, and neither is guessed from the other.
+    """
+    wanted, other = ("arkit", "expressions") if body.has_arkit_slots else ("expressions", "arkit")
+    given = getattr(clip, other)
+    if given is None or not np.any(given) or getattr(clip, wanted) is not None:
+        return None
+    names = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
+    return (
+        f"the clip's face is given as {names[other]}, which this body has no slots for; its face"
+        f" moves by jaw and eyes alone (give {names[wanted]}, or another body)"
+    )
+
+
+def _extras(names: list[str]) -> list[str]:
+    return [name for name in (*_SURFACE, "arkit_slots", "credits") if name in names]
+
+
+def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
+    """Raise where the arrays do not fit together as SMPL-X's do."""
+    count = len(arrays["v_template"])
+    expected: dict[str, tuple[int | None, ...]] = {
+        "v_template": (count, 3),
+        "f": (None, 3),
+        "shapedirs": (count, 3, None),
+        "posedirs": (count, 3, 9 * (JOINT_COUNT - 1)),
+        "J_regressor": (JOINT_COUNT, count),
+        "weights": (count, JOINT_COUNT),
+        "kintree_table": (2, JOINT_COUNT),
+    }
+    for name, shape in expected.items():
+        given = arrays[name].shape
+        fits = len(given) == len(shape) and all(
+            want in (None, have) for want, have in zip(shape, given, strict=True)
+        )
+        if not fits:
+            wanted = ", ".join("any" if size is None else str(size) for size in shape)
+            raise InputError(
+                f"{name} of the body model has shape {given}, expected ({wanted})",
+                where=path,
+                remedy=f"Give an SMPL-X model with {JOINT_COUNT} joints in .npz format",
+            )
+    if arrays["kintree_table"][0, 1:].tolist() != list(PARENTS[1:]):
+        raise InputError(
+            "the body model's joint tree is not SMPL-X's",
+            where=path,
+            remedy="Give an SMPL-X model in .npz format",
+        )
+
+
+def _without_zeros_at_end(directions: FloatArray) -> FloatArray:
+    """Return the directions up to the last one that moves anything."""
+    used = np.flatnonzero(np.abs(directions).max(axis=(0, 1), initial=0.0))
+    return directions[:, :, : used[-1] + 1 if len(used) else 0]
+
+
+def _skinning_transforms(
+    local: NDArray[np.float64], joints: NDArray[np.floating], trans: FloatArray
+) -> FloatArray:
+    """Return what each joint does to the skin at rest, shape (n, 55, 3, 4)."""
+    world = np.empty_like(local)
+    position = np.empty_like(joints, dtype=np.float64)
+    for joint, parent in enumerate(PARENTS):
+        if parent < 0:
+            world[:, joint], position[:, joint] = local[:, joint], joints[:, joint]
+            continue
+        world[:, joint] = world[:, parent] @ local[:, joint]
+        offset = joints[:, joint] - joints[:, parent]
+        position[:, joint] = position[:, parent] + np.einsum("nab,nb->na", world[:, parent], offset)
+    shift = position - np.einsum("njab,njb->nja", world, joints) + trans[:, None]
+    return np.concatenate([world, shift[..., None]], axis=3).astype(np.float32)
