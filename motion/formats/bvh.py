@@ -18,6 +18,9 @@ from motion.errors import InputError
 FloatArray = NDArray[np.float64]
 
 _CHANNELS: Final = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
+_END_SITE: Final = -1
+_ROUNDING: Final = 0.015
+"""Share by which the rounding of a frame time may change the frame rate."""
 _STILL: Final = 1e-3
 """Change of a channel, in degrees or length units, below which it does not move."""
 
@@ -214,42 +217,51 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
 def _parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint, ...]:
     """Return the joints that the lines between HIERARCHY and MOTION describe."""
     drafts: list[BvhJoint] = []
-    # What each open brace belongs to: a joint's index, or None for an end site.
-    open_blocks: list[int | None] = []
-    opening: int | None = None
+    # Blocks that are open, and the one that the next brace opens: a joint's index, or _END_SITE.
+    blocks: list[int] = []
+    announced: int | None = None
     for number, line in _statements(lines):
         where = f"{path}, line {number}"
         words = line.split()
         keyword = words[0].upper()
-        if keyword in ("ROOT", "JOINT"):
-            if len(words) < 2 or (keyword == "JOINT") != bool(open_blocks):
-                raise _hierarchy_error(line, where)
-            opening = len(drafts)
-            parent = open_blocks[-1] if open_blocks else -1
-            if parent is None or (parent < 0 and drafts):
-                raise _hierarchy_error(line, where)
+        inside = blocks[-1] if blocks else None
+        in_joint = inside is not None and inside != _END_SITE
+        fits = announced is None
+        if keyword == "{":
+            fits = announced is not None
+            if announced is not None:
+                blocks.append(announced)
+            announced = None
+        elif keyword in ("ROOT", "JOINT"):
+            fits &= len(words) > 1 and (in_joint if keyword == "JOINT" else not drafts)
+            announced = len(drafts)
+            parent = -1 if inside is None else inside
             drafts.append(
                 BvhJoint(name=" ".join(words[1:]), parent=parent, offset=(0, 0, 0), channels=())
             )
         elif keyword == "END":
-            opening = None
-        elif keyword == "{":
-            open_blocks.append(opening)
-        elif keyword == "}" and open_blocks:
-            open_blocks.pop()
-        elif keyword in ("OFFSET", "CHANNELS") and open_blocks:
-            current = open_blocks[-1]
-            if current is None:
-                continue
-            if keyword == "OFFSET":
-                drafts[current] = replace(drafts[current], offset=_offset(words, where))
-            else:
-                drafts[current] = replace(drafts[current], channels=_channels(words, where))
+            fits &= in_joint
+            announced = _END_SITE
+        elif keyword == "}":
+            fits &= bool(blocks)
+            blocks = blocks[:-1]
+        elif keyword == "OFFSET" and inside is not None:
+            offset = _offset(words, where)
+            if in_joint:
+                drafts[inside] = replace(drafts[inside], offset=offset)
+        elif keyword == "CHANNELS" and inside is not None and in_joint:
+            drafts[inside] = replace(drafts[inside], channels=_channels(words, where))
         else:
-            raise _hierarchy_error(line, where)
+            fits = False
+        if not fits:
+            raise InputError(
+                f"{line!r} does not fit here",
+                where=where,
+                remedy="Repair the line or export again",
+            )
     names = [joint.name for joint in drafts]
     twice = sorted({name for name in names if names.count(name) > 1})
-    if open_blocks or not drafts or twice:
+    if blocks or announced is not None or not drafts or twice:
         what = f"joint {twice[0]!r} occurs twice" if twice else "the skeleton is not complete"
         raise InputError(what, where=path, remedy="Export the file again")
     return tuple(drafts)
@@ -261,12 +273,6 @@ def _statements(lines: list[tuple[int, str]]) -> Iterator[tuple[int, str]]:
         for part in re.split(r"([{}])", line):
             if part.strip():
                 yield number, part.strip()
-
-
-def _hierarchy_error(line: str, where: str) -> InputError:
-    return InputError(
-        f"{line!r} does not fit here", where=where, remedy="Repair the line or export again"
-    )
 
 
 def _offset(words: list[str], where: str) -> tuple[float, float, float]:
@@ -317,7 +323,8 @@ def _rate_of(frame_time: str, where: str) -> float:
         raise InputError(f"frame time {frame_time} is not usable", where=where, remedy="Repair it")
     last_digit = Decimal(1).scaleb(int(seconds.as_tuple().exponent))
     whole = max(1, round(1 / seconds))
-    return float(whole if abs(1 / Decimal(whole) - seconds) <= last_digit else 1 / seconds)
+    rounded = abs(1 / Decimal(whole) - seconds) <= last_digit
+    return float(whole if rounded and abs(whole * seconds - 1) <= _ROUNDING else 1 / seconds)
 
 
 def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> FloatArray:

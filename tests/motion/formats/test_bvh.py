@@ -1,0 +1,223 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from motion.errors import InputError
+from motion.formats.bvh import BvhMotion, read_bvh, settle_first_frame
+from tests.motion.formats.bvh_text import CHAIN, bvh_text, columns_of, write_bvh
+
+ROWS = np.arange(36, dtype=float).reshape(3, 12)
+
+
+def chain(tmp_path: Path, rows: np.ndarray = ROWS, **options: object) -> BvhMotion:
+    return read_bvh(write_bvh(tmp_path / "a.bvh", bvh_text(CHAIN, rows, **options)))  # type: ignore[arg-type]
+
+
+def test_skeleton_and_values_are_read(tmp_path: Path) -> None:
+    motion = chain(tmp_path)
+    assert motion.joint_names == ("hip", "knee", "ankle")
+    assert [joint.parent for joint in motion.joints] == [-1, 0, 1]
+    assert motion.joints[2].offset == (0, -42, 1)
+    assert motion.joints[1].channels == ("Zrotation", "Xrotation", "Yrotation")
+    np.testing.assert_array_equal(motion.values, ROWS)
+    np.testing.assert_array_equal(motion.rest_positions[2], [0, -82, 1])
+    assert motion.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("frame_time", "rate"),
+    [
+        ("0.0333333", 30),
+        ("0.0333", 30),
+        ("0.008333", 120),
+        ("0.016666", 60),
+        ("0.04", 25),
+        ("4e-2", 25),
+        ("0.0333667", 29.97),
+        ("0.08", 12.5),
+        ("0.067", 15),
+        ("1", 1),
+    ],
+)
+def test_frame_time_stands_for_the_rate_it_was_rounded_from(
+    tmp_path: Path, frame_time: str, rate: float
+) -> None:
+    assert chain(tmp_path, frame_time=frame_time).frame_rate == pytest.approx(rate, abs=1e-3)
+
+
+@given(
+    order=st.permutations("XYZ").map("".join),
+    angles=st.lists(st.floats(-180, 180), min_size=9, max_size=9),
+)
+def test_rotations_apply_in_the_order_of_the_channels(
+    tmp_path_factory: pytest.TempPathFactory, order: str, angles: list[float]
+) -> None:
+    path = tmp_path_factory.mktemp("bvh") / "a.bvh"
+    row = np.array([1, 2, 3, *angles])
+    motion = read_bvh(write_bvh(path, bvh_text(CHAIN, row[None], order=order)))
+    positions, rotations = motion.forward_kinematics()
+
+    def turn(three: np.ndarray) -> np.ndarray:
+        axes = np.eye(3)
+        result = np.eye(3)
+        for axis, angle in zip(order, three, strict=True):
+            vector = np.radians(angle) * axes["XYZ".index(axis)]
+            result = result @ Rotation.from_rotvec(vector).as_matrix()
+        return result
+
+    hip, knee = turn(row[3:6]), turn(row[6:9])
+    knee_at = np.array([1, 2, 3]) + hip @ [0, -40, 0]
+    np.testing.assert_allclose(positions[0, 1], knee_at, atol=1e-5)
+    np.testing.assert_allclose(positions[0, 2], knee_at + hip @ knee @ [0, -42, 1], atol=1e-5)
+    np.testing.assert_allclose(rotations[0, 1], hip @ knee, atol=1e-6)
+
+
+def test_position_channels_of_any_joint_replace_its_offset(tmp_path: Path) -> None:
+    text = bvh_text(CHAIN, np.zeros((1, 12))).replace(
+        "OFFSET 0.00000000 -42.00000000 1.00000000\nCHANNELS 3",
+        "OFFSET 0 -42 1\nCHANNELS 6 Xposition Yposition Zposition",
+    )
+    text = text.replace(" ".join("0" * 12), " ".join("0" * 9) + " 1 -50 2 0 0 0")
+    positions, _ = read_bvh(write_bvh(tmp_path / "a.bvh", text)).forward_kinematics()
+    np.testing.assert_allclose(positions[0, 2], [1, -90, 2])
+
+
+def test_layout_of_the_text_does_not_matter(tmp_path: Path) -> None:
+    plain = chain(tmp_path)
+    text = bvh_text(CHAIN, ROWS).replace("\n{", " {").replace("\n", "\r\n\r\n  ")
+    text = "\ufeff" + text.replace("Zrotation", "ZROTATION").replace("ROOT", "root")
+    odd = read_bvh(write_bvh(tmp_path / "b.bvh", text.replace("Frames: 3", "frames:\t3")))
+    assert odd.joints == plain.joints
+    np.testing.assert_array_equal(odd.values, plain.values)
+
+
+def test_joint_names_may_hold_spaces(tmp_path: Path) -> None:
+    text = bvh_text(CHAIN, ROWS).replace("JOINT knee", "JOINT Left Knee")
+    assert read_bvh(write_bvh(tmp_path / "a.bvh", text)).joint_names[1] == "Left Knee"
+
+
+def test_header_that_contradicts_the_rows_is_refused_with_the_implied_rate(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        chain(tmp_path, frames=24, frame_time="0.008333")
+    message = str(caught.value)
+    for fact in ("a.bvh", "24 frames", "120 per second", "0.20 s", "3 rows", "15 per second"):
+        assert fact in message
+    assert "--fps" in caught.value.remedy
+
+
+def test_given_rate_settles_the_contradiction_and_is_noted(tmp_path: Path) -> None:
+    path = write_bvh(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS, frames=24))
+    motion = read_bvh(path, frame_rate=15)
+    assert motion.frame_rate == 15
+    assert "read at 15 per second" in motion.notes[0]
+
+
+def test_given_rate_overrides_a_sound_header(tmp_path: Path) -> None:
+    path = write_bvh(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS))
+    motion = read_bvh(path, frame_rate=60)
+    assert (motion.frame_rate, motion.notes) == (60, ())
+
+
+BAD_EDITS = [
+    ("HIERARCHY", "HELLO", "the file is no BVH", ""),
+    ("MOTION", "", "the file is no BVH", ""),
+    ("JOINT knee", "JOINT", "'JOINT' does not fit", "line 6"),
+    ("JOINT knee", "ROOT knee", "'ROOT knee' does not fit", "line 6"),
+    ("JOINT knee", "KNOT knee", "'KNOT knee' does not fit", "line 6"),
+    ("JOINT knee", "JOINT hip", "joint 'hip' occurs twice", ""),
+    ("End Site", "", "'{' does not fit", "line 15"),
+    ("ROOT hip\n{", "ROOT hip", "'OFFSET .*' does not fit", "line 3"),
+    ("ROOT hip\n{", "End Site\n{", "'End Site' does not fit", "line 2"),
+    ("}\n}\n}\n}", "}\n}\n}", "the skeleton is not complete", ""),
+    ("}\n}\n}\n}", "}\n}\n}\n}\n}", "'}' does not fit", "line 21"),
+    ("OFFSET 0.00000000 -40.0", "OFFSET x -40.0", "no offset of three numbers", "line 8"),
+    ("OFFSET 0.00000000 -40.0", "OFFSET nan -40.0", "offset is not finite", "line 8"),
+    ("OFFSET 0.00000000 -40.0", "OFFSET -40.0", "no offset of three numbers", "line 8"),
+    ("CHANNELS 3 Zrotation", "CHANNELS 2 Zrotation", "no list of channels", "line 9"),
+    ("CHANNELS 3 Zrotation", "CHANNELS 3 Wrotation", "no list of channels", "line 9"),
+    ("Frames: 3", "Frames: three", "lacks 'Frames: <number>'", "line 22"),
+    ("Frame Time: 0.0333333", "Frame Time:", "lacks 'Frame Time: <seconds>'", "line 23"),
+    ("Frame Time: 0.0333333", "Frame Time: fast", "'fast' is no number", "line 23"),
+    ("Frame Time: 0.0333333", "Frame Time: 0", "frame time 0 is not usable", "line 23"),
+    ("Frame Time: 0.0333333", "Frame Time: NaN", "frame time NaN is not usable", "line 23"),
+    ("12 13 14", "12 13", "11 values, the skeleton has 12 channels", "line 25"),
+    ("12 13 14", "12 13 14 15", "13 values, the skeleton has 12 channels", "line 25"),
+    ("12 13 14", "12 13 x", "no number .*'x'", "line 25"),
+    ("12 13 14", "12 13 nan", "not finite", "line 25"),
+    ("12 13 14", "12 13 -inf", "not finite", "line 25"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "complaint", "place"), BAD_EDITS)
+def test_damage_is_refused_by_file_and_line(
+    tmp_path: Path, old: str, new: str, complaint: str, place: str
+) -> None:
+    text = bvh_text(CHAIN, ROWS)
+    assert old in text
+    path = write_bvh(tmp_path / "bad.bvh", text.replace(old, new, 1))
+    with pytest.raises(InputError, match=complaint) as caught:
+        read_bvh(path)
+    assert caught.value.where.startswith(str(path))
+    assert place in caught.value.where
+    assert caught.value.remedy
+
+
+@given(st.data())
+def test_no_cut_off_file_is_taken_for_a_whole_one(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    text = bvh_text(CHAIN, ROWS)
+    whole_until = len(text) - len(" 35\n")
+    cut = data.draw(st.integers(0, whole_until))
+    path = write_bvh(tmp_path_factory.mktemp("bvh") / "cut.bvh", text[:cut])
+    with pytest.raises(InputError, match=r"cut\.bvh"):
+        read_bvh(path)
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"gone\.bvh"):
+        read_bvh(tmp_path / "gone.bvh")
+
+
+def test_pose_left_over_in_the_first_frame_settles(tmp_path: Path) -> None:
+    rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(4)])
+    rows[0] += columns_of(CHAIN, {"hip": (20, 0, 0)})
+    motion = settle_first_frame(chain(tmp_path, rows))
+    rows[0] -= columns_of(CHAIN, {"hip": (20, 0, 0)})
+    np.testing.assert_allclose(motion.values, rows)
+    assert "1 joints" in motion.notes[0]
+
+
+@pytest.mark.parametrize("frames", [1, 2, 4])
+def test_motion_without_such_a_pose_stays_as_it_is(tmp_path: Path, frames: int) -> None:
+    rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(frames)])
+    motion = chain(tmp_path, rows)
+    assert settle_first_frame(motion) is motion
+
+
+def test_real_recording_lies_about_its_frames(shared_data: Path) -> None:
+    path = shared_data / "2_scott_0_1_1.bvh"
+    with pytest.raises(InputError, match=r"7669 frames at 120 .* 957 rows.* 14\.97 per second"):
+        read_bvh(path)
+    motion = read_bvh(path, frame_rate=15)
+    assert motion.values.shape == (957, 228)
+    assert len(motion.joints) == 75
+    settled = settle_first_frame(motion)
+    hips = settled.values[:, settled.columns(0)]
+    assert not hips.any()
+    assert "13 joints" in settled.notes[-1]
+
+
+def test_other_real_skeleton_is_read(shared_data: Path) -> None:
+    motion = read_bvh(shared_data / "aitviewer_sample.bvh")
+    assert (len(motion.joints), len(motion.values), motion.frame_rate) == (23, 1300, 40)
+    assert settle_first_frame(motion) is motion
+    positions, _ = motion.forward_kinematics()
+    head, toe = (motion.joint_names.index(name) for name in ("Head", "LeftToe"))
+    assert (positions[:, head, 1] - positions[:, toe, 1]).mean() > 100
