@@ -119,6 +119,8 @@ class Study(_Section):
         in AMUSE.
     practice : int
         The first so many trials are discarded and shown again at the end.
+    lease_minutes : int
+        An unfinished participant who does nothing for so long gives the place back.
     freeze : tuple of str
         Channels held still in every stimulus, so that what a condition happens to contain
         cannot give it away.
@@ -133,6 +135,7 @@ class Study(_Section):
     trials: int = Field(24, ge=1, le=500)
     practice: int = Field(3, ge=0, le=20)
     announce_practice: bool = False
+    lease_minutes: int = Field(45, ge=5, le=1440)
     seed: int = Field(1, ge=0, le=2**32 - 1)
     freeze: tuple[str, ...] = Field((), strict=False)
     conditions: dict[Name, Condition] = Field(min_length=2)

@@ -12,6 +12,7 @@ from studyapp.clock import Clock
 from studyapp.definition.study import Study
 from studyapp.models import Response, StudySession, Trial
 from studyapp.services.database import Database
+from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.sitting import current_trial, find, require_started, trial_of
 from studyapp.services.watching import watched_so_far
@@ -55,6 +56,7 @@ def answer(
         if trial.answered_at is not None:
             _require_same(trial, values)
             return
+        regain_place(session, study, study_session)
         _require_present(study_session, trial)
         missing = watched_so_far(trial, study.watching.coverage).missing
         if missing > 0:

@@ -75,7 +75,7 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
         return known.token
     study = served.study
     open_places(session, study)
-    release_stale(session, now)
+    release_stale(session, study, now)
     place = least_filled(session, study)
     if place is None:
         raise StudyFullError(

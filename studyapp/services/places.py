@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import secrets
 from datetime import datetime, timedelta
-from typing import Final
 
 from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from studyapp.definition.study import Study, comparison_name
 from studyapp.models import Place, StudySession
-
-LEASE: Final = timedelta(minutes=45)
-"""A participant who does nothing for so long gives their place back to whoever comes next."""
 
 
 def open_places(session: Session, study: Study) -> None:
@@ -29,10 +25,11 @@ def open_places(session: Session, study: Study) -> None:
     session.flush()
 
 
-def release_stale(session: Session, now: datetime) -> None:
-    """Give back the places of unfinished study sessions that have been silent for `LEASE`."""
+def release_stale(session: Session, study: Study, now: datetime) -> None:
+    """Give back the places of unfinished study sessions that have been silent for too long."""
+    silent_since = now - timedelta(minutes=study.lease_minutes)
     stale = select(StudySession.id).where(
-        StudySession.completed_at.is_(None), StudySession.last_active_at < now - LEASE
+        StudySession.completed_at.is_(None), StudySession.last_active_at < silent_since
     )
     session.execute(
         update(Place).where(Place.study_session_id.in_(stale)).values(study_session_id=None)
@@ -75,3 +72,11 @@ def open_place(session: Session, comparison: str, places: int) -> Place | None:
         .limit(1)
         .with_for_update(skip_locked=True)
     ).first()
+
+
+def regain_place(session: Session, study: Study, study_session: StudySession) -> None:
+    """Give a participant back a place of their comparison, if one was lost and one is open."""
+    if study_session.place is None and study_session.withdrawn_at is None:
+        places = study.participants_per_comparison
+        study_session.place = open_place(session, study_session.comparison, places)
+        session.flush()

@@ -12,7 +12,7 @@ from sqlalchemy import select
 from studyapp.clock import Clock
 from studyapp.models import StudySession, Trial
 from studyapp.services.database import Database
-from studyapp.services.places import open_place
+from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import State, current_trial, find, state_of
@@ -68,9 +68,7 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
     with database.writing() as session:
         study_session = find(session, token)
         now = clock.now()
-        if state_of(study_session) == "lapsed":
-            places = served.study.participants_per_comparison
-            study_session.place = open_place(session, study_session.comparison, places)
+        regain_place(session, served.study, study_session)
         state = state_of(study_session)
         trial = current_trial(study_session)
         if state in ("instructed", "started"):

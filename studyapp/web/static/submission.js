@@ -14,6 +14,9 @@ export class Submission {
     this.problem = document.getElementById("problem");
     this.needed = document.getElementById("needed");
     this.busy = false;
+    evidence.addEventListener("lost", () => {
+      if (this.busy) this.showLost();
+    });
     this.form.addEventListener("submit", (event) => {
       event.preventDefault();
       if (!this.busy) this.submit();
@@ -58,10 +61,7 @@ export class Submission {
       } catch {
         // Told below; the answers stay on the page and in the draft.
       }
-      this.show(
-        " · not saved yet",
-        "The connection is lost. Your answers are kept here, and we are trying again…",
-      );
+      this.showLost();
       await new Promise((resolve) => setTimeout(resolve, wait));
     }
   }
@@ -70,6 +70,13 @@ export class Submission {
     this.busy = false;
     this.button.removeAttribute("aria-busy");
     this.show("", problem);
+  }
+
+  showLost() {
+    this.show(
+      " · not saved yet",
+      "The connection is lost. Your answers are kept here, and we are trying again…",
+    );
   }
 
   show(saved, problem) {

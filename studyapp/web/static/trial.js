@@ -19,12 +19,18 @@ function missing() {
   return parts;
 }
 
+function watchedText() {
+  if (evidence.missing <= 0) return "Watched ✓";
+  if (evidence.silent) return "Turn the sound on, please";
+  return `Watched: still ${Math.ceil(evidence.missing)} s`;
+}
+
 function show() {
   const parts = missing();
   needed.textContent = parts.length ? `Still needed: ${parts.join(", ")}` : "All done – press Next";
   needed.classList.toggle("complete", parts.length === 0);
-  watched.textContent =
-    evidence.missing > 0 ? `Watched: still ${Math.ceil(evidence.missing)} s` : "Watched ✓";
+  if (!parts.length) needed.classList.remove("asked");
+  watched.textContent = watchedText();
   watched.classList.toggle("complete", evidence.missing <= 0);
   if (evidence.missing <= 0) fetchAhead();
 }

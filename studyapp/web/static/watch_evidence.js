@@ -3,7 +3,7 @@
 
 const REPORT_EVERY_MS = 2000;
 const RETRY_MS = 2000;
-const LARGEST_STEP = 1.0; // seconds between two looks at a playing video
+const SLACK = 0.3; // seconds by which a video's clock may run ahead of the computer's
 
 export function merged(intervals) {
   const union = [];
@@ -28,14 +28,18 @@ export class WatchEvidence extends EventTarget {
     this.played = JSON.parse(video.dataset.watched);
     this.batch = Number(video.dataset.nextBatch);
     this.unsent = [];
-    this.last = null; // where the playing video was when last looked at
+    this.last = null; // where the playing video was when last looked at, and when that was
     this.sending = null;
     video.addEventListener("playing", () => this.open());
     video.addEventListener("timeupdate", () => this.look());
     video.addEventListener("ended", () => this.close(true));
-    for (const name of ["pause", "seeking", "waiting", "stalled", "volumechange"]) {
+    for (const name of ["pause", "seeking", "waiting"]) {
       video.addEventListener(name, () => this.close(false));
     }
+    video.addEventListener("volumechange", () => {
+      this.close(false);
+      this.dispatchEvent(new Event("change"));
+    });
     setInterval(() => this.report(), REPORT_EVERY_MS);
     addEventListener("pagehide", () => {
       this.close(false);
@@ -48,33 +52,37 @@ export class WatchEvidence extends EventTarget {
     return rest < 0.001 ? 0 : rest;
   }
 
-  // A video that nobody can see or hear does not count as watched.
-  get counts() {
-    return !document.hidden && !this.video.muted && this.video.volume > 0;
+  get silent() {
+    return this.video.muted || this.video.volume === 0;
   }
 
+  // A video that nobody can see or hear does not count as watched.
   open() {
-    if (this.counts) this.last = this.video.currentTime;
+    if (document.hidden || this.silent) return;
+    this.last = { time: this.video.currentTime, at: performance.now() };
   }
 
   look() {
-    const now = this.video.currentTime;
-    if (this.last === null) {
-      if (!this.video.paused && !this.video.seeking) this.open();
-      return;
-    }
-    const step = now - this.last;
-    if (step > 0 && step <= LARGEST_STEP) this.add(this.last, now);
-    this.last = now;
+    if (this.last !== null) this.extend(this.video.currentTime);
+    else if (!this.video.paused && !this.video.seeking) this.open();
   }
 
   close(atEnd) {
     if (this.last !== null && !this.video.seeking) {
-      const now = atEnd ? Math.max(this.video.currentTime, this.duration) : this.video.currentTime;
-      if (now > this.last && now - this.last <= LARGEST_STEP) this.add(this.last, now);
+      this.extend(atEnd ? this.duration : this.video.currentTime);
     }
     this.last = null;
     if (atEnd) this.report();
+  }
+
+  // What was played since the last look: no more than time has passed.
+  extend(time) {
+    const now = { time, at: performance.now() };
+    const played = now.time - this.last.time;
+    if (played > 0 && played <= (now.at - this.last.at) / 1000 + SLACK) {
+      this.add(this.last.time, now.time);
+    }
+    this.last = now;
   }
 
   add(from, to) {
@@ -117,8 +125,9 @@ export class WatchEvidence extends EventTarget {
           return;
         }
       } catch {
-        // The connection is lost; the same report is sent again under the same number.
+        // The same report is sent again under the same number.
       }
+      this.dispatchEvent(new Event("lost"));
       await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
     }
   }
