@@ -20,6 +20,7 @@ _FEET: Final = [
     joint_index(f"{side}_{part}") for side in ("left", "right") for part in ("ankle", "foot")
 ]
 _TURN_WORTH_SAYING: Final = 1.0
+"""Degrees of turning up to which nobody needs to know."""
 
 
 def place(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
@@ -37,8 +38,8 @@ def place(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
         notes.append(f"{'-' if sum(axis) < 0 else ''}{letter} was up; turned to y up")
     facing = _pelvis(clip).apply([0, 0, 1]).mean(axis=0)
     heading = float(np.degrees(np.arctan2(facing[0], facing[2])))
+    clip = _turn_world(clip, Rotation.from_euler("y", -heading, degrees=True))
     if abs(heading) > _TURN_WORTH_SAYING:
-        clip = _turn_world(clip, Rotation.from_euler("y", -heading, degrees=True))
         notes.append(f"turned by {-heading:.0f} degrees to face +z")
     return _stand_at_origin(clip), tuple(notes)
 

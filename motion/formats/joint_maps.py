@@ -32,12 +32,12 @@ _LEG_JOINTS: Final = tuple(
 )
 
 
-def _limbs(arm: Mapping[str, str], pattern: str, side_word: int) -> dict[str, str]:
-    """Return the arm and leg entries of both sides; `pattern` joins side and part."""
+def _limbs(parts: Mapping[str, str], pattern: str, side_word: int) -> dict[str, str]:
+    """Return the entries of both sides; `pattern` joins side and part into a source name."""
     return {
         f"{sides[0]}_{joint}": pattern.format(side=sides[side_word], part=part)
         for sides in _SIDES
-        for joint, part in arm.items()
+        for joint, part in parts.items()
     }
 
 
@@ -132,14 +132,14 @@ def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
         key: {joint: bare[source] for joint, source in joint_map.items() if source in bare}
         for key, joint_map in JOINT_MAPS.items()
     }
-    best = max(found, key=lambda key: (_is_complete(found[key]), len(found[key])))
-    if _is_complete(found[best]):
+    best = max(found, key=lambda key: (not _missing(found[key]), len(found[key])))
+    if not _missing(found[best]):
         return best, MappingProxyType(found[best])
     unmapped = sorted(set(joint_names) - set(found[best].values()))
     raise InputError(
         f"the skeleton is unknown; the nearest known one, {best!r}, leaves "
         f"{', '.join(unmapped)} unmapped and finds nothing for "
-        f"{', '.join(joint for joint in REQUIRED_JOINTS if joint not in found[best])}",
+        f"{', '.join(_missing(found[best]))}",
         remedy="Give a joint map from SMPL-X joint names to the names in the file",
     )
 
@@ -158,19 +158,19 @@ def check_joint_map(joint_map: JointMap, joint_names: Collection[str]) -> JointM
             f"the joint map names {', '.join(absent)}, which the file does not have",
             remedy=f"Use the file's names: {', '.join(joint_names)}",
         )
-    if not _is_complete(joint_map):
-        missing = [joint for joint in REQUIRED_JOINTS if joint not in joint_map]
+    missing = _missing(joint_map)
+    if missing:
         raise InputError(
-            f"the joint map lacks {', '.join(missing) or 'some of the leg joints'}",
+            f"the joint map lacks {', '.join(missing)}",
             remedy=f"Map {', '.join(REQUIRED_JOINTS)}, and all of {', '.join(_LEG_JOINTS)} or none",
         )
     return joint_map
 
 
-def _is_complete(joint_map: JointMap) -> bool:
-    """Return whether the required joints are mapped, and the legs wholly or not at all."""
-    legs = [joint in joint_map for joint in _LEG_JOINTS]
-    return all(joint in joint_map for joint in REQUIRED_JOINTS) and all(legs) == any(legs)
+def _missing(joint_map: JointMap) -> tuple[str, ...]:
+    """Return what a map lacks: required joints, and the rest of the legs where it has some."""
+    legs = _LEG_JOINTS if any(joint in joint_map for joint in _LEG_JOINTS) else ()
+    return tuple(joint for joint in (*REQUIRED_JOINTS, *legs) if joint not in joint_map)
 
 
 def _without_namespace(name: str) -> str:

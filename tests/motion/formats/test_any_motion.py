@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from motion.formats import read_clip, read_motion, write_clip
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import forward_kinematics, joint_index
+from tests.motion.formats.bvh_text import (
+    CHAIN,
+    bvh_text,
+    columns_of,
+    depth_first,
+    smplx_skeleton,
+    write_bvh,
+)
+from tests.motion.random_clips import assert_same_clip, random_clip
+
+
+def person_bvh(path: Path, prefix: str = "", frames: int | None = None) -> Path:
+    skeleton = [
+        (prefix + name, None if parent is None else prefix + parent, offset)
+        for name, parent, offset in smplx_skeleton()
+    ]
+    rows = np.stack([columns_of(skeleton, {f"{prefix}left_elbow": (k, 0, 0)}) for k in (10, 20)])
+    return write_bvh(path, bvh_text(skeleton, rows, frames=frames))
+
+
+def test_own_file_comes_as_it_is(tmp_path: Path) -> None:
+    write_clip(tmp_path / "a.npz", random_clip())
+    assert_same_clip(read_motion(tmp_path / "a.npz"), random_clip())
+
+
+@pytest.mark.parametrize("ending", ["bvh", "npz", "npy", "txt"])
+def test_content_decides_the_format_not_the_ending(tmp_path: Path, ending: str) -> None:
+    path = person_bvh(tmp_path / f"a.{ending}")
+    clip = read_motion(path)
+    elbow = np.degrees(clip.poses[:, joint_index("left_elbow")])
+    np.testing.assert_allclose(elbow, [[0, 0, 10], [0, 0, 20]], atol=1e-4)
+    assert dict(clip.provenance) == {"source": path.name, "format": "bvh (smplx)"}
+
+
+def test_foreign_npz_is_placed_and_says_so(tmp_path: Path) -> None:
+    poses = np.zeros((4, 165))
+    poses[:, 0] = np.pi / 2
+    np.savez(tmp_path / "amass.npz", poses=poses, trans=np.ones((4, 3)), mocap_framerate=120)
+    clip = read_motion(tmp_path / "amass.npz")
+    np.testing.assert_allclose(clip.poses, 0, atol=1e-6)
+    np.testing.assert_allclose(clip.trans, 0, atol=1e-6)
+    assert clip.provenance["source"] == "amass.npz"
+    assert clip.provenance["format"] == "npz"
+    assert clip.provenance["notes"] == "z was up; turned to y up"
+    np.testing.assert_allclose(read_clip(tmp_path / "amass.npz").poses[:, 0, 0], np.pi / 2)
+
+
+def test_talkshow_in_camera_axes_is_stood_up(tmp_path: Path) -> None:
+    rows = np.zeros((3, 265))
+    rows[:, 9] = np.pi
+    np.save(tmp_path / "a.npy", rows)
+    clip = read_motion(tmp_path / "a.npy")
+    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    np.testing.assert_allclose(positions[0], REST_JOINTS, atol=1e-5)
+    assert clip.provenance["format"] == "talkshow"
+    assert "-y was up" in clip.provenance["notes"]
+
+
+def test_frame_rate_reaches_every_reader(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.zeros((3, 265)))
+    np.savez(tmp_path / "b.npz", poses=np.zeros((3, 165)))
+    person_bvh(tmp_path / "c.bvh", frames=99)
+    for name in ("a.npy", "b.npz", "c.bvh"):
+        assert read_motion(tmp_path / name, frame_rate=15).frame_rate == 15
+    assert "99 frames" in read_motion(tmp_path / "c.bvh", frame_rate=15).provenance["notes"]
+
+
+def test_own_joint_map_opens_an_unknown_skeleton(tmp_path: Path) -> None:
+    path = person_bvh(tmp_path / "a.bvh", "x")
+    with pytest.raises(InputError, match=r"a\.bvh: the skeleton is unknown"):
+        read_motion(path)
+    own = {name.removeprefix("x"): name for name in depth_first(smplx_skeleton())}
+    own = {name: f"x{name}" for name in own}
+    assert read_motion(path, joint_map=own).provenance["format"] == "bvh (own map)"
+    with pytest.raises(InputError, match=r"a\.bvh: the joint map lacks"):
+        read_motion(path, joint_map={"pelvis": "xpelvis"})
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("words.bvh", b"nothing of the kind"),
+        ("empty.npz", b""),
+        ("torn.npz", b"PK\x03\x04"),
+        ("torn.npy", b"\x93NUMPY\x01"),
+        ("chain.bvh", bvh_text(CHAIN, np.zeros((1, 12))).encode()),
+        ("torn.bvh", b"HIERARCHY"),
+        ("picture.npy", b"\x89PNG\r\n"),
+    ],
+)
+def test_unusable_file_is_named(tmp_path: Path, name: str, content: bytes) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=name) as caught:
+        read_motion(tmp_path / name)
+    assert caught.value.remedy
+
+
+@pytest.mark.parametrize("name", ["gone.bvh", "."])
+def test_missing_file_is_named(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        read_motion(tmp_path / name)
+
+
+def test_real_recording_is_read_in_the_studys_world(shared_data: Path) -> None:
+    clip = read_motion(shared_data / "2_scott_0_1_1.bvh", frame_rate=15)
+    assert clip.duration == pytest.approx(63.8)
+    assert clip.provenance["format"] == "bvh (beat)"
+    assert "7669 frames" in clip.provenance["notes"]
+    steps = np.linalg.norm(np.diff(clip.poses[:, 0], axis=0), axis=1)
+    assert steps.max() < 0.01
+
+
+def test_other_real_recording_is_turned_to_the_front(shared_data: Path) -> None:
+    clip = read_motion(shared_data / "aitviewer_sample.bvh")
+    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    assert "to face +z" in clip.provenance["notes"]
+    assert positions[:, :, 1].min() > -1.5
+    assert np.abs(clip.trans).max() < 1

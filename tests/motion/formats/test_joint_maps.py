@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from motion.formats.bvh import read_bvh
+from motion.formats.joint_maps import (
+    JOINT_MAPS,
+    REQUIRED_JOINTS,
+    check_joint_map,
+    choose_joint_map,
+)
+from motion.skeleton import JOINT_NAMES
+
+EXTRA = ("HeadEnd", "LeftToeBaseEnd", "LeftHandMiddle4", "b_l_arm_twist")
+
+
+@pytest.mark.parametrize("name", JOINT_MAPS)
+def test_every_known_map_is_sound(name: str) -> None:
+    joint_map = JOINT_MAPS[name]
+    assert set(joint_map) <= set(JOINT_NAMES)
+    assert set(REQUIRED_JOINTS) <= set(joint_map)
+    assert len(set(joint_map.values())) == len(joint_map)
+    for joint, source in joint_map.items():
+        if joint.startswith("left_"):
+            mirrored = joint_map[joint.replace("left_", "right_")]
+            assert mirrored == source.replace("left_", "right_").replace("Left", "Right").replace(
+                "b_l_", "b_r_"
+            )
+
+
+@pytest.mark.parametrize("name", JOINT_MAPS)
+def test_skeleton_is_known_by_its_joints(name: str) -> None:
+    chosen, joint_map = choose_joint_map([*JOINT_MAPS[name].values(), *EXTRA])
+    assert chosen == name
+    assert joint_map == JOINT_MAPS[name]
+
+
+@pytest.mark.parametrize("prefix", ["mixamorig:", "mixamorig1:", "mixamorig_", "scene:actor:"])
+def test_namespace_is_no_matter(prefix: str) -> None:
+    names = [prefix + joint for joint in JOINT_MAPS["mixamo"].values()]
+    chosen, joint_map = choose_joint_map(names)
+    assert chosen == "mixamo"
+    assert joint_map["left_elbow"] == f"{prefix}LeftForeArm"
+
+
+def test_skeleton_without_legs_and_fingers_is_enough() -> None:
+    names = [JOINT_MAPS["genea"][joint] for joint in (*REQUIRED_JOINTS, "spine1", "neck")]
+    chosen, joint_map = choose_joint_map(names)
+    assert chosen == "genea"
+    assert set(joint_map) == {*REQUIRED_JOINTS, "spine1", "neck"}
+
+
+def test_unknown_skeleton_is_refused_with_what_is_not_mapped() -> None:
+    names = [name for name in JOINT_MAPS["beat"].values() if name != "LeftForeArm"]
+    with pytest.raises(InputError) as caught:
+        choose_joint_map([*names, "LeftFourArm", "Tail"])
+    assert "'beat', leaves LeftFourArm, Tail unmapped" in str(caught.value)
+    assert "finds nothing for left_elbow" in str(caught.value)
+    assert "Give a joint map" in caught.value.remedy
+
+
+def test_skeleton_with_half_a_leg_is_refused() -> None:
+    names = [name for name in JOINT_MAPS["beat"].values() if name != "LeftLeg"]
+    with pytest.raises(InputError, match="finds nothing for left_knee"):
+        choose_joint_map(names)
+
+
+def test_own_map_may_use_a_joint_twice() -> None:
+    own = {joint: joint.title() for joint in REQUIRED_JOINTS} | {"spine1": "Spine3"}
+    assert check_joint_map(own, set(own.values())) == own
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"tail": "Tail"}, "names tail, which SMPL-X does not have"),
+        ({"neck": "Throat"}, "names Throat, which the file does not have"),
+        ({"left_knee": "Head"}, "lacks left_hip"),
+        ({"head": None}, "lacks head"),
+    ],
+)
+def test_own_map_that_does_not_fit_is_refused(
+    change: dict[str, str | None], complaint: str
+) -> None:
+    own = {joint: joint.title() for joint in REQUIRED_JOINTS}
+    names = {*own.values(), "Tail"}
+    changed = {joint: name for joint, name in (own | change).items() if name is not None}
+    with pytest.raises(InputError, match=complaint):
+        check_joint_map(changed, names)
+
+
+@pytest.mark.parametrize(
+    ("file", "rate", "name", "count"),
+    [("2_scott_0_1_1.bvh", 15, "beat", 52), ("aitviewer_sample.bvh", None, "anatomical", 22)],
+)
+def test_real_skeletons_are_known(
+    shared_data: Path, file: str, rate: float | None, name: str, count: int
+) -> None:
+    chosen, joint_map = choose_joint_map(read_bvh(shared_data / file, frame_rate=rate).joint_names)
+    assert (chosen, len(joint_map)) == (name, count)

@@ -1,0 +1,231 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats.bvh import BvhJoint, BvhMotion, read_bvh, settle_first_frame
+from motion.formats.joint_maps import JOINT_MAPS, JointMap, choose_joint_map
+from motion.formats.retarget import retarget
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
+from tests.motion.formats.bvh_text import Skeleton, depth_first, smplx_skeleton
+
+OWN = JOINT_MAPS["smplx"]
+LIMB_BONES = [
+    (f"{side}_{joint}", f"{side}_{child}")
+    for side in ("left", "right")
+    for joint, child in (
+        ("shoulder", "elbow"),
+        ("elbow", "wrist"),
+        ("hip", "knee"),
+        ("knee", "ankle"),
+        ("wrist", "middle1"),
+        ("index1", "index2"),
+        ("index2", "index3"),
+        ("pinky1", "pinky2"),
+        ("thumb1", "thumb2"),
+        ("thumb2", "thumb3"),
+    )
+]
+
+
+def bvh_motion(skeleton: Skeleton, turns: Rotation, root: np.ndarray | None = None) -> BvhMotion:
+    """Return a motion of `skeleton` with `turns` (T * J, in file order) as its rotations."""
+    order = depth_first(skeleton)
+    parents = {name: parent for name, parent, _ in skeleton}
+    offsets = {name: offset for name, _, offset in skeleton}
+    joints = tuple(
+        BvhJoint(
+            name=name,
+            parent=-1 if parents[name] is None else order.index(str(parents[name])),
+            offset=offsets[name],
+            channels=("Xposition", "Yposition", "Zposition", "Zrotation", "Xrotation", "Yrotation")
+            if parents[name] is None
+            else ("Zrotation", "Xrotation", "Yrotation"),
+        )
+        for name in order
+    )
+    angles = turns.as_euler("ZXY", degrees=True).reshape(-1, 3 * len(order))
+    root = np.zeros((len(angles), 3)) if root is None else root
+    return BvhMotion(joints=joints, values=np.hstack([root, angles]), frame_rate=30)
+
+
+def random_turns(skeleton: Skeleton, frames: int, seed: int) -> Rotation:
+    rng = np.random.default_rng(seed)
+    return Rotation.from_rotvec(rng.uniform(-0.8, 0.8, (frames * len(skeleton), 3)))
+
+
+def directions(positions: np.ndarray, start: int, end: int) -> np.ndarray:
+    bone = positions[:, end] - positions[:, start]
+    return bone / np.linalg.norm(bone, axis=1, keepdims=True)
+
+
+def bone_errors(motion: BvhMotion, joint_map: JointMap, clip: MotionClip) -> dict[str, float]:
+    """Return the largest angle between source and clip, in degrees, of every mapped limb bone."""
+    source, _ = motion.forward_kinematics()
+    target, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    errors = {}
+    for joint, child in LIMB_BONES:
+        if joint in joint_map and child in joint_map:
+            ends = [motion.joint_names.index(joint_map[name]) for name in (joint, child)]
+            wanted = directions(source, *ends)
+            got = directions(target, joint_index(joint), joint_index(child))
+            chord = np.linalg.norm(wanted - got, axis=1).max()
+            errors[joint] = float(np.degrees(2 * np.arcsin(min(1, chord / 2))))
+    return errors
+
+
+@given(st.integers(0, 999))
+@settings(max_examples=20)
+def test_motion_of_smplx_itself_comes_back_as_it_was(seed: int) -> None:
+    skeleton = smplx_skeleton()
+    turns = random_turns(skeleton, 3, seed)
+    clip = retarget(bvh_motion(skeleton, turns), OWN)
+    places = [depth_first(skeleton).index(name) for name in JOINT_NAMES]
+    expected = turns.as_rotvec().reshape(3, -1, 3)[:, places]
+    np.testing.assert_allclose(clip.poses, expected, atol=1e-5)
+
+
+@given(seed=st.integers(0, 999), droop=st.floats(-80, 60), spread=st.floats(0, 20))
+@settings(max_examples=30)
+def test_limbs_point_where_the_source_points_whatever_its_rest_pose(
+    seed: int, droop: float, spread: float
+) -> None:
+    def bent(name: str, offset: tuple[float, float, float]) -> tuple[float, float, float]:
+        side = 1 if name.startswith("left") else -1
+        arm = any(part in name for part in ("elbow", "wrist", *"123")) and "spine" not in name
+        angle = side * (droop if arm else spread if "knee" in name or "ankle" in name else 0)
+        x, y, z = Rotation.from_euler("z", angle, degrees=True).apply(offset)
+        return (x, y, z)
+
+    skeleton = [(name, parent, bent(name, offset)) for name, parent, offset in smplx_skeleton()]
+    motion = bvh_motion(skeleton, random_turns(skeleton, 4, seed))
+    errors = bone_errors(motion, OWN, retarget(motion, OWN))
+    assert len(errors) == len(LIMB_BONES)
+    assert max(errors.values()) < 0.05
+
+
+@pytest.mark.parametrize("droop", [-45, 0])
+def test_palms_of_a_resting_source_turn_with_its_arms(droop: float) -> None:
+    def bent(name: str, offset: tuple[float, float, float]) -> tuple[float, float, float]:
+        side = 1 if name.startswith("left") else -1
+        arm = any(part in name for part in ("elbow", "wrist", *"123")) and "spine" not in name
+        angle = side * droop if arm else 0
+        x, y, z = Rotation.from_euler("z", angle, degrees=True).apply(offset)
+        return (x, y, z)
+
+    skeleton = [(name, parent, bent(name, offset)) for name, parent, offset in smplx_skeleton()]
+    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    for side, sign in (("left", 1), ("right", -1)):
+        palm = turned[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
+        inward = np.radians(sign * droop)
+        np.testing.assert_allclose(palm, [np.sin(inward), -np.cos(inward), 0], atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    "turn", [Rotation.from_euler("x", 90, degrees=True), Rotation.from_euler("y", 90, degrees=True)]
+)
+def test_axes_of_the_source_only_turn_the_root(turn: Rotation) -> None:
+    frames = 3
+    plain = smplx_skeleton()
+    turns = random_turns(plain, frames, 1)
+    turned = smplx_skeleton(turn=turn.as_matrix())
+    count = len(plain)
+    repeated = Rotation.concatenate([turn] * (frames * count))
+    clips = [
+        retarget(bvh_motion(plain, turns), OWN),
+        retarget(bvh_motion(turned, repeated * turns * repeated.inv()), OWN),
+    ]
+    np.testing.assert_allclose(clips[0].poses[:, 1:], clips[1].poses[:, 1:], atol=1e-5)
+    roots = [Rotation.from_rotvec(clip.poses[:, 0]) for clip in clips]
+    assert ((turn * roots[0]).inv() * roots[1]).magnitude().max() < 1e-5
+
+
+def test_long_spine_is_merged() -> None:
+    skeleton = [*smplx_skeleton()]
+    names = [name for name, _, _ in skeleton]
+    chain = ["spine1", "extra1", "spine2", "extra2", "spine3"]
+    parent_of = dict(zip(chain[1:], chain[:-1], strict=True))
+    skeleton = [(name, parent_of.get(name, parent), offset) for name, parent, offset in skeleton]
+    skeleton += [(name, parent_of[name], (0, 5, 0)) for name in ("extra1", "extra2")]
+    order = depth_first(skeleton)
+    vectors = np.zeros((1, len(order), 3))
+    for name in chain:
+        vectors[0, order.index(name), 0] = np.radians(10)
+    motion = bvh_motion(skeleton, Rotation.from_rotvec(vectors.reshape(-1, 3)))
+    clip = retarget(motion, OWN)
+    bends = {name: np.degrees(clip.poses[0, joint_index(name), 0]) for name in names}
+    assert bends["spine1"] == pytest.approx(10, abs=1e-3)
+    assert bends["spine2"] == pytest.approx(20, abs=1e-3)
+    assert bends["spine3"] == pytest.approx(20, abs=1e-3)
+    assert bends["neck"] == pytest.approx(0, abs=1e-3)
+
+
+def test_joints_without_a_source_stay_as_their_parent_is() -> None:
+    skeleton = smplx_skeleton()
+    kept = {name: name for name in JOINT_NAMES if "index" not in name and name != "spine2"}
+    clip = retarget(bvh_motion(skeleton, random_turns(skeleton, 2, 0)), kept)
+    for name in set(JOINT_NAMES) - set(kept):
+        np.testing.assert_allclose(clip.poses[:, joint_index(name)], 0, atol=1e-6)
+
+
+@pytest.mark.parametrize("scale", [1, 2.54, 100, 1000])
+def test_length_unit_and_body_size_do_not_matter(scale: float) -> None:
+    skeleton = smplx_skeleton(scale)
+    root = scale * np.array([[0, 0, 0], [0.1, 0.2, 0.3]])
+    motion = bvh_motion(skeleton, Rotation.identity(2 * len(skeleton)), root)
+    np.testing.assert_allclose(retarget(motion, OWN).trans, root / scale, atol=1e-5)
+
+
+def test_rest_pose_that_does_not_stand_is_refused() -> None:
+    skeleton = [
+        (name, parent, (x, -y, z) if "knee" in name or "ankle" in name else (x, y, z))
+        for name, parent, (x, y, z) in smplx_skeleton()
+    ]
+    with pytest.raises(InputError, match=r"no standing figure.*T-pose"):
+        retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+
+
+def test_skeleton_without_offsets_is_refused() -> None:
+    skeleton = [(name, parent, (0.0, 0.0, 0.0)) for name, parent, _ in smplx_skeleton()]
+    with pytest.raises(InputError, match="no trunk"):
+        retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+
+
+@pytest.mark.parametrize(
+    ("file", "rate"), [("2_scott_0_1_1.bvh", 15), ("aitviewer_sample.bvh", None)]
+)
+def test_real_arms_legs_and_fingers_point_as_recorded(
+    shared_data: Path, file: str, rate: float | None
+) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / file, frame_rate=rate))
+    _, joint_map = choose_joint_map(motion.joint_names)
+    errors = bone_errors(motion, joint_map, retarget(motion, joint_map))
+    assert len(errors) == (20 if "scott" in file else 8)
+    assert max(errors.values()) < 0.1
+
+
+def test_real_speaker_stands_upright_with_hands_in_front(shared_data: Path) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=15))
+    clip = retarget(motion, choose_joint_map(motion.joint_names)[1])
+    positions, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    trunk = directions(positions, joint_index("pelvis"), joint_index("head"))
+    assert trunk[:, 1].min() > np.cos(np.radians(35))
+    facing = turned[:, joint_index("head")] @ [0, 0, 1]
+    assert facing[:, 2].mean() > 0.9
+    for side, sign in (("left", 1), ("right", -1)):
+        wrist = positions[:, joint_index(f"{side}_wrist")]
+        assert wrist[:, 2].mean() > positions[:, joint_index("spine3"), 2].mean()
+        assert (sign * wrist[:, 0] > -0.2).all()
+        palm = turned[:, joint_index(f"{side}_wrist")] @ [0, -1, 0]
+        assert sign * palm[:, 0].mean() < -0.5
+        bend = np.linalg.norm(clip.poses[:, joint_index(f"{side}_wrist")], axis=1)
+        assert np.degrees(bend).max() < 60
