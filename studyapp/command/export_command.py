@@ -8,7 +8,7 @@ import click
 
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.reporting import export
+from studyapp.stages.answers import export
 
 
 @click.command("export")

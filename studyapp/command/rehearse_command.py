@@ -20,7 +20,11 @@ from studyapp.rehearsal.run import rehearse
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=1, show_default=True)
 def command(folder: StudyFolder, participants: int | None, seed: int) -> None:
     """Let simulated participants take the study FOLDER over real HTTP."""
-    count = participants or folder.study().participants_per_comparison
     with progress("rehearse", "participant") as show:
-        result = rehearse(folder, participants=count, seed=seed, on_done=show)
-    click.echo(result.sentence)
+        result = rehearse(folder, participants=participants, seed=seed, on_done=show)
+    if result.note:
+        click.echo(f"note: {result.note}")
+    click.echo(
+        f"{result.completed} simulated participants completed the study, {result.kept} of them "
+        f"in an earlier run; {len(result.probes)} bad submissions were tried and refused."
+    )

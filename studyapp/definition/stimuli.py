@@ -16,8 +16,8 @@ class _Record(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class ClipVideo(_Record):
-    """One rendered motion clip.
+class _RenderedVideo(_Record):
+    """What all rendered videos have.
 
     Attributes
     ----------
@@ -30,24 +30,25 @@ class ClipVideo(_Record):
     """
 
     segment: str
-    condition: str
     file: str
     duration: float
     key: str
 
 
-class PairVideo(_Record):
+class ClipVideo(_RenderedVideo):
+    """One rendered motion clip."""
+
+    condition: str
+
+
+class PairVideo(_RenderedVideo):
     """One composed pair, `left` under the label A and `right` under B.
 
     Its file name says nothing of the conditions.
     """
 
-    segment: str
     left: str
     right: str
-    file: str
-    duration: float
-    key: str
 
 
 class Stimuli(_Record):

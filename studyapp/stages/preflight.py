@@ -10,7 +10,7 @@ from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.definition.study import Study
-from studyapp.design.plan import planned_trials
+from studyapp.design.trial_count import planned_trials
 
 
 class Severity(Enum):

@@ -122,6 +122,7 @@ def import_clips(
         If a file belongs to no segment or is more than 0.1 s longer or shorter than its speech.
     """
     study = folder.study()
+    check_name(condition, "condition")
     segments = {segment.name: segment for segment in folder.segments()}
     clips, notes = {}, []
     for path in motions:

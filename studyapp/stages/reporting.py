@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from analysis.report import write_report
+from analysis.report import ReportInputs, write_report
 from studyapp.definition.folder import StudyFolder
+from studyapp.design.trial_count import planned_trials
+from studyapp.rehearsal.record import read_truth
+from studyapp.stages.answers import answers_to_report
+from studyapp.stages.preflight import study_notes
 
 
 def report(folder: StudyFolder) -> Path:
@@ -15,4 +19,38 @@ def report(folder: StudyFolder) -> Path:
     mixed, and the report says which it shows.
     """
     study = folder.study()
-    return write_report(_inputs(folder, study), folder.report)
+    segments = tuple(folder.segments())
+    answers = answers_to_report(folder)
+    shown = (*study.conditions, study.catch.condition)
+    inputs = ReportInputs(
+        title=study.title,
+        origin=answers.origin,
+        reference=study.reference,
+        catch_reference=study.catch_against,
+        catch_condition=study.catch.condition,
+        conditions=tuple(study.conditions),
+        questions={question.name: question.text for question in study.questions},
+        max_failed_catch=study.catch.max_failed,
+        responses=answers.responses,
+        clips={
+            name: {
+                segment.name: folder.clip(name, segment.name)
+                for segment in segments
+                if folder.clip(name, segment.name).exists()
+            }
+            for name in shown
+        },
+        speech={
+            segment.name: (folder.speech / segment.wav, segment.start, segment.end)
+            for segment in segments
+        },
+        segments=segments,
+        truth=read_truth(folder.rehearsal_truth).shares()
+        if answers.origin == "rehearsal"
+        else None,
+        notes=study_notes(study),
+        frozen=study.freeze,
+        presentations=planned_trials(study, segments).presentations,
+        study_sessions=answers.opened(),
+    )
+    return write_report(inputs, folder.report)

@@ -1,0 +1,86 @@
+"""What has been answered so far, by participants or in a rehearsal."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import pandas as pd
+
+from analysis.responses import responses_frame, write_responses
+from studyapp.definition.folder import StudyFolder
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.export import responses_table, study_sessions_table
+
+Source = Literal["participants", "rehearsal"]
+
+
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """What has been answered, and by whom.
+
+    Attributes
+    ----------
+    origin : {'participants', 'rehearsal', 'none'}
+        Who answered; 'none' where nobody has.
+    responses : DataFrame
+        Tidy responses, one row per answered question.
+    study_sessions : DataFrame
+        One row per study session, those without any answer included.
+    """
+
+    origin: Source | Literal["none"]
+    responses: pd.DataFrame
+    study_sessions: pd.DataFrame
+
+    def opened(self) -> dict[str, int]:
+        """Return how many study sessions each comparison has seen."""
+        return {
+            str(comparison): int(count)
+            for comparison, count in self.study_sessions["comparison"].value_counts().items()
+        }
+
+
+def export(folder: StudyFolder, path: Path, *, rehearsal: bool) -> int:
+    """Write the real responses, or the rehearsal's, as tidy CSV and return their number."""
+    answers = read_answers(folder, "rehearsal" if rehearsal else "participants")
+    write_responses(path, answers.responses)
+    return len(answers.responses)
+
+
+def answers_to_report(folder: StudyFolder) -> Answers:
+    """Return the real answers where there are any, else the rehearsal's, else none."""
+    sources: tuple[Source, ...] = ("participants", "rehearsal")
+    for origin in sources:
+        answers = read_answers(folder, origin)
+        if not answers.responses.empty:
+            return answers
+    return answers
+
+
+def read_answers(folder: StudyFolder, origin: Source) -> Answers:
+    """Return the answers of participants or of a rehearsal; reading makes no database."""
+    url = _database_url(folder, origin)
+    if url is None:
+        return Answers("none", responses_frame([]), pd.DataFrame({"comparison": []}))
+    database = Database.open(url)
+    try:
+        responses = responses_table(database)
+        study_sessions = study_sessions_table(database)
+    finally:
+        database.close()
+    rows = [
+        dict(zip(responses.columns, row, strict=True))
+        for row in responses.itertuples(index=False, name=None)
+    ]
+    return Answers(origin if rows else "none", responses_frame(rows), study_sessions)
+
+
+def _database_url(folder: StudyFolder, origin: Source) -> str | None:
+    """Return the address of the answers, or None where there cannot be any yet."""
+    if origin == "participants" and os.environ.get("DATABASE_URL"):
+        return os.environ["DATABASE_URL"]
+    path = folder.responses if origin == "participants" else folder.rehearsal
+    return sqlite_url(path) if path.exists() else None

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from studyapp.command.main import group
+from studyapp.definition.study import read_study
+
+
+def invoke(*arguments: object) -> Result:
+    return CliRunner().invoke(group, [str(argument) for argument in arguments])
+
+
+def test_init_makes_a_study_named_after_its_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "scott"
+    result = invoke("init", folder, "--reference", "rule_based", "--trials", 6)
+    assert result.exit_code == 0, result.output
+    study = read_study(folder / "study.toml")
+    assert (study.name, study.trials) == ("scott", 6)
+
+
+def test_init_never_overwrites_a_study(tmp_path: Path) -> None:
+    assert invoke("init", tmp_path / "s").exit_code == 0
+    again = invoke("init", tmp_path / "s")
+    assert again.exit_code == 1
+    assert "exists already" in again.output
+
+
+@pytest.mark.parametrize(
+    "flags",
+    [
+        ["--speech", "take.wav"],
+        ["--segment", "10"],
+        ["--emotion", "neutral"],
+        ["--fps", "0"],
+        ["--emotion", "boredom"],
+    ],
+)
+def test_import_says_which_flags_belong_together(tmp_path: Path, flags: list[str]) -> None:
+    invoke("init", tmp_path / "s")
+    (tmp_path / "take.wav").touch()
+    (tmp_path / "take.bvh").touch()
+    flags = [str(tmp_path / "take.wav") if flag == "take.wav" else flag for flag in flags]
+    result = invoke("import", tmp_path / "take.bvh", "--condition", "x", *flags, tmp_path / "s")
+    assert result.exit_code == 2
+    assert "Usage" in result.output or "--" in result.output
+
+
+def test_import_of_a_broken_file_names_it(tmp_path: Path) -> None:
+    invoke("init", tmp_path / "s")
+    motion, speech = tmp_path / "take.bvh", tmp_path / "take.wav"
+    motion.write_text("this is no BVH")
+    speech.write_bytes(b"nor is this sound")
+    result = invoke(
+        "import", motion, "--speech", speech, "--condition", "ground_truth",
+        "--speaker", "anna", "--emotion", "neutral", tmp_path / "s",
+    )  # fmt: skip
+    assert result.exit_code == 1
+    assert "take.wav" in result.output
+    assert not (tmp_path / "s" / "speech").exists()

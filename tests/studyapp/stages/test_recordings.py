@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from motion.formats import read_clip
+from studyapp.definition.folder import StudyFolder
+from studyapp.stages.recordings import Take, import_clips, import_take
+
+MakeTake = Callable[..., Take]
+
+
+def files_in(folder: StudyFolder) -> set[str]:
+    return {str(p.relative_to(folder.root)) for p in folder.root.rglob("*") if p.is_file()}
+
+
+def test_a_take_becomes_segments_with_speech_motion_and_condition(
+    folder: StudyFolder, take: MakeTake
+) -> None:
+    segments, notes = import_take(folder, take())
+    assert [s.name for s in segments] == ["take_01", "take_02", "take_03"]
+    assert [(s.start, s.end) for s in segments] == [(0, 2), (2, 4), (4, 6)]
+    assert list(folder.segments()) == segments
+    clips = [read_clip(folder.clip("ground_truth", s.name)) for s in segments]
+    assert [len(clip) for clip in clips] == [60, 60, 60]
+    middle = np.linspace(0, -1, 180)[60:120]
+    np.testing.assert_allclose(clips[1].poses[:, 16, 2], middle, atol=1e-5)
+    assert "ground_truth" in folder.study().conditions
+    assert any("condition 'ground_truth' added" in note for note in notes)
+
+
+def test_a_whole_take_may_be_one_segment(folder: StudyFolder, take: MakeTake) -> None:
+    segments, _ = import_take(folder, take(segment=None))
+    assert [(s.name, s.start, s.end) for s in segments] == [("take", 0.0, 6.0)]
+
+
+def test_ends_up_to_a_second_apart_are_cut_to_the_common_part_and_said(
+    folder: StudyFolder, take: MakeTake
+) -> None:
+    segments, notes = import_take(folder, take(speech=6.9, motion=6.0))
+    assert len(segments) == 3
+    assert any("6.90 s" in note and "cut to the common 6.00 s" in note for note in notes)
+
+
+def test_a_rest_too_short_for_a_segment_is_said(folder: StudyFolder, take: MakeTake) -> None:
+    segments, notes = import_take(folder, take(speech=5.5, motion=5.5))
+    assert len(segments) == 2
+    assert any("last 1.5 s" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "said"),
+    [
+        ({"speech": 8.0, "motion": 6.0}, "the motion lasts 6.00 s, the speech 8.00 s"),
+        ({"speech": 1.5, "motion": 1.5}, "too short for a segment"),
+    ],
+)
+def test_a_take_that_does_not_fit_writes_nothing(
+    folder: StudyFolder, take: MakeTake, lengths: dict[str, float], said: str
+) -> None:
+    before = files_in(folder)
+    with pytest.raises(InputError, match=said):
+        import_take(folder, take(**lengths))
+    assert files_in(folder) == before
+
+
+def test_importing_the_same_take_again_changes_nothing(folder: StudyFolder, take: MakeTake) -> None:
+    import_take(folder, take())
+    before = {name: (folder.root / name).read_bytes() for name in files_in(folder)}
+    import_take(folder, take())
+    assert {name: (folder.root / name).read_bytes() for name in files_in(folder)} == before
+
+
+def test_a_second_take_is_added_to_the_first(folder: StudyFolder, take: MakeTake) -> None:
+    import_take(folder, take(name="one"))
+    import_take(folder, take(name="two"))
+    assert len(folder.segments()) == 6
+
+
+def test_other_cuts_of_a_known_take_are_refused(folder: StudyFolder, take: MakeTake) -> None:
+    import_take(folder, take())
+    with pytest.raises(InputError, match="exists with other times"):
+        import_take(folder, take(segment=3.0))
+
+
+def test_motion_made_elsewhere_joins_by_its_file_name(
+    folder: StudyFolder, take: MakeTake, motion_file: Callable[..., Path]
+) -> None:
+    import_take(folder, take())
+    motions = [motion_file(2.0, frame_rate=15, name=s.name) for s in folder.segments()]
+    import_clips(folder, motions, condition="our_model", frame_rate=None)
+    assert "our_model" in folder.study().conditions
+    assert read_clip(folder.clip("our_model", "take_02")).duration == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "name", "said"),
+    [(2.2, "take_01", "differ by 0.1 s"), (2.0, "take_99", "no segment is called 'take_99'")],
+)
+def test_motion_that_belongs_to_no_speech_is_refused(
+    folder: StudyFolder,
+    take: MakeTake,
+    motion_file: Callable[..., Path],
+    seconds: float,
+    name: str,
+    said: str,
+) -> None:
+    import_take(folder, take())
+    before = files_in(folder)
+    good = motion_file(2.0, name="take_02")
+    with pytest.raises(InputError, match=said):
+        import_clips(
+            folder, [good, motion_file(seconds, name=name)], condition="x", frame_rate=None
+        )
+    assert files_in(folder) == before
+
+
+@pytest.mark.parametrize("condition", ["../x", "a b", ""])
+def test_an_unsafe_condition_name_is_refused(
+    folder: StudyFolder, take: MakeTake, condition: str
+) -> None:
+    with pytest.raises(InputError, match="condition name"):
+        import_take(folder, replace(take(), condition=condition))
+    import_take(folder, take())
+    with pytest.raises(InputError, match="condition name"):
+        import_clips(folder, [take().motion], condition=condition, frame_rate=None)
+
+
+def test_the_real_take_gives_six_segments(folder: StudyFolder, shared_data: Path) -> None:
+    take = Take(
+        motion=shared_data / "2_scott_0_1_1.bvh",
+        speech=shared_data / "2_scott_0_1_1.wav",
+        frame_rate=15,
+        segment_seconds=10,
+        condition="ground_truth",
+        speaker="scott",
+        emotion="neutral",
+    )
+    segments, notes = import_take(folder, take)
+    assert len(segments) == 6
+    assert any("cut to the common 63.80 s" in note for note in notes)
+    with pytest.raises(InputError, match="957"):
+        import_take(folder, replace(take, frame_rate=None))
