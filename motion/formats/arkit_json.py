@@ -1,0 +1,109 @@
+"""Facial motion of BEAT (Liu et al. 2022): ARKit blendshape weights as JSON, at 60 fps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, Field, FiniteFloat, ValidationError
+
+from motion.clip import ARKIT_COUNT
+from motion.errors import InputError
+from motion.face import ARKIT_NAMES
+
+_OVERSHOOT: Final = 0.05
+"""How far a weight may lie outside [0, 1], as trackers' weights sometimes do; it is clipped."""
+
+
+class _Frame(BaseModel):
+    weights: list[FiniteFloat]
+    time: FiniteFloat
+
+
+class _FaceFile(BaseModel):
+    names: Annotated[list[str], Field(min_length=1)]
+    frames: Annotated[list[_Frame], Field(min_length=2)]
+
+
+def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
+    """Read the facial weights of a take at the frame rate of its clip.
+
+    Parameters
+    ----------
+    path : Path
+        A JSON object with ``names`` and ``frames``, each of ``time`` (seconds) and ``weights``.
+    frame_rate : float
+        Frames per second wanted.
+
+    Returns
+    -------
+    ndarray, shape (T, 52), float32
+        Weights in [0, 1], in the order of `motion.face.ARKIT_NAMES`, from time 0 on,
+        interpolated linearly; zero for actions that the file leaves out. The last frame of the
+        file lasts as long as its frames do on average.
+
+    Raises
+    ------
+    InputError
+        If the file is no such JSON, names an unknown action, its times do not rise, or its
+        weights lie outside [0, 1].
+    """
+    face = _parse(Path(path))
+    columns = _columns(face.names, path)
+    widths = {len(frame.weights) for frame in face.frames}
+    if widths != {len(columns)}:
+        raise InputError(
+            f"frames have {', '.join(map(str, sorted(widths)))} weights for {len(columns)} names",
+            where=path,
+            remedy="Export the face again",
+        )
+    times = np.array([frame.time for frame in face.frames])
+    if (np.diff(times) <= 0).any():
+        late = int(np.argmax(np.diff(times) <= 0)) + 1
+        raise InputError(
+            f"the time of frame {late} does not lie after the one before",
+            where=path,
+            remedy="Sort the frames by time and remove doubles",
+        )
+    weights = np.array([frame.weights for frame in face.frames])
+    if weights.min() < -_OVERSHOOT or weights.max() > 1 + _OVERSHOOT:
+        raise InputError(
+            f"weights lie in [{weights.min():.3g}, {weights.max():.3g}]",
+            where=path,
+            remedy="Scale the blendshape weights to [0, 1]",
+        )
+    duration = times[-1] + np.diff(times).mean()
+    wanted = np.arange(max(1, round(duration * frame_rate))) / frame_rate
+    result = np.zeros((len(wanted), ARKIT_COUNT), np.float32)
+    for column, values in zip(columns, np.clip(weights, 0, 1).T, strict=True):
+        result[:, column] = np.interp(wanted, times, values)
+    return result
+
+
+def _parse(path: Path) -> _FaceFile:
+    try:
+        return _FaceFile.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise InputError(
+            "the file of facial weights cannot be read", where=path, remedy="Check the path"
+        ) from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise InputError(
+            f"the file is no JSON of facial weights ({place or 'whole file'}: {first['msg']})",
+            where=path,
+            remedy="Give 'names' and 'frames' with 'time' and 'weights', as BEAT has them",
+        ) from error
+
+
+def _columns(names: list[str], path: Path) -> list[int]:
+    """Return which column of a clip's weights each name of the file is."""
+    known = {name.lower(): index for index, name in enumerate(ARKIT_NAMES)}
+    unknown = [name for name in names if name.lower() not in known]
+    if unknown or len({name.lower() for name in names}) != len(names):
+        what = f"unknown facial actions {', '.join(unknown)}" if unknown else "a name occurs twice"
+        raise InputError(what, where=path, remedy="Use the 52 names of Apple's ARKit, each once")
+    return [known[name.lower()] for name in names]

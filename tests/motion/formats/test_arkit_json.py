@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.errors import InputError
+from motion.face import ARKIT_NAMES, arkit_index
+from motion.formats.arkit_json import read_arkit_json
+
+
+def face(
+    path: Path,
+    weights: np.ndarray,
+    names: tuple[str, ...] = ("jawOpen", "browInnerUp"),
+    **extra: Any,
+) -> Path:
+    frames = [
+        {"weights": row.tolist(), "time": k / 60, "rotation": []} for k, row in enumerate(weights)
+    ]
+    path.write_text(json.dumps({"names": list(names), "frames": frames, **extra}))
+    return path
+
+
+def test_every_name_lands_in_its_column(tmp_path: Path) -> None:
+    names = ("tongueOut", "BrowDownLeft", "jawOpen")
+    path = face(tmp_path / "a.json", np.tile([0.1, 0.2, 0.3], (6, 1)), names)
+    result = read_arkit_json(path, 60)
+    assert result.shape == (6, len(ARKIT_NAMES))
+    assert result.dtype == np.float32
+    expected = np.zeros(52)
+    for name, value in (("tongueOut", 0.1), ("browDownLeft", 0.2), ("jawOpen", 0.3)):
+        expected[arkit_index(name)] = value
+    np.testing.assert_allclose(result, np.tile(expected, (6, 1)))
+
+
+@given(frames=st.integers(2, 200), rate=st.sampled_from([12.5, 15, 25, 30, 60, 120]))
+def test_any_rate_keeps_time(
+    tmp_path_factory: pytest.TempPathFactory, frames: int, rate: float
+) -> None:
+    ramp = np.arange(frames) / 60 / 4
+    path = face(tmp_path_factory.mktemp("face") / "a.json", np.stack([ramp, 1 - ramp], axis=1))
+    result = read_arkit_json(path, rate)
+    assert len(result) == max(1, round(frames / 60 * rate))
+    times = np.minimum(np.arange(len(result)) / rate, (frames - 1) / 60)
+    np.testing.assert_allclose(result[:, arkit_index("jawOpen")], times / 4, atol=1e-6)
+    np.testing.assert_allclose(result[:, arkit_index("browInnerUp")], 1 - times / 4, atol=1e-6)
+
+
+def test_small_overshoot_is_clipped(tmp_path: Path) -> None:
+    path = face(tmp_path / "a.json", np.array([[1.02, -0.01], [1.0, 0.0]]))
+    result = read_arkit_json(path, 60)
+    assert result.min() == 0
+    assert result.max() == 1
+
+
+GOOD = np.full((3, 2), 0.5)
+
+
+@pytest.mark.parametrize(
+    ("weights", "options", "complaint"),
+    [
+        (GOOD * 100, {}, r"weights lie in \[50, 50\]"),
+        (GOOD[:, :1], {}, "1 weights for 2 names"),
+        (GOOD, {"names": ("jawOpen", "smirk")}, "unknown facial actions smirk"),
+        (GOOD, {"names": ("jawOpen", "JawOpen")}, "occurs twice"),
+        (GOOD, {"frames": []}, "frames: "),
+        (GOOD * np.nan, {}, "no JSON of facial weights"),
+        (
+            GOOD,
+            {"frames": [{"weights": [0, 0], "time": t} for t in (0, 0.1, 0.1)]},
+            "time of frame 2",
+        ),
+    ],
+)
+def test_unusable_content_is_refused_by_name(
+    tmp_path: Path, weights: np.ndarray, options: dict[str, Any], complaint: str
+) -> None:
+    path = face(tmp_path / "bad.json", weights, **options)
+    with pytest.raises(InputError, match=complaint) as caught:
+        read_arkit_json(path, 30)
+    assert caught.value.where == str(path)
+
+
+def test_missing_and_foreign_files_are_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "words.json").write_text("words")
+    for name in ("gone.json", "words.json"):
+        with pytest.raises(InputError, match=name):
+            read_arkit_json(tmp_path / name, 30)
