@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.bvh import BvhJoint, BvhMotion, read_bvh, settle_first_frame
+from motion.formats.bvh import BvhMotion, read_bvh, settle_first_frame
+from motion.formats.bvh_hierarchy import BvhJoint
 from motion.formats.joint_maps import JOINT_MAPS, JointMap, choose_joint_map
 from motion.formats.retarget import retarget
 from motion.rest_pose import REST_JOINTS
