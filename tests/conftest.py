@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from tests.tiny_study import write_tiny_study
+
 # Machines that run tests may be busy; how long one example takes says nothing about the code.
 settings.register_profile("patient", deadline=None)
 settings.load_profile("patient")
-
-from tests.tiny_study import write_tiny_study
 
 
 @pytest.fixture(scope="session")
