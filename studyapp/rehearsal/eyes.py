@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import func, select
+from sqlalchemy import select
 from sqlalchemy.orm import joinedload
 
 from studyapp.models import Response, StudySession, Trial
@@ -65,14 +65,15 @@ class Eyes:
             ),
         )
 
-    def stored(self, page: Page) -> int:
-        """Return how many answers the participant who sees `page` has given so far."""
+    def stored(self, page: Page) -> tuple[tuple[int, str, int], ...]:
+        """Return the answers of the participant who sees `page`: position, question, value."""
         tokens = page.player().token_candidates
         sitting = select(Trial.study_session_id).where(Trial.media_token.in_(tokens))
         query = (
-            select(func.count(Response.id))
-            .join(Trial)
+            select(Trial.position, Response.question, Response.value)
+            .join(Response.trial)
             .where(Trial.study_session_id.in_(sitting.scalar_subquery()))
+            .order_by(Trial.position, Response.question)
         )
         with self.database.reading() as session:
-            return session.scalar(query) or 0
+            return tuple((row.position, row.question, row.value) for row in session.execute(query))

@@ -151,8 +151,8 @@ class Page:
 
     @property
     def asks(self) -> bool:
-        """Whether it is the page of a trial."""
-        return self._soup.find("form", id="answers") is not None
+        """Whether it is the page of a trial, as its form or its video tells."""
+        return bool(self._soup.find("form", id="answers") or self._soup.find("video", id="pair"))
 
     def next_form(self) -> Form:
         """Return the form of the page's next step: its first that is sent by POST."""

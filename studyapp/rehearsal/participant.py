@@ -23,78 +23,6 @@ class InterruptedRehearsal(Exception):  # noqa: N818 - it is no error
 
 
 @dataclass(frozen=True, kw_only=True)
-class Participant:
-    """One simulated participant.
-
-    Attributes
-    ----------
-    entrance : str
-        The link it was given.
-    questions : tuple of str
-        What the study asks in every trial.
-    population, seed
-        Whom it is drawn from; the place it gets decides which rater it is.
-    eyes : Eyes
-        How it sees through the blinding.
-    speed : float
-        How fast the rehearsal's clock runs; it watches in that time.
-    stop : Event
-        Set when the rehearsal is to stop.
-    at_first_trial : callable, optional
-        Called with the first trial's page and the answers it is about to get.
-    """
-
-    entrance: str
-    questions: tuple[str, ...]
-    population: Population
-    seed: int
-    eyes: Eyes
-    speed: float
-    stop: Event
-    at_first_trial: Callable[[Visit, Page, dict[str, str]], None] | None = None
-
-    def take_part(self, client: httpx.Client) -> str:
-        """Go from the link to the end and return the completion code.
-
-        A study session that was begun earlier is gone on with, if the server knows the link.
-
-        Raises
-        ------
-        BrokenPageError
-            If a page lacks what a person would need, or leads nowhere.
-        InterruptedRehearsal
-            If the rehearsal was stopped.
-        """
-        visit = Visit(client=client, stop=self.stop, speed=self.speed)
-        page = visit.open(self.entrance)
-        before: tuple[str, str] | None = None
-        same = 0
-        at_trial = self.at_first_trial
-        while (code := page.completion_code) is None:
-            step = (page.address, page.answer_form().trial if page.asks else "")
-            same = same + 1 if step == before else 1
-            if same > SAME_PAGE_AT_MOST:
-                raise BrokenPageError(page, "comes back though it was filled in as it asks")
-            before = step
-            if not page.asks:
-                page = visit.send(page.next_form())
-                continue
-            answers = self._answers(page)
-            if at_trial is not None:
-                at_trial(visit, page, answers)
-                at_trial = None
-            visit.watch(page)
-            page = visit.send(page.answer_form(), answers)
-        return code
-
-    def _answers(self, page: Page) -> dict[str, str]:
-        """Return this participant's answers to the pair on `page`."""
-        sight = self.eyes.look(page)
-        rater = Rater(population=self.population, seed=self.seed, name=sight.rater)
-        return {name: str(rater.answer(sight.pair, name)) for name in self.questions}
-
-
-@dataclass(frozen=True, kw_only=True)
 class Visit:
     """What a browser would do for a participant: open, watch and send."""
 
@@ -141,3 +69,81 @@ class Visit:
         if response.is_error:
             raise BrokenPageError(page, f"answered with status {response.status_code}")
         return page
+
+
+AnswerTrial = Callable[[Visit, Page, dict[str, str]], Page]
+"""Answers the trial of a page and returns the page that follows."""
+
+
+def answer_trial(visit: Visit, page: Page, answers: dict[str, str]) -> Page:
+    """Watch the pair on `page`, send `answers`, and return the page that follows."""
+    visit.watch(page)
+    return visit.send(page.answer_form(), answers)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Participant:
+    """One simulated participant.
+
+    Attributes
+    ----------
+    entrance : str
+        The link it was given.
+    questions : tuple of str
+        What the study asks in every trial.
+    population, seed
+        Whom it is drawn from; the place it gets decides which rater it is.
+    eyes : Eyes
+        How it sees through the blinding.
+    speed : float
+        How fast the rehearsal's clock runs; it watches in that time.
+    stop : Event
+        Set when the rehearsal is to stop.
+    answer_first : callable
+        How it answers the first trial it comes to; by default as every other.
+    """
+
+    entrance: str
+    questions: tuple[str, ...]
+    population: Population
+    seed: int
+    eyes: Eyes
+    speed: float
+    stop: Event
+    answer_first: AnswerTrial = answer_trial
+
+    def take_part(self, client: httpx.Client) -> str:
+        """Go from the link to the end and return the completion code.
+
+        A study session that was begun earlier is gone on with, if the server knows the link.
+
+        Raises
+        ------
+        BrokenPageError
+            If a page lacks what a person would need, or leads nowhere.
+        InterruptedRehearsal
+            If the rehearsal was stopped.
+        """
+        visit = Visit(client=client, stop=self.stop, speed=self.speed)
+        page = visit.open(self.entrance)
+        before: tuple[str, str] | None = None
+        same = 0
+        answer = self.answer_first
+        while (code := page.completion_code) is None:
+            step = (page.address, page.answer_form().trial if page.asks else "")
+            same = same + 1 if step == before else 1
+            if same > SAME_PAGE_AT_MOST:
+                raise BrokenPageError(page, "comes back though it was filled in as it asks")
+            before = step
+            if not page.asks:
+                page = visit.send(page.next_form())
+                continue
+            page = answer(visit, page, self._answers(page))
+            answer = answer_trial
+        return code
+
+    def _answers(self, page: Page) -> dict[str, str]:
+        """Return this participant's answers to the pair on `page`."""
+        sight = self.eyes.look(page)
+        rater = Rater(population=self.population, seed=self.seed, name=sight.rater)
+        return {name: str(rater.answer(sight.pair, name)) for name in self.questions}

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-
-import httpx
 
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import BrokenPageError, Page
@@ -14,14 +12,14 @@ from studyapp.rehearsal.participant import Visit
 
 @dataclass(frozen=True, kw_only=True)
 class Probe:
-    """One bad submission.
+    """One bad submission, which changed nothing.
 
     Attributes
     ----------
     name : str
-        What is wrong with it, in words for the researcher.
+        What was wrong with it, in words for the researcher.
     status : int
-        The server's answer to it.
+        The server's answer.
     """
 
     name: str
@@ -29,59 +27,61 @@ class Probe:
 
 
 def probe_trial(
-    visit: Visit, page: Page, answers: Mapping[str, str], eyes: Eyes
-) -> tuple[Probe, ...]:
-    """Try bad submissions on the trial of `page`, which has not been watched yet.
+    visit: Visit, page: Page, answers: dict[str, str], eyes: Eyes, *, gated: bool
+) -> tuple[Page, tuple[Probe, ...]]:
+    """Answer the trial of `page` well in the end, but try bad submissions before and after.
 
     Parameters
     ----------
     visit : Visit
         The participant's own visit.
     page : Page
-        The page of the trial that is next to be answered.
+        The page of a trial that is to be answered next, nothing of it watched yet.
     answers : mapping of question to value
-        Good answers; each submission spoils something about them.
+        Good answers; each bad submission spoils something about them.
     eyes : Eyes
         Tells what is stored.
+    gated : bool
+        Whether the study takes answers only once the videos were watched.
 
     Returns
     -------
-    tuple of Probe
-        One for every submission; all were refused.
+    page : Page
+        The page that follows.
+    probes : tuple of Probe
+        What was tried.
 
     Raises
     ------
     BrokenPageError
-        If one of them was not refused, or changed what is stored.
+        If a bad submission was not refused, or changed what is stored.
     """
     form = page.answer_form()
     good = form.filled(answers)
-    question = next(iter(answers))
+    question, value = next(iter(answers.items()))
 
-    def send(data: Mapping[str, str]) -> httpx.Response:
-        return visit.client.post(form.action, data=dict(data))
+    def tried(name: str, data: Mapping[str, str], *, harmless: bool = False) -> Probe:
+        before = eyes.stored(page)
+        response = visit.client.post(form.action, data=dict(data))
+        if eyes.stored(page) != before:
+            raise BrokenPageError(page, f"was sent {name}, and stored it")
+        if not (response.is_success if harmless else response.is_client_error):
+            raise BrokenPageError(page, f"was sent {name}, answered {response.status_code}")
+        return Probe(name=name, status=response.status_code)
 
-    def tried(name: str, data: Mapping[str, str]) -> Probe:
-        return _refused(name, lambda: send(data), page, eyes)
-
-    probes = [tried("answers before the video was watched", good)]
+    unwatched = [tried("answers before the videos were watched", good)] if gated else []
     visit.watch(page)
     without = {name: value for name, value in good.items() if name != question}
-    return (
-        *probes,
+    refused = [
         tried("a value that is out of range", {**good, question: "3"}),
         tried("a value that is no number", {**good, question: "A"}),
-        tried("a question left unanswered", without),
-        tried("a trial that is not the participant's", {**good, "trial": "0" * len(form.trial)}),
-    )
-
-
-def _refused(name: str, send: Callable[[], httpx.Response], page: Page, eyes: Eyes) -> Probe:
-    """Send something bad and make sure that it was refused and changed nothing."""
-    before = eyes.stored(page)
-    response = send()
-    if eyes.stored(page) != before:
-        raise BrokenPageError(page, f"stored {name}")
-    if not response.is_client_error:
-        raise BrokenPageError(page, f"answered {name} with status {response.status_code}")
-    return Probe(name=name, status=response.status_code)
+        tried("a question without an answer", without),
+        tried("somebody else's trial", {**good, "trial": "0" * len(form.trial)}),
+    ]
+    following = visit.send(form, answers)
+    other = "0" if value != "0" else "1"
+    repeated = [
+        tried("the same answers twice", good, harmless=True),
+        tried("other answers to an answered trial", {**good, question: other}),
+    ]
+    return following, (*unwatched, *refused, *repeated)

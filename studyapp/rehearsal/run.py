@@ -18,7 +18,7 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import Page
-from studyapp.rehearsal.participant import Participant, Visit
+from studyapp.rehearsal.participant import Participant, Visit, answer_trial
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.probes import Probe, probe_trial
 from studyapp.rehearsal.record import Truth
@@ -195,7 +195,7 @@ class _Crowd:
             eyes=self.eyes,
             speed=self.speed,
             stop=self.stop,
-            at_first_trial=self._probe if probing else None,
+            answer_first=self._probe if probing else answer_trial,
         )
         # Certificates are not needed on the loopback, and loading them takes longer than a visit.
         unused = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
@@ -216,5 +216,8 @@ class _Crowd:
                     remedy="Run the command again: it goes on where it was",
                 ) from error
 
-    def _probe(self, visit: Visit, page: Page, answers: dict[str, str]) -> None:
-        self.probes.extend(probe_trial(visit, page, answers, self.eyes))
+    def _probe(self, visit: Visit, page: Page, answers: dict[str, str]) -> Page:
+        gated = self.study.watching.coverage > 0
+        following, probes = probe_trial(visit, page, answers, self.eyes, gated=gated)
+        self.probes.extend(probes)
+        return following

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import socket
 import subprocess
@@ -54,7 +55,8 @@ def rehearsal_server(folder: StudyFolder, *, speed: float) -> Iterator[str]:
     with tempfile.TemporaryFile() as words, _ended_by_sigterm():
         process = subprocess.Popen(  # noqa: S603 - its own interpreter and module
             [sys.executable, "-m", __name__, str(folder.root), str(port), repr(speed)],
-            stdin=subprocess.DEVNULL,
+            # Held open by this process alone: its end tells the server that nobody is left.
+            stdin=subprocess.PIPE,
             stdout=words,
             stderr=subprocess.STDOUT,
             # Ctrl-C in the terminal is for the rehearsal, which then stops the server itself.
@@ -96,12 +98,12 @@ def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
     """End the server with all its processes, gently at first."""
-    process.terminate()
-    try:
-        process.wait(STOP_SECONDS)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
+    with process:
+        process.terminate()
+        try:
+            process.wait(STOP_SECONDS)
+        except subprocess.TimeoutExpired:
+            process.kill()
 
 
 @contextmanager
@@ -124,10 +126,17 @@ def _ended_by_sigterm() -> Iterator[None]:
 def _serve(arguments: list[str]) -> None:
     """Be the server: study folder, port and speed are the command's arguments."""
     folder, port, speed = arguments
+    threading.Thread(target=_end_with_the_rehearsal, daemon=True).start()
     try:
         run_server(Path(folder), HOST, int(port), PROCESSES, rehearsal_speed=float(speed))
     except InputError as error:
         sys.exit(str(error))
+
+
+def _end_with_the_rehearsal() -> None:
+    """Wait until the rehearsal is gone, however it went, and end this server then."""
+    os.read(sys.stdin.fileno(), 1)
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 if __name__ == "__main__":

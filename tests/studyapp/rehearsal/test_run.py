@@ -2,30 +2,190 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
 from contextlib import closing
+from pathlib import Path
 
 import pandas as pd
+import pytest
+from sqlalchemy import select
 
+from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.models import Place
+from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.export import responses_table
 
+ANSWER = ["place", "position", "question", "left_condition", "right_condition", "value"]
+
 
 def answers(folder: StudyFolder) -> pd.DataFrame:
+    """Every stored answer, and which place of its comparison it was given from."""
     with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
-        return responses_table(database)
+        table = responses_table(database)
+        with database.reading() as session:
+            places = {
+                str(place.study_session_id): f"{place.comparison} {place.number}"
+                for place in session.scalars(select(Place))
+            }
+    return table.assign(place=table["study_session"].map(places))
 
 
-def test_everybody_gets_a_completion_code_and_every_answer_is_stored(folder: StudyFolder) -> None:
+def what_was_answered(folder: StudyFolder) -> list[tuple[object, ...]]:
+    table = answers(folder)[ANSWER].sort_values(ANSWER[:3])
+    return list(table.itertuples(index=False, name=None))
+
+
+def servers(folder: StudyFolder) -> list[int]:
+    """Ids of the processes whose command names the folder, this test's own aside."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            command = (process / "cmdline").read_bytes()
+        except OSError:
+            continue
+        if b"studyapp.rehearsal.server" in command and str(folder.root).encode() in command:
+            found.append(int(process.name))
+    return found
+
+
+def wait_for(what: str, *, happens: Callable[[], object], seconds: float = 20) -> None:
+    deadline = time.monotonic() + seconds
+    while not happens():
+        assert time.monotonic() < deadline, f"{what} did not happen"
+        time.sleep(0.05)
+
+
+@pytest.fixture(scope="module")
+def answered(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> list[tuple[object, ...]]:
+    """What a rehearsal with seed 3 answers when nothing interrupts it."""
+    folder = StudyFolder(Path(shutil.copytree(rendered, tmp_path_factory.mktemp("whole") / "tiny")))
+    rehearse(folder, seed=3)
+    return what_was_answered(folder)
+
+
+def test_everybody_gets_a_code_and_every_answer_is_stored(folder: StudyFolder) -> None:
     seen: list[tuple[int, int]] = []
     result = rehearse(folder, seed=3, on_done=lambda done, total: seen.append((done, total)))
     assert (result.completed, result.kept) == (6, 0)
     assert seen == [(done, 6) for done in range(7)]
+    assert result.truth == read_truth(folder.rehearsal_truth)
+    assert len(result.probes) == 7
     table = answers(folder)
     # 1 practice, 2 main, 1 repeat, 1 catch; two questions each.
     assert table.groupby("study_session").size().tolist() == [10] * 6
     assert table.groupby("comparison")["study_session"].nunique().tolist() == [3, 3]
-    assert table["value"].between(-2, 2).all()
     assert (table["watched"] == 1).all()
-    assert not folder.responses.exists()
+    assert not servers(folder)
+
+
+def test_answers_depend_on_the_seed_and_not_on_who_comes_first(
+    folder: StudyFolder, answered: list[tuple[object, ...]]
+) -> None:
+    rehearse(folder, seed=3, workers=1)
+    assert what_was_answered(folder) == answered
+
+
+def test_an_interrupted_rehearsal_is_finished_with_the_same_answers(
+    folder: StudyFolder, answered: list[tuple[object, ...]]
+) -> None:
+    def interrupt(done: int, _total: int) -> None:
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        rehearse(folder, seed=3, workers=4, on_done=interrupt)
+    assert not servers(folder)
+    assert len(what_was_answered(folder)) < len(answered)
+    result = rehearse(folder, seed=3)
+    assert result.kept >= 2
+    assert result.completed == 6
+    assert "gone on with" in result.note
+    assert what_was_answered(folder) == answered
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGKILL])
+def test_a_killed_rehearsal_leaves_no_server_and_can_be_finished(
+    folder: StudyFolder, answered: list[tuple[object, ...]], how: signal.Signals
+) -> None:
+    program = (
+        "import sys; from pathlib import Path; "
+        "from studyapp.definition.folder import StudyFolder; "
+        "from studyapp.rehearsal.run import rehearse; "
+        "rehearse(StudyFolder(Path(sys.argv[1])), seed=3, workers=2, speed=4)"
+    )
+    rehearsing = subprocess.Popen([sys.executable, "-c", program, str(folder.root)])
+    try:
+        wait_for("a server", happens=lambda: servers(folder))
+        wait_for("an answer", happens=lambda: folder.rehearsal.exists() and len(answers(folder)))
+    finally:
+        os.kill(rehearsing.pid, how)
+        rehearsing.wait(20)
+    wait_for("the server's end", happens=lambda: not servers(folder))
+    before = what_was_answered(folder)
+    rehearse(folder, seed=3)
+    after = what_was_answered(folder)
+    assert 0 < len(before) < len(after)
+    assert set(before) <= set(after)
+    assert after == answered
+
+
+def test_a_finished_rehearsal_is_kept_as_it_is(folder: StudyFolder) -> None:
+    rehearse(folder, participants=1, seed=3)
+    before = answers(folder)
+    result = rehearse(folder, participants=1, seed=3)
+    assert (result.completed, result.kept, result.probes) == (2, 2, ())
+    pd.testing.assert_frame_equal(answers(folder), before)
+
+
+@pytest.mark.slow
+def test_more_participants_can_be_added_later(
+    folder: StudyFolder, answered: list[tuple[object, ...]]
+) -> None:
+    first = rehearse(folder, participants=1, seed=3)
+    assert first.completed == 2
+    assert set(what_was_answered(folder)) < set(answered)
+    rehearse(folder, participants=3, seed=3)
+    assert what_was_answered(folder) == answered
+
+
+def test_another_seed_answers_differently(
+    folder: StudyFolder, answered: list[tuple[object, ...]]
+) -> None:
+    rehearse(folder, seed=4)
+    assert [entry[:-1] for entry in what_was_answered(folder)] == [entry[:-1] for entry in answered]
+    assert what_was_answered(folder) != answered
+
+
+def test_real_answers_are_never_touched(
+    folder: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = sqlite_url(folder.root / "elsewhere.db")
+    monkeypatch.setenv("DATABASE_URL", real)
+    folder.responses.write_bytes(b"real answers")
+    rehearse(folder, participants=1)
+    assert folder.responses.read_bytes() == b"real answers"
+    assert not (folder.root / "elsewhere.db").exists()
+    assert list(folder.root.glob("responses.db*")) == [folder.responses]
+
+
+def test_a_rehearsal_with_more_participants_than_places_is_refused(folder: StudyFolder) -> None:
+    with pytest.raises(InputError, match=r"4 participants .* 3 places.*study\.toml|study\.toml.*4"):
+        rehearse(folder, participants=4)
+    assert not folder.rehearsal.exists()
+
+
+def test_a_study_without_its_videos_is_not_rehearsed(folder: StudyFolder) -> None:
+    next(folder.videos.glob("2-*.mp4")).unlink()
+    with pytest.raises(InputError, match=r"2-.*\.mp4.*motionjury render"):
+        rehearse(folder)
+    assert not folder.rehearsal.exists()
