@@ -1,8 +1,9 @@
 """Which accents get a gesture, of what form, by which hand, and when its phases run.
 
 A gesture has a preparation, a stroke, a hold and, unless the next one follows at once, a
-retraction (Kendon 1980; McNeill 1992, ch. 3). The stroke ends at the accent: that is where the
-farthest point of a beat lies in speech (Leonard & Cummins 2011; Loehr 2012).
+retraction (Kendon 1980; McNeill 1992, ch. 3). The stroke ends at the accent, where the farthest
+point of a beat lies in speech (Leonard & Cummins 2011; Loehr 2012): 30 ms ahead of the syllable's
+loudest moment, between its onset and that.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ HANDS: Final = ("left", "right")
 _PREPARATION: Final = 0.5
 _RECOIL: Final = 0.32
 _STROKE: Final = 0.26
-_SHORTEST_HOLD: Final = 0.08
+_SHORTEST_HOLD: Final = 0.06
+_AHEAD_OF_PEAK: Final = 0.03
 _RETRACTION: Final = 0.85
 _WORTH_RETRACTING: Final = 1.1
 _QUICKEST_START: Final = 0.3
@@ -50,7 +52,7 @@ class Gesture:
     stroke : float
         When preparation ends and the stroke begins.
     apex : float
-        When the stroke ends and the hold begins: on the accent.
+        When the stroke ends and the hold begins: at the accent.
     release : float
         When the hold ends.
     rest : float or None
@@ -93,7 +95,8 @@ def plan_gestures(
     for unit in _units(prosody.accents[picked], manner.tempo):
         form = _choose_form(manner, rng)
         hands = _choose_hands(form, manner, strong_hand, rng)
-        for place, apex in enumerate(unit):
+        for place, accent in enumerate(unit):
+            apex = accent - _AHEAD_OF_PEAK
             if place and rng.random() < _FORM_CHANGES:
                 form = _choose_form(manner, rng, len(hands))
             earlier = _latest_of(gestures, hands)
@@ -108,7 +111,7 @@ def plan_gestures(
                     apex=apex,
                     release=apex + manner.longest_hold * rng.uniform(0.4, 1.0),
                     rest=None,
-                    strength=float(np.interp(apex, prosody.accents, prosody.prominence)),
+                    strength=float(np.interp(accent, prosody.accents, prosody.prominence)),
                 )
             )
     return tuple(

@@ -30,6 +30,9 @@ _TURN_VARIETY: Final = 7.0
 _SECOND_HAND: Final = 0.9
 _FOLLOW_THROUGH: Final = 0.05
 _HAND_DRIFT: Final = 0.007
+_REBOUND: Final = 0.14
+_REBOUND_SECONDS: Final = 0.35
+_SHORTEST_REBOUND: Final = 0.2
 
 
 def hand_track(
@@ -76,6 +79,10 @@ def hand_track(
             Movement(start=gesture.begin, end=gesture.stroke + 0.03, target=upbeat, bow=bow),
             Movement(start=gesture.stroke, end=gesture.apex, target=apex),
         ]
+        if gesture.release - gesture.apex > _SHORTEST_REBOUND:
+            end = min(gesture.apex + _REBOUND_SECONDS / manner.tempo, gesture.release)
+            settled = apex + _REBOUND * (upbeat - apex)
+            movements.append(Movement(start=gesture.apex, end=end, target=settled))
         if gesture.rest is not None:
             movements.append(
                 Movement(start=gesture.release, end=gesture.rest, target=rest, bow=bow * 0.6)
