@@ -245,7 +245,7 @@ def beat_alignment(
         chance=result("beat alignment by chance", chance),
         above_chance=result("beat alignment above chance", score - chance),
         motion_beats=MetricResult(
-            name=f"motion beats ({settings.name})",
+            name=f"motion beat rate ({settings.name})",
             value=rate,
             unit="1/s",
             n=len(series),

@@ -16,8 +16,8 @@ LEVEL: Final = 0.95
 """Confidence level of every interval in the report."""
 
 TWO_WAY: Final = "clustered by participant and segment"
-ONE_WAY_PARTICIPANTS: Final = "clustered by participant only (two-way variance not positive)"
-ONE_WAY_SEGMENTS: Final = "clustered by segment only (two-way variance not positive)"
+ONE_WAY_PARTICIPANTS: Final = "clustered by participant only, the larger variance"
+ONE_WAY_SEGMENTS: Final = "clustered by segment only, the larger variance"
 INDEPENDENT: Final = "answers as independent (no clustered variance is positive)"
 
 
@@ -66,8 +66,9 @@ def clustered_mean(
 
     The variance is the two-way cluster-robust one of Cameron, Gelbach & Miller (2011, eq. 2.11)
     with the CR1 factor G/(G-1) of each clustering; the quantiles are those of t with
-    min(participants, segments) - 1 degrees of freedom. Where the two-way variance is not
-    positive, the larger one-way variance takes its place, as those authors advise.
+    min(participants, segments) - 1 degrees of freedom. That variance is a difference and may
+    come out too small, even negative; where a one-way variance is larger, the larger one takes
+    its place (the "max-se" of MacKinnon, Nielsen & Webb 2024).
 
     Parameters
     ----------
@@ -132,12 +133,13 @@ def _variance(
     both, by_person, by_item = (
         float(covariance.item()) for covariance in cov_cluster_2groups(fit, people, items)
     )
+    variance, method = max(
+        (both, TWO_WAY),
+        (by_person, ONE_WAY_PARTICIPANTS),
+        (by_item, ONE_WAY_SEGMENTS),
+        key=lambda found: found[0],
+    )
     # Sums of rounding errors are no variance.
-    smallest = 1e-12 * float(np.var(values))
-    if both > smallest:
-        return both, TWO_WAY
-    if max(by_person, by_item) > smallest:
-        if by_person >= by_item:
-            return by_person, ONE_WAY_PARTICIPANTS
-        return by_item, ONE_WAY_SEGMENTS
+    if variance > 1e-12 * float(np.var(values)):
+        return variance, method
     return float(np.var(values, ddof=1)) / len(values), INDEPENDENT

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
-from analysis.report.svg import STYLE, inline_svg
+from analysis.report.svg import STYLE, WIDTH, inline_svg
 
 FEW_SEGMENTS: Final = 6
 """With fewer segments than this, a clustered interval is a description, not a test."""
@@ -43,7 +43,7 @@ def emotion_figure(
     hints: dict[str, str] = {}
     with mpl.rc_context(STYLE):
         height = 0.3 * rows + (1.45 if mark else 1.25)
-        figure = Figure(figsize=(11.6, height))
+        figure = Figure(figsize=(WIDTH, height))
         panels = figure.subplots(1, len(overall), squeeze=False, sharey=True)[0]
         figure.subplots_adjust(
             left=0.125,
@@ -79,12 +79,11 @@ def emotion_figure(
             axes.set_xlabel(f"win share of {reference} against {other}", fontsize=9)
         if mark:
             figure.text(
-                0.995,
+                0.125,
                 1 - 0.02 / height,
                 mark,
-                ha="right",
                 va="top",
-                color="#a33f00",
+                color="#8a3500",
                 fontsize=9,
                 fontweight="bold",
             )

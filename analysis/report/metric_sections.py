@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 
 from analysis.metrics.conditions import ConditionScore
@@ -18,8 +18,9 @@ _IN_FULL = ("beat alignment (", "beat alignment by chance")
 
 
 def metrics_section(inputs: ReportInputs, findings: Findings) -> Section:
-    """Return automatic metrics per condition with the human answers above them."""
-    heading = "Automatic metrics beside the answers"
+    """Return automatic metrics per condition, below what was answered about it."""
+    answered = inputs.origin != "none"
+    heading = "Automatic metrics beside the answers" if answered else "Automatic metrics"
     scores = findings.metrics.conditions
     if not scores:
         return Section(
@@ -36,29 +37,43 @@ def metrics_section(inputs: ReportInputs, findings: Findings) -> Section:
         if not name.startswith(_IN_FULL)
     ]
     by_place = {(score.condition, score.name): score for score in scores}
-    rows = [_human_row(question, conditions, inputs, findings) for question in figure_order(inputs)]
+    rows = []
+    if answered:
+        rows = [_human_row(q, conditions, inputs, findings) for q in figure_order(inputs)]
     rows += [_metric_row(name, conditions, by_place) for name in names]
-    others = len(conditions) - (inputs.catch_condition in conditions)
     table = Table(
-        caption="What people preferred and what the metrics say, per condition. First the share "
-        f"of answers preferring the condition to {wording.name(inputs.reference)}; then each "
-        "metric as mean over clips ± standard deviation between clips.",
+        caption=_metrics_caption(inputs, answered=answered),
         header=("measure", *(wording.name(c) for c in conditions)),
         rows=tuple(rows),
-        notes=(*_metric_notes(names, scores), *_missing(names, scores)),
+        notes=(*_settings(names, scores), *_missing(names, scores)),
         data="metrics.csv",
+    )
+    reading = (
+        "Beat alignment is shown above its chance level, because dense beats score high against "
+        "any speech. Deviation and distance reward noise as much as variety: read them beside "
+        "jerk."
+    )
+    compared = wording.count(len(set(conditions) - {inputs.catch_condition}), "condition")
+    caution = (
+        f"With {compared} compared, no correlation between metrics and answers can be estimated; "
+        "the numbers stand side by side for reading."
     )
     return Section(
         anchor="metrics",
         heading=heading,
-        paragraphs=(
-            f"With {wording.count(others, 'compared condition')} no correlation between metrics "
-            "and answers can be estimated; the numbers stand side by side for reading. Beat "
-            "alignment is shown above its chance level, because dense beats score high against "
-            "any speech. Deviation and distance reward noise as much as variety: read them "
-            "beside jerk.",
-        ),
+        paragraphs=(f"{caution} {reading}" if answered else reading,),
         tables=(table,),
+    )
+
+
+def _metrics_caption(inputs: ReportInputs, *, answered: bool) -> str:
+    metrics = "each metric per condition, as mean over clips ± standard deviation between clips"
+    if not answered:
+        return f"{metrics[0].upper()}{metrics[1:]}."
+    return (
+        f"What {people(inputs)} preferred and what the metrics say. First the share of answers "
+        f"preferring the condition to {wording.name(inputs.reference)}, with its interval; then "
+        f"{metrics}."
     )
 
 
@@ -85,30 +100,36 @@ def _human_row(
 
 
 def _metric_row(
-    name: str, conditions: Sequence[str], by_place: dict[tuple[str, str], ConditionScore]
+    name: str, conditions: Sequence[str], by_place: Mapping[tuple[str, str], ConditionScore]
 ) -> tuple[Cell, ...]:
     found = [by_place.get((condition, name)) for condition in conditions]
-    unit = next((f", {score.unit}" for score in found if score and score.unit), "")
-    row = [Cell(text=f"{name}{unit}")]
-    for score in found:
-        if score is None or math.isnan(score.value):
-            row.append(Cell(text="–"))
-        elif math.isnan(score.spread):
-            row.append(Cell(text=wording.quantity(score.value)))
-        else:
-            row.append(
-                Cell(text=f"{wording.quantity(score.value)} ± {wording.quantity(score.spread)}")
-            )
-    return tuple(row)
+    scores = [score for score in found if score is not None]
+    spreads = [score.spread for score in scores if not math.isnan(score.spread)]
+    places = (
+        wording.decimals(spreads, digits=2)
+        if any(spreads)
+        else wording.decimals([score.value for score in scores], digits=3)
+    )
+    unit = f", {scores[0].unit}" if scores[0].unit else ""
+    return cells(f"{name}{unit}", *(_score(score, places) for score in found))
 
 
-def _metric_notes(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[str]:
-    notes = []
+def _score(score: ConditionScore | None, places: int) -> str:
+    if score is None:
+        return "–"
+    value = wording.fixed(score.value, places)
+    spread = wording.fixed(score.spread, places)
+    return value if spread in {"–", "0"} else f"{value} ± {spread}"
+
+
+def _settings(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[str]:
+    """Return one footnote per set of settings, naming all metrics that share it."""
+    shared: dict[str, list[str]] = {}
     for name in names:
         settings = next(score.settings for score in scores if score.name == name)
-        described = "; ".join(f"{key}: {value}" for key, value in settings.items())
-        notes.append(f"{name} – {described}.")
-    return notes
+        words = "; ".join(f"{key}: {value}" for key, value in settings.items())
+        shared.setdefault(words.replace("_", " "), []).append(name)
+    return [f"{wording.listing(sharing)} – {words}." for words, sharing in shared.items()]
 
 
 def _missing(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[str]:
@@ -145,13 +166,13 @@ def truth_section(inputs: ReportInputs, findings: Findings) -> Section:
         heading="Known truth against estimate",
         paragraphs=(
             f"Simulated raters prefer by rule, so the true win share is known. "
-            f"{inside} of {len(rows)} intervals contain it; in the long run 95 % do.",
+            f"{inside} of {len(rows)} intervals contain it; in the long run 95% do.",
         ),
         tables=(
             Table(
                 caption=f"True win share of {wording.name(inputs.reference)} among the simulated "
                 "raters, and its estimate after exclusions.",
-                header=("question", "other", "truth", "estimate", "truth is"),
+                header=("question", "against", "truth", "estimate", "truth is"),
                 rows=tuple(rows),
                 text_columns=2,
                 data="preferences.csv",
@@ -210,9 +231,9 @@ def methods_section(inputs: ReportInputs, findings: Findings) -> Section:
         "equivalence margin was declared.",
         "Tests are two-sided. With few segments the intervals are wide, because two or three "
         "segments say little about all others; more participants do not cure that.",
-        "Where the two-way variance is not positive, the larger one-way variance takes its place, "
-        "and a footnote says where. Where all answers are alike, or only one participant or "
-        "segment answers, no interval is given.",
+        "Where a one-way variance is larger than the two-way one, it takes its place, and a "
+        "footnote says where. Where all answers are alike, or only one participant or segment "
+        "answers, no interval is given.",
         "Intervals treat the five levels as win, tie and loss; how strong a preference is shows "
         "only in the counts.",
     ]

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from analysis.preferences.counts import FiveLevelCounts
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
-from analysis.report.svg import STYLE, inline_svg
+from analysis.report.svg import STYLE, WIDTH, inline_svg
 
 COLOURS: Final = ("#0072b2", "#56b4e9", "#d9dce0", "#e69f00", "#d55e00")
 """Okabe & Ito's blue and vermillion pairs, grey between, in the order of the five levels."""
@@ -50,7 +50,7 @@ def preference_figure(
     reach = _reach(preferences)
     hints: dict[str, str] = {}
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(11.6, height))
+        figure = Figure(figsize=(WIDTH, height))
         grid = figure.add_gridspec(
             lines,
             3 * _COLUMNS - 1,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from analysis.preferences.clustered import LEVEL
+from analysis.preferences.clustered import LEVEL, TWO_WAY
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
 from analysis.report.answer import figure_order, people
@@ -15,8 +15,8 @@ from analysis.report.inputs import ReportInputs
 
 INTERVAL_NOTE = (
     f"Intervals at {LEVEL:.0%}, clustered by participant and by segment (Cameron, Gelbach & "
-    "Miller 2011, CR1), t with min(participants, segments) − 1 degrees of freedom, not corrected "
-    "for multiplicity."
+    "Miller 2011, CR1; never below a one-way variance), t with min(participants, segments) − 1 "
+    "degrees of freedom, not corrected for multiplicity."
 )
 
 
@@ -80,8 +80,8 @@ def _quality(inputs: ReportInputs, findings: Findings) -> str:
     return (
         f"The {len(analysed):,} analysed answers were given on {span}; the median trial took "
         f"{wording.quantity(float(analysed['seconds'].median()))} s, the least share of a trial's "
-        f"videos watched was {wording.percent(100 * float(analysed['watched'].min()))} %, and "
-        f"{wording.percent(ties)} % of the answers were 'no difference'."
+        f"videos watched was {wording.percent(100 * float(analysed['watched'].min()))}%, and "
+        f"{wording.percent(ties)}% of the answers were 'no difference'."
     )
 
 
@@ -92,7 +92,7 @@ def counts_section(inputs: ReportInputs, findings: Findings) -> Section:
         caption=f"Answers after exclusions, seen from {reference}: number, and % of the row.",
         header=(
             "question",
-            "other",
+            "against",
             "answers",
             f"clearly {reference}",
             f"slightly {reference}",
@@ -146,7 +146,10 @@ def _table_a5(inputs: ReportInputs, findings: Findings) -> Table:
         header=("condition", *(["ours", "others", "indifferent"] * len(questions))),
         rows=tuple(rows),
         groups=(("", 1), *((wording.name(question), 3) for question in questions)),
-        notes=("The larger of ours and others is bold. This is no test; see the win shares.",),
+        notes=(
+            "The larger of ours and others is bold, which is no test: see the win shares. "
+            "Rounded percentages may not add up to 100.",
+        ),
         data="counts.csv",
     )
 
@@ -180,7 +183,7 @@ def win_share_section(inputs: ReportInputs, findings: Findings) -> Section:
         groups=(("", 2), ("after exclusions", 4), ("nobody excluded", 3)),
         header=(
             "question",
-            "other",
+            "against",
             "win share",
             "p",
             "p (Holm)",
@@ -211,9 +214,9 @@ def _basis(preference: Preference) -> str:
 
 
 def _methods(preferences: tuple[Preference, ...]) -> Iterator[str]:
-    """Name every estimate whose variance had to fall back."""
+    """Name every estimate whose variance is not the two-way one."""
     for p in preferences:
-        if "and segment" not in p.win_share.method and p.win_share.method:
+        if p.win_share.method not in {"", TWO_WAY}:
             yield (
                 f"{wording.name(p.other)}, {wording.name(p.question)}: variance "
                 f"{p.win_share.method}."
@@ -236,7 +239,7 @@ def _side_table(findings: Findings) -> Table:
         ),
         notes=(
             "Sides are random: a bias to one side widens the intervals and pulls win shares "
-            "towards .5, but favours no condition. " + INTERVAL_NOTE,
+            "towards .5, but favours no condition. Intervals as for the win shares.",
         ),
         data="side_bias.csv",
     )
@@ -264,9 +267,9 @@ def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Sect
         pictures.append(
             Picture(
                 svg=emotion_figure(within, overall, name=f"emotion{number}", mark=mark),
-                caption=f"{reference} against {other} within each emotion: win share of "
-                f"{reference} (right of the line: {reference} preferred) with intervals at "
-                f"{LEVEL:.0%}, clustered by participant and segment.{descriptive}",
+                caption=f"Win share of {reference} against {other} within each emotion, with "
+                f"{LEVEL:.0%} intervals clustered by participant and segment; right of the line "
+                f"{reference} is preferred.{descriptive}",
                 data="emotions.csv",
             )
         )

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Final
 
 from analysis.preferences.clustered import ClusteredMean
 
 NO_BREAK: Final = "\u00a0"
 """A space at which no line is broken."""
+
+_ZERO: Final = 1e-9
 
 
 def name(condition: str) -> str:
@@ -60,12 +63,27 @@ def percent(value: float) -> str:
 
 def quantity(value: float) -> str:
     """Return a number with three significant digits; a dash for NaN."""
+    return fixed(value, decimals([value], digits=3))
+
+
+def decimals(values: Iterable[float], *, digits: int) -> int:
+    """Return how many decimals show `digits` significant ones of the smallest value.
+
+    Zeros, rounding errors and NaN are passed over.
+    """
+    sizes = [abs(value) for value in values if abs(value) > _ZERO]
+    if not sizes:
+        return 0
+    return max(0, digits - 1 - math.floor(math.log10(min(sizes))))
+
+
+def fixed(value: float, decimal_places: int) -> str:
+    """Return a number with a fixed count of decimals; a dash for NaN, '0' for rounding errors."""
     if math.isnan(value):
         return "–"
-    if value == 0:
+    if abs(value) <= _ZERO:
         return "0"
-    digits = max(0, 2 - math.floor(math.log10(abs(value))))
-    return f"{value:.{min(digits, 6)}f}".replace("-", "−")
+    return f"{value:.{decimal_places}f}".replace("-", "−")
 
 
 def count(number: int, noun: str, plural: str = "") -> str:

@@ -53,9 +53,7 @@ class SimulatedStudy:
     """A study of raters whose preferences are known, in logits per condition and question."""
 
     reference: str = "rule_based"
-    effects: Mapping[str, float] = field(
-        default_factory=lambda: {"mismatched": 0.7, "static": 1.6}
-    )
+    effects: Mapping[str, float] = field(default_factory=lambda: {"mismatched": 0.7, "static": 1.6})
     participants: int = 25
     segments: int = 24
     practice: int = 3
@@ -97,9 +95,7 @@ class SimulatedStudy:
         trials += [("main", k) for k in order[self.practice :]]
         trials += [("repeat", k) for k in order[: self.practice]]
         for _ in range(self.catch):
-            trials.insert(
-                int(generator.integers(self.practice, len(trials))), ("catch", order[-1])
-            )
+            trials.insert(int(generator.integers(self.practice, len(trials))), ("catch", order[-1]))
         if person < self.unfinished:
             trials = trials[: len(trials) // 2]
         attentive = person >= self.unfinished + self.inattentive
