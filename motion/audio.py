@@ -16,13 +16,11 @@ from av.container import InputContainer
 from numpy.typing import NDArray
 
 from motion.errors import InputError
+from motion.excerpt import excerpt_bounds
 from motion.files import replacing
 
 SPEECH_RATE: Final = 16000
 """Samples per second that speech is analysed at."""
-
-CUT_TOLERANCE: Final = 0.1
-"""Seconds by which an excerpt may reach past the end of its audio; the rest is silence."""
 
 _RIFF_TOLERANCE: Final = 4096
 _RIFF_SIZES_OF_STREAMS: Final = frozenset({0, 0xFFFFFFFF})
@@ -96,7 +94,7 @@ class Audio:
         ----------
         start, end : float
             Seconds, ``0 <= start < end``. Where `end` lies past the audio by no more than
-            `CUT_TOLERANCE`, silence fills the excerpt, so that it always has
+            `motion.excerpt.CUT_TOLERANCE`, silence fills the excerpt, so that it always has
             ``round((end - start) * sample_rate)`` samples.
 
         Raises
@@ -104,14 +102,7 @@ class Audio:
         InputError
             If the excerpt is empty or lies outside the audio.
         """
-        count = round((end - start) * self.sample_rate)
-        if start < 0 or count <= 0 or end > self.duration + CUT_TOLERANCE:
-            raise InputError(
-                f"an excerpt from {start:g} s to {end:g} s was asked of {self.duration:.2f} s "
-                "of audio",
-                remedy="Give start and end within the audio",
-            )
-        first = round(start * self.sample_rate)
+        first, count = excerpt_bounds(start, end, rate=self.sample_rate, length=len(self.samples))
         excerpt = np.zeros(count, np.float32)
         inside = self.samples[first : first + count]
         excerpt[: len(inside)] = inside

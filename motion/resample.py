@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.excerpt import excerpt_bounds
 
 FloatArray = NDArray[np.float32]
-
-CUT_TOLERANCE: Final = 0.1
-"""Seconds by which an excerpt may reach past the end of its clip; the last frame is held."""
 
 
 def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
@@ -91,7 +89,8 @@ def cut(clip: MotionClip, start: float, end: float) -> MotionClip:
     clip : MotionClip
         The motion.
     start, end : float
-        Seconds, ``0 <= start < end``; `end` may lie past the clip by `CUT_TOLERANCE`.
+        Seconds, ``0 <= start < end``; where `end` lies past the clip by no more than
+        `motion.excerpt.CUT_TOLERANCE`, the last frame is held.
 
     Returns
     -------
@@ -103,12 +102,5 @@ def cut(clip: MotionClip, start: float, end: float) -> MotionClip:
     InputError
         If the excerpt is empty or lies outside the clip.
     """
-    count = round((end - start) * clip.frame_rate)
-    if start < 0 or count <= 0 or start >= clip.duration or end > clip.duration + CUT_TOLERANCE:
-        raise InputError(
-            f"an excerpt from {start:g} s to {end:g} s was asked of a motion of "
-            f"{clip.duration:.2f} s",
-            remedy="Give start and end within the motion",
-        )
-    first = round(start * clip.frame_rate)
+    first, count = excerpt_bounds(start, end, rate=clip.frame_rate, length=len(clip))
     return clip.frames(np.minimum(np.arange(first, first + count), len(clip) - 1))

@@ -172,11 +172,7 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
     values = _parse_rows(rows, sum(len(joint.channels) for joint in joints), path)
     notes: tuple[str, ...] = ()
     if int(frames) != len(values):
-        contradiction = (
-            f"the header says {frames} frames at {header_rate:.6g} per second "
-            f"({int(frames) / header_rate:.2f} s), the file has {len(values)} rows, which over "
-            f"that time would be {len(values) * header_rate / max(1, int(frames)):.4g} per second"
-        )
+        contradiction = _contradiction(int(frames), header_rate, len(values))
         if frame_rate is None:
             raise InputError(
                 contradiction, where=path, remedy="Give the true frames per second with --fps"
@@ -216,6 +212,16 @@ def _rate_of(frame_time: str, where: str) -> float:
     whole = max(1, round(1 / seconds))
     rounded = abs(1 / Decimal(whole) - seconds) <= last_digit
     return float(whole if rounded and abs(whole * seconds - 1) <= _ROUNDING else 1 / seconds)
+
+
+def _contradiction(promised: int, rate: float, rows: int) -> str:
+    """Return what header and rows say, and the frame rate if the header's duration is right."""
+    seconds = promised / rate
+    implied = f", which over that time would be {rows / seconds:.4g} per second" if promised else ""
+    return (
+        f"the header says {promised} frames at {rate:.6g} per second ({seconds:.2f} s), the file "
+        f"has {rows} rows{implied}"
+    )
 
 
 def _parse_rows(rows: list[tuple[int, str]], width: int, path: Path) -> FloatArray:

@@ -111,6 +111,11 @@ def test_header_that_contradicts_the_rows_is_refused_with_the_implied_rate(tmp_p
     assert "--fps" in caught.value.remedy
 
 
+def test_header_of_no_frames_is_refused_when_there_are_rows(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"the header says 0 frames .* has 3 rows"):
+        chain(tmp_path, frames=0)
+
+
 def test_given_rate_settles_the_contradiction_and_is_noted(tmp_path: Path) -> None:
     path = write_bvh(tmp_path / "a.bvh", bvh_text(CHAIN, ROWS, frames=24))
     motion = read_bvh(path, frame_rate=15)
