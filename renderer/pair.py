@@ -1,0 +1,132 @@
+"""Two clips side by side, labelled A and B, as one video."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import av
+import numpy as np
+from av.video.reformatter import ColorRange, Colorspace
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from motion.audio import read_audio
+from motion.errors import InputError
+from motion.files import replacing
+from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.look import BACKGROUND, Look
+
+LABELS: Final = ("A", "B")
+"""Left and right."""
+
+_LABEL_SHARE: Final = 0.085  # of the picture's height
+_LABEL_PLACE: Final = 0.03
+_LABEL_COLOUR: Final = (0x3C, 0x3C, 0x42)
+
+Planes = tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.uint8]]
+
+
+def write_pair(
+    *, left: Path, right: Path, speech: Path, start: float, end: float, video: Path, look: Look
+) -> None:
+    """Compose `left` and `right` into one video with the speech.
+
+    Parameters
+    ----------
+    left, right : Path
+        Lossless frames as `renderer.clip_video.write_clip_video` leaves them.
+    speech : Path
+        What is heard.
+    start, end : float
+        The excerpt of `speech` in seconds.
+    video : Path
+        Where to write; appears whole, or not at all.
+    look : Look
+        The study's look.
+
+    Raises
+    ------
+    InputError
+        If frames or speech cannot be read, or the two sides have not the same frames.
+    """
+    size = look.size
+    sound = read_audio(speech, sample_rate=SOUND_RATE).cut(start, end)
+    count = max(1, round((end - start) * look.frame_rate))
+    labels = [_label(text, size) for text in LABELS]
+    seen = 0
+    with (
+        replacing(video) as draft,
+        VideoWriter(draft, 2 * size, size, look.frame_rate, sound) as writer,
+    ):
+        for sides in zip(_frames(left, size), _frames(right, size), strict=False):
+            seen += 1
+            if seen <= count:
+                writer.write(_side_by_side(sides, labels, size))
+        if seen != count:
+            raise InputError(
+                f"the two sides share {seen} frames, {count} are needed",
+                where=f"{left} and {right}",
+                remedy="Render both clips again",
+            )
+
+
+def _frames(path: Path, size: int) -> Iterator[Any]:
+    """Yield the frames of a lossless video."""
+    if not path.is_file():
+        raise InputError("the rendered frames are missing", where=path, remedy="Render the clip")
+    try:
+        with av.open(str(path)) as container:
+            stream = container.streams.video[0]
+            stream.thread_count = 1
+            if (stream.width, stream.height) != (size, size):
+                raise InputError(
+                    f"the frames are {stream.width} × {stream.height}, expected {size} × {size}",
+                    where=path,
+                    remedy="Render the clip again",
+                )
+            yield from container.decode(stream)
+    except (av.FFmpegError, IndexError) as error:
+        raise InputError(
+            f"the rendered frames cannot be read ({error})",
+            where=path,
+            remedy="Delete the file and render again",
+        ) from error
+
+
+def _side_by_side(sides: tuple[Any, Any], labels: list[Planes], size: int) -> Any:
+    """Return one frame with both sides and their labels."""
+    joined = av.VideoFrame(2 * size, size, "yuv420p")
+    for index, plane in enumerate(joined.planes):
+        pixels = _pixels(plane)
+        width = pixels.shape[1] // 2
+        for number, (side, label) in enumerate(zip(sides, labels, strict=True)):
+            half = pixels[:, number * width : (number + 1) * width]
+            half[:] = _pixels(side.planes[index])
+            mark = label[index]
+            place = round(_LABEL_PLACE * size / 2) * 2 // (1 if index == 0 else 2)
+            half[place : place + mark.shape[0], place : place + mark.shape[1]] = mark
+    return joined
+
+
+def _pixels(plane: Any) -> NDArray[np.uint8]:
+    """Return a plane of a frame as an array that shares its memory, shape (height, width)."""
+    rows = np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)
+    return rows[: plane.height, : plane.width]
+
+
+def _label(text: str, size: int) -> Planes:
+    """Return a letter on the background's colour as three planes, luma first."""
+    side = round(_LABEL_SHARE * size / 2) * 2
+    tile = Image.new("RGB", (side, side), BACKGROUND)
+    font = ImageFont.load_default(size=side * 0.9)
+    ImageDraw.Draw(tile).text((side / 2, side / 2), text, _LABEL_COLOUR, font=font, anchor="mm")
+    frame = av.VideoFrame.from_ndarray(np.asarray(tile), format="rgb24").reformat(
+        format="yuv420p",
+        src_color_range=ColorRange.JPEG,
+        dst_color_range=ColorRange.MPEG,
+        dst_colorspace=Colorspace.ITU709,
+    )
+    luma, blue, red = (_pixels(plane).copy() for plane in frame.planes)
+    return luma, blue, red

@@ -1,0 +1,118 @@
+"""What runs in a rendering process: jobs come in through a pipe, outcomes go back."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+import traceback
+from contextlib import ExitStack
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING, Any
+
+from motion.errors import InputError
+
+if TYPE_CHECKING:
+    from renderer.clip_video import Stage
+    from renderer.jobs import ClipJob, Job, PairJob
+
+
+def work(pipe: Connection) -> None:
+    """Do the jobs that come through `pipe`, one after the other, until it is closed."""
+    # Ctrl-C reaches all processes of a terminal; the parent decides, and ends this one by
+    # SIGTERM, which must unwind the stack so that temporary files are removed.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _leave)
+    with _Stages() as stages:
+        while True:
+            try:
+                job = pipe.recv()
+            except (EOFError, ConnectionError):
+                return
+            pipe.send(_outcome(job, stages))
+
+
+class _Stages:
+    """The stage of the last clip job, kept for the next one if it is to look the same."""
+
+    def __init__(self) -> None:
+        self._stack = ExitStack()
+        self._key: tuple[Any, ...] | None = None
+        self._stage: Stage | None = None
+
+    def __enter__(self) -> _Stages:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def of(self, job: ClipJob) -> Stage:
+        """Return a stage with the body, camera and look of `job`."""
+        # Imported here: pair jobs need neither OpenGL nor a body.
+        from renderer.body_asset import default_body
+        from renderer.clip_video import Stage
+
+        key = (job.body, job.camera, job.look)
+        if self._stage is None or self._key != key:
+            self._stack.close()
+            self._key, self._stage = None, None
+            self._stage = self._stack.enter_context(
+                Stage(job.body or default_body(), job.camera, job.look)
+            )
+            self._key = key
+        return self._stage
+
+
+def _outcome(job: Job, stages: _Stages) -> Any:
+    """Do `job` and return what became of it."""
+    from renderer.jobs import ClipJob, Outcome
+
+    began = time.perf_counter()
+    error = None
+    try:
+        if isinstance(job, ClipJob):
+            _do_clip(job, stages)
+        else:
+            _do_pair(job)
+    except InputError as problem:
+        error = str(problem)
+    except Exception as problem:  # noqa: BLE001
+        # The seam to another process: an exception may not be picklable, and must not end the
+        # worker; nothing is hidden, its traceback is shown and its text becomes the outcome.
+        traceback.print_exc()
+        error = f"{type(problem).__name__}: {problem}"
+    return Outcome(name=job.name, error=error, seconds=time.perf_counter() - began)
+
+
+def _do_clip(job: ClipJob, stages: _Stages) -> None:
+    from renderer.clip_video import write_clip_video
+
+    write_clip_video(
+        stages.of(job),
+        motion=job.motion,
+        speech=job.speech,
+        start=job.start,
+        end=job.end,
+        frozen=job.freeze,
+        frames=job.frames,
+        video=job.video,
+    )
+
+
+def _do_pair(job: PairJob) -> None:
+    from renderer.pair import write_pair
+
+    write_pair(
+        left=job.left,
+        right=job.right,
+        speech=job.speech,
+        start=job.start,
+        end=job.end,
+        video=job.video,
+        look=job.look,
+    )
+
+
+def _leave(number: int, frame: object) -> None:
+    """End the process by unwinding its stack."""
+    sys.exit(128 + number)
