@@ -13,7 +13,8 @@ from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import argrelmin
+from scipy.ndimage import minimum_filter1d
+from scipy.signal import find_peaks
 
 from analysis.metrics.joint_positions import ARM_JOINTS
 from analysis.metrics.result import MetricResult
@@ -23,6 +24,10 @@ Direction = Literal["motion to audio", "audio to motion"]
 
 SHIFTS: Final = 200
 """Circular shifts over which the chance level is averaged."""
+
+
+SHALLOWEST: Final = 0.01
+"""Metres per second by which a motion beat must lie below its surroundings."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,6 +70,7 @@ class BeatSettings:
             "sigma": f"{self.sigma:g} s",
             "extremum window": f"{self.window:.3g} s on each side "
             f"({extremum_order(self.window, frame_rate)} frames)",
+            "least dip": f"{SHALLOWEST:g} m/s",
             "frame rate": f"{frame_rate:g} fps",
             "onsets": detector,
             "chance": f"mean over {SHIFTS} circular shifts of the motion beats",
@@ -90,7 +96,7 @@ BEAT: Final = BeatSettings(
     pooling="each joint",
     sigma=0.3,
     window=7 / 30,
-    source="Liu et al. 2022 (BEAT), as computed by its evaluation code; no speed threshold",
+    source="Liu et al. 2022 (BEAT), direction, joints and sigma; its speed threshold is not used",
 )
 """BEAT's evaluation: from each audio onset to the nearest motion beat of each joint."""
 
@@ -130,19 +136,25 @@ def motion_beats(speed: FloatArray, frame_rate: float, window: float) -> FloatAr
     Parameters
     ----------
     speed : ndarray, shape (T,)
-        Speed between frames k and k + 1, so that value k belongs to time (k + ½) / frame_rate.
+        Speed in m/s between frames k and k + 1, so that value k belongs to time
+        (k + ½) / frame_rate.
     frame_rate : float
         Frames per second.
     window : float
-        Seconds on each side over which the minimum must be the smallest value.
+        Seconds on each side over which no value may be smaller.
 
     Returns
     -------
     ndarray, shape (N,)
-        Times in seconds, ascending.
+        Times in seconds, ascending; the middle of a stretch of equal minima. A dip of less than
+        `SHALLOWEST` is rounding or sensor noise and no beat.
     """
-    (frames,) = argrelmin(speed, order=extremum_order(window, frame_rate), mode="clip")
-    return np.asarray((frames + 0.5) / frame_rate, np.float64)
+    order = extremum_order(window, frame_rate)
+    dips, shape = find_peaks(-speed, prominence=SHALLOWEST, plateau_size=1, distance=order + 1)
+    lowest = minimum_filter1d(speed, 2 * order + 1, mode="nearest")
+    is_lowest = speed[dips] <= lowest[dips]
+    middles = (shape["left_edges"] + shape["right_edges"]) / 2
+    return np.asarray((middles[is_lowest] + 0.5) / frame_rate, np.float64)
 
 
 def alignment_score(queries: FloatArray, targets: FloatArray, sigma: float) -> float:

@@ -68,15 +68,7 @@ def compare(
     tuple of Preference
         Comparisons outermost, with Holm-corrected p values over all of them.
     """
-    found = [
-        _preference(
-            analysed[(analysed["comparison"] == name) & (analysed["question"] == question)],
-            (name, reference, other),
-            question,
-        )
-        for name, reference, other in comparisons
-        for question in questions
-    ]
+    found = _preferences(analysed, comparisons, questions)
     corrected = holm([preference.win_share.p_value for preference in found])
     return tuple(replace(p, holm_p=q) for p, q in zip(found, corrected, strict=True))
 
@@ -88,12 +80,9 @@ def compare_by_emotion(
 ) -> tuple[Preference, ...]:
     """Estimate every comparison and question within each emotion; no test belongs to a family."""
     return tuple(
-        replace(preference, emotion=emotion)
-        for emotion in sorted(analysed["emotion"].unique())
-        for preference in (
-            replace(p, holm_p=math.nan)
-            for p in compare(analysed[analysed["emotion"] == emotion], comparisons, questions)
-        )
+        replace(preference, emotion=str(emotion))
+        for emotion, answers in analysed.groupby("emotion")
+        for preference in _preferences(answers, comparisons, questions)
     )
 
 
@@ -109,6 +98,22 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     missing = np.isnan(family)
     corrected = multipletests(np.where(missing, 1.0, family), method="holm")[1]
     return tuple(float(p) for p in np.where(missing, math.nan, corrected))
+
+
+def _preferences(
+    analysed: pd.DataFrame,
+    comparisons: Sequence[tuple[str, str, str]],
+    questions: Sequence[str],
+) -> list[Preference]:
+    return [
+        _preference(
+            analysed[(analysed["comparison"] == pair[0]) & (analysed["question"] == question)],
+            pair,
+            question,
+        )
+        for pair in comparisons
+        for question in questions
+    ]
 
 
 def _preference(answers: pd.DataFrame, pair: tuple[str, str, str], question: str) -> Preference:

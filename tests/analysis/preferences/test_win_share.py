@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis.preferences.win_share import compare, compare_by_emotion, holm
@@ -65,6 +65,7 @@ def test_a_missing_test_stays_a_member_of_the_family():
     assert holm([]) == ()
 
 
+@settings(max_examples=15, deadline=None)  # statsmodels collects garbage at every call
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=12))
 def test_holm_never_lowers_a_p_value_and_keeps_their_order(p_values):
     corrected = np.array(holm(p_values))

@@ -1,0 +1,38 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motion.clip import MotionClip
+from motion.skeleton import JOINT_COUNT, joint_index
+
+
+@pytest.fixture(scope="session")
+def closed_form(shared_data: Path) -> Mapping[str, Any]:
+    """Return scores whose values follow from formulas, or skip the test."""
+    path = shared_data.parent / "reference" / "stats" / "metrics_closed_form.json"
+    if not path.is_file():
+        pytest.skip("the closed-form scores (../shared/reference/stats) are not here")
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def waving():
+    """Return a maker of clips whose arms swing at a given rate."""
+
+    def make(*, frequency=1.0, seconds=4.0, frame_rate=30.0, amplitude=0.6, drift=0.0):
+        frames = round(seconds * frame_rate)
+        time = np.arange(frames) / frame_rate
+        poses = np.zeros((frames, JOINT_COUNT, 3))
+        swing = amplitude * np.sin(2 * np.pi * frequency * time)
+        for joint in ("left_shoulder", "right_shoulder"):
+            poses[:, joint_index(joint), 2] = swing
+        trans = np.outer(drift * time, [1.0, 0.0, 0.0])
+        return MotionClip(poses=poses, trans=trans, frame_rate=frame_rate)
+
+    return make

@@ -1,0 +1,163 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from analysis.metrics.beat_alignment import (
+    AMUSE,
+    BEAT,
+    PRESETS,
+    alignment_score,
+    beat_alignment,
+    chance_score,
+    extremum_order,
+    motion_beats,
+)
+
+
+def test_scores_agree_with_their_closed_form(closed_form):
+    expected = closed_form["beat_alignment"]
+    near, one_sided = expected["offset_cases"]
+    motion, audio = np.array(near["motion"]), np.array(near["audio"])
+    assert alignment_score(motion, audio, expected["sigma"]) == pytest.approx(near["score"])
+    motion, audio = np.array(one_sided["motion"], float), np.array(one_sided["audio"], float)
+    to_audio = alignment_score(motion, audio, expected["sigma"])
+    assert to_audio == pytest.approx(one_sided["motion_to_audio"])
+    to_motion = alignment_score(audio, motion, expected["sigma"])
+    assert to_motion == pytest.approx(one_sided["audio_to_motion"])
+
+
+def test_chance_agrees_with_its_closed_form(closed_form):
+    for case in closed_form["beat_alignment"]["chance"]:
+        period, duration = case["period"], 20.0
+        audio = np.arange(period / 2, duration, period)
+        motion = np.sort(np.random.default_rng(0).uniform(0, duration, 40))
+        chance = chance_score(motion, audio, duration, case["sigma"], "motion to audio")
+        assert chance == pytest.approx(case["value"], abs=2e-3)
+
+
+def test_beats_a_tenth_of_a_second_late_score_as_the_gaussian_says():
+    beats = np.array([1.0, 2.0, 3.0])
+    assert alignment_score(beats, beats, 0.1) == 1.0
+    assert alignment_score(beats + 0.1, beats, 0.1) == pytest.approx(math.exp(-0.5))
+
+
+@pytest.mark.parametrize("empty", [(np.zeros(0), np.ones(1)), (np.ones(1), np.zeros(0))])
+def test_no_beats_are_no_score(empty):
+    assert math.isnan(alignment_score(*empty, 0.1))
+
+
+@pytest.mark.parametrize("frame_rate", [15.0, 30.0, 60.0])
+@pytest.mark.parametrize("frequency", [0.5, 1.0])
+def test_a_swinging_joint_beats_where_it_turns(frame_rate, frequency):
+    time = np.arange(round(6 * frame_rate)) / frame_rate
+    position = np.sin(2 * np.pi * frequency * time)
+    speed = np.abs(np.diff(position)) * frame_rate
+    found = motion_beats(speed, frame_rate, 7 / 30)
+    turns = np.arange(1 / (4 * frequency), 6, 1 / (2 * frequency))
+    inner = turns[(turns > 0.3) & (turns < 5.7)]
+    assert np.abs(np.subtract.outer(inner, found)).min(axis=1).max() <= 1 / frame_rate
+    assert len(found) <= len(turns)
+
+
+def test_a_hold_is_one_beat_and_noise_far_below_the_motion_none():
+    speed = np.concatenate([np.full(20, 0.5), np.zeros(30), np.full(20, 0.5)])
+    noise = 1e-4 * np.random.default_rng(0).random(70)
+    assert motion_beats(speed, 30.0, 7 / 30).tolist() == pytest.approx([(34.5 + 0.5) / 30])
+    assert len(motion_beats(speed + noise, 30.0, 7 / 30)) == 1
+    assert len(motion_beats(noise, 30.0, 7 / 30)) == 0
+
+
+def test_of_two_close_dips_only_the_deeper_is_a_beat():
+    speed = np.full(40, 1.0)
+    speed[18], speed[21] = 0.2, 0.1
+    assert motion_beats(speed, 30.0, 7 / 30).tolist() == pytest.approx([21.5 / 30])
+
+
+def test_the_window_is_the_same_time_at_any_rate_and_never_empty():
+    assert extremum_order(7 / 30, 30) == 7
+    assert extremum_order(7 / 30, 60) == 14
+    assert extremum_order(0.01, 15) == 1
+
+
+def swinging(joints, *, frame_rate=30.0, seconds=10.0, frequency=1.0):
+    time = np.arange(round(seconds * frame_rate)) / frame_rate
+    return np.repeat(np.sin(2 * np.pi * frequency * time)[:, None, None], 3, axis=2) * np.ones(
+        (1, len(joints), 1)
+    )
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+def test_motion_on_the_beat_scores_above_chance_and_off_the_beat_below(preset):
+    positions = swinging(preset.joints)
+    turns = np.arange(0.25, 10, 0.5)
+
+    def above_chance(onsets, sigma=0.05):
+        found = beat_alignment(
+            positions,
+            onsets,
+            frame_rate=30.0,
+            settings=replace(preset, sigma=sigma),
+            detector="given",
+        )
+        return found.above_chance.value
+
+    assert above_chance(turns) > 0.4
+    assert above_chance(turns + 0.25) < -0.1
+
+
+def test_a_wide_gaussian_flatters_unrelated_onsets_and_the_difference_shows_it():
+    onsets = np.sort(np.random.default_rng(4).uniform(0, 10, 25))
+    found = beat_alignment(
+        swinging(BEAT.joints), onsets, frame_rate=30.0, settings=BEAT, detector="given"
+    )
+    assert found.score.value > 0.7
+    assert abs(found.above_chance.value) < 0.05
+    assert found.above_chance.value == pytest.approx(found.score.value - found.chance.value)
+
+
+def test_a_motionless_clip_is_no_score_with_the_reason():
+    positions = np.zeros((60, 6, 3))
+    found = beat_alignment(
+        positions, np.array([0.5]), frame_rate=30.0, settings=AMUSE, detector="given"
+    )
+    assert math.isnan(found.score.value)
+    assert found.score.reason == "the motion has no beat"
+    assert found.motion_beats.value == 0
+
+
+def test_speech_without_onsets_is_no_score_with_the_reason():
+    found = beat_alignment(
+        swinging(AMUSE.joints), np.zeros(0), frame_rate=30.0, settings=AMUSE, detector="given"
+    )
+    assert math.isnan(found.above_chance.value)
+    assert found.chance.reason == "the speech has no onset"
+    assert found.motion_beats.value == pytest.approx(2.0, abs=0.2)
+
+
+def test_every_score_says_how_it_was_made():
+    found = beat_alignment(
+        swinging(BEAT.joints), np.array([1.0]), frame_rate=30.0, settings=BEAT, detector="ears"
+    )
+    settings = found.score.settings
+    assert settings["direction"] == "audio to motion"
+    assert settings["sigma"] == "0.3 s"
+    assert settings["frame rate"] == "30 fps"
+    assert settings["onsets"] == "ears"
+    assert "7 frames" in settings["extremum window"]
+    with pytest.raises(TypeError):
+        settings["sigma"] = "1 s"
+
+
+times = st.lists(st.floats(0, 10), min_size=1, max_size=20).map(np.array)
+
+
+@given(times, times, st.floats(0.05, 0.5))
+def test_scores_lie_between_zero_and_one(queries, targets, sigma):
+    assert 0 <= alignment_score(queries, targets, sigma) <= 1
+    assert 0 <= chance_score(queries, targets, 10.0, sigma, "audio to motion") <= 1

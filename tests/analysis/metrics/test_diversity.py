@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.metrics.diversity import l1_deviation, mean_pair_distance, motion_features
+
+
+def test_two_points_agree_with_their_closed_form(closed_form):
+    expected = closed_form["diversity"]
+    half = expected["n"] // 2
+    features = np.array([[0.0]] * half + [[float(expected["D"])]] * half)
+    assert mean_pair_distance(features).value == pytest.approx(expected["value"])
+
+
+def test_gaussian_samples_agree_with_their_closed_form(closed_form):
+    expected = closed_form["diversity"]
+    sample = np.random.default_rng(0).normal(0, expected["s"], (2000, expected["d"]))
+    assert mean_pair_distance(sample).value == pytest.approx(expected["value_gauss"], rel=0.01)
+    l1 = expected["d"] * expected["s"] * math.sqrt(2 / math.pi)
+    assert l1_deviation(sample).value == pytest.approx(l1, rel=0.02)
+
+
+def test_deviation_worked_by_hand():
+    # Mean pose (1, 2); deviations 1 + 2 and 1 + 2.
+    assert l1_deviation(np.array([[0.0, 0.0], [2.0, 4.0]])).value == 3.0
+
+
+def test_deviation_does_not_see_where_the_clip_is():
+    clip = np.random.default_rng(0).normal(size=(30, 4, 3))
+    assert l1_deviation(clip + 5).value == pytest.approx(l1_deviation(clip).value)
+    assert l1_deviation(np.ones((30, 4, 3))).value == 0
+
+
+def test_one_clip_has_no_distance_but_a_reason():
+    found = mean_pair_distance(np.zeros((1, 3)))
+    assert math.isnan(found.value)
+    assert found.reason
+
+
+def test_the_distance_of_two_clips_is_a_root_mean_square_in_metres():
+    still = np.zeros((20, 5, 3))
+    apart = np.zeros((25, 5, 3))
+    apart[..., 1] = 0.3
+    features = motion_features([still, apart])
+    assert features.shape == (2, 20 * 5 * 3)
+    assert mean_pair_distance(features).value == pytest.approx(0.3)

@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis.metrics.jerk import HANDS, HANDS_UNFILTERED, jerk
+
+
+def along_x(curve):
+    positions = np.zeros((len(curve), 1, 3))
+    positions[:, 0, 0] = curve
+    return positions
+
+
+@pytest.mark.parametrize("frame_rate", [24, 30, 60, 120])
+def test_a_cubic_has_the_same_jerk_at_every_frame_rate(closed_form, frame_rate):
+    expected = closed_form["jerk"]
+    time = np.arange(2 * frame_rate) / frame_rate
+    found = jerk(along_x(expected["c"] * time**3), frame_rate=frame_rate, settings=HANDS_UNFILTERED)
+    assert found.value == pytest.approx(expected["value"], rel=1e-6)
+
+
+def test_a_sinusoid_agrees_with_its_closed_form(closed_form):
+    expected = closed_form["jerk"]
+    time = np.arange(600) / expected["fps"]
+    curve = expected["A"] * np.sin(2 * np.pi * expected["f"] * time)
+    found = jerk(along_x(curve), frame_rate=expected["fps"], settings=HANDS_UNFILTERED)
+    # The mean of |sin| is 2 / pi of the amplitude that the closed form gives.
+    assert found.value == pytest.approx(expected["value_sin"] * 2 / math.pi, rel=1e-2)
+
+
+def test_white_noise_is_amplified_as_its_binomial_sum_says():
+    noise = np.random.default_rng(0).normal(0, 0.001, (4000, 1, 3))
+    found = jerk(noise, frame_rate=30.0, settings=HANDS_UNFILTERED)
+    one_axis = 0.001 * math.sqrt(20) * 30**3
+    assert found.value == pytest.approx(one_axis * 2 * math.sqrt(2 / math.pi), rel=0.03)
+
+
+def test_the_filter_keeps_gestures_and_removes_jitter():
+    time = np.arange(600) / 30
+    gesture = along_x(0.2 * np.sin(2 * np.pi * 1.0 * time))
+    jitter = gesture + np.random.default_rng(0).normal(0, 0.002, gesture.shape)
+    clean = jerk(gesture, frame_rate=30.0, settings=HANDS).value
+    assert clean == pytest.approx(
+        jerk(gesture, frame_rate=30.0, settings=HANDS_UNFILTERED).value, rel=0.05
+    )
+    filtered = jerk(jitter, frame_rate=30.0, settings=HANDS).value
+    unfiltered = jerk(jitter, frame_rate=30.0, settings=HANDS_UNFILTERED).value
+    assert filtered < 0.4 * unfiltered
+
+
+def test_stillness_has_no_jerk():
+    assert jerk(np.ones((40, 2, 3)), frame_rate=30.0, settings=HANDS).value == pytest.approx(
+        0, abs=1e-6
+    )
+
+
+def test_a_clip_too_short_or_too_slow_has_no_score_but_a_reason():
+    short = jerk(np.zeros((15, 2, 3)), frame_rate=30.0, settings=HANDS)
+    assert math.isnan(short.value)
+    assert "fewer than 16 frames" in short.reason
+    slow = jerk(np.zeros((40, 2, 3)), frame_rate=10.0, settings=HANDS)
+    assert math.isnan(slow.value)
+    assert "10 fps is too slow" in slow.reason
+
+
+def test_settings_tell_joints_rate_and_filter():
+    settings = jerk(np.zeros((40, 2, 3)), frame_rate=25.0, settings=HANDS).settings
+    assert settings["joints"] == "left_wrist, right_wrist"
+    assert settings["frame rate"] == "25 fps"
+    assert "6 Hz" in settings["filter"]
+    other = jerk(np.zeros((40, 2, 3)), frame_rate=25.0, settings=replace(HANDS, cutoff=None))
+    assert other.settings["filter"] == "none"

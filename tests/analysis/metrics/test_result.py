@@ -1,0 +1,20 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from analysis.metrics.result import MetricResult
+
+
+@pytest.mark.parametrize(("value", "reason"), [(math.nan, ""), (0.5, "no beats")])
+def test_a_reason_belongs_to_a_missing_score_and_to_nothing_else(value, reason):
+    with pytest.raises(ValueError, match="reason"):
+        MetricResult(name="m", value=value, unit="", n=1, reason=reason)
+
+
+def test_settings_cannot_be_changed_afterwards():
+    given = {"joints": "wrists"}
+    result = MetricResult(name="m", value=1.0, unit="", n=1, settings=given)
+    given["joints"] = "feet"
+    assert result.settings["joints"] == "wrists"
