@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,13 +53,13 @@ class Rater:
     seed: int
     name: str
 
-    @property
+    @cached_property
     def attentive(self) -> bool:
         """Whether it looks at all; else every answer is random."""
         share = self.population.inattentive
         return bool(stream(self.seed, "attention", self.name).random() >= share)
 
-    @property
+    @cached_property
     def side_bias(self) -> float:
         """Its own pull towards the right video, in logits."""
         draw = stream(self.seed, "side", self.name).standard_normal()

@@ -27,17 +27,22 @@ class Roster:
     Attributes
     ----------
     finished : tuple of str
-        Those who have their completion code.
+        Those who have their completion code, also if they are more than are asked for now.
     halfway : tuple of str
-        Those in the middle of their study session. They are to come back before anybody new
+        Those asked for who are in the middle of their study session. They are to come back before anybody new
         comes, so that their places are not thought abandoned.
     awaited : tuple of str
-        Those who have not come yet.
+        Those asked for who have not come yet.
     """
 
     finished: tuple[str, ...]
     halfway: tuple[str, ...]
     awaited: tuple[str, ...]
+
+    @property
+    def remaining(self) -> tuple[str, ...]:
+        """Those who still have to come, in the order they should."""
+        return (*self.halfway, *self.awaited)
 
 
 def prepare(
@@ -90,7 +95,7 @@ def _difference(folder: StudyFolder, truth: Truth) -> str:
 
 
 def call_roster(database: Database, count: int) -> Roster:
-    """Return where `count` simulated participants stand."""
+    """Return where the simulated participants stand, of whom `count` are asked for."""
     with database.reading() as session:
         rows = session.execute(
             select(StudySession.recruiter_participant, StudySession.completed_at)
@@ -98,7 +103,7 @@ def call_roster(database: Database, count: int) -> Roster:
     known = {row.recruiter_participant: row.completed_at for row in rows}
     names = [f"rehearsal-{number:05d}" for number in range(count)]
     return Roster(
-        finished=tuple(name for name in names if known.get(name) is not None),
+        finished=tuple(name for name in known if known[name] is not None),
         halfway=tuple(name for name in names if name in known and known[name] is None),
         awaited=tuple(name for name in names if name not in known),
     )

@@ -112,28 +112,31 @@ def rehearse(
     url = sqlite_url(folder.rehearsal)
     with closing(Database.open(url)) as database:
         roster = call_roster(database, count)
+        there = count - len(roster.remaining)
+        show = on_done or _show_nothing
+        show(there, count)
         probes: tuple[Probe, ...] = ()
-        if on_done is not None:
-            on_done(len(roster.finished), count)
-        if len(roster.finished) < count:
+        if roster.remaining:
             with rehearsal_server(folder, speed=speed) as server:
                 crowd = _Crowd(
                     study=study, truth=truth, eyes=Eyes(database), server=server, speed=speed
                 )
                 crowd.take_part(
-                    roster,
-                    workers=workers,
-                    on_done=lambda done: on_done and on_done(len(roster.finished) + done, count),
+                    roster, workers=workers, on_done=lambda done: show(there + done, count)
                 )
                 probes = tuple(crowd.probes)
     return RehearsalResult(
-        completed=count,
+        completed=len(roster.finished) + len(roster.remaining),
         kept=len(roster.finished),
         probes=probes,
         truth=truth,
         note=note,
         seconds=time.monotonic() - started,
     )
+
+
+def _show_nothing(_done: int, _total: int) -> None:
+    """Take no notice of progress."""
 
 
 def _checked_count(folder: StudyFolder, study: Study, participants: int | None) -> int:
@@ -161,12 +164,11 @@ class _Crowd:
     stop: Event = field(default_factory=Event)
     probes: list[Probe] = field(default_factory=list)
 
-    def take_part(self, roster: Roster, *, workers: int, on_done: Callable[[int], object]) -> None:
+    def take_part(self, roster: Roster, *, workers: int, on_done: Callable[[int], None]) -> None:
         """Let the rest of `roster` come, `workers` at a time; the first error stops everybody.
 
         The first who is new tries bad submissions at the first trial.
         """
-        names = (*roster.halfway, *roster.awaited)
         with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
             try:
                 visits = [
@@ -176,7 +178,7 @@ class _Crowd:
                         delay=min(index, workers) * STAGGER,
                         probing=name in roster.awaited[:1],
                     )
-                    for index, name in enumerate(names)
+                    for index, name in enumerate(roster.remaining)
                 ]
                 for done, visit in enumerate(as_completed(visits), start=1):
                     visit.result()

@@ -156,6 +156,8 @@ def test_more_participants_can_be_added_later(
     assert set(what_was_answered(folder)) < set(answered)
     rehearse(folder, participants=3, seed=3)
     assert what_was_answered(folder) == answered
+    fewer = rehearse(folder, participants=1, seed=3)
+    assert (fewer.completed, fewer.kept) == (6, 6)
 
 
 def test_another_seed_answers_differently(
