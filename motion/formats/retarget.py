@@ -32,6 +32,9 @@ _FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
 _UPRIGHT: Final = 60.0
 """Degrees between trunk and legs of a rest pose up to which the figure stands."""
 
+_BUILD: Final = 15.0
+"""Degrees by which a figure's trunk may be off the axes because of how its skeleton is built."""
+
 
 def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
     """Return the motion of a BVH skeleton as an SMPL-X clip, in the file's own world axes.
@@ -153,9 +156,11 @@ def _figure_turn(source: Places, target: Places) -> Rotation:
                 remedy="Export the BVH with a T-pose or A-pose as its rest pose",
             )
     turn = _align((up, left), _axes(target))
-    nearest = np.rint(turn.as_matrix())
-    if np.array_equal(nearest @ nearest.T, np.eye(3)):
-        return Rotation.from_matrix(nearest)
+    along_axes = np.rint(turn.as_matrix())
+    if np.array_equal(along_axes @ along_axes.T, np.eye(3)):
+        nearest = Rotation.from_matrix(along_axes)
+        if np.degrees((turn * nearest.inv()).magnitude()) < _BUILD:
+            return nearest
     return turn
 
 

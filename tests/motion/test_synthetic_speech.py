@@ -103,3 +103,27 @@ def test_missing_espeak_is_said_with_the_command(
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="apt-get install espeak-ng"):
         speak(SENTENCE, "neutral", tmp_path / "a.wav")
+
+
+def stand_in(folder: Path, script: str) -> None:
+    """Put a program named espeak-ng into `folder`."""
+    program = folder / "espeak-ng"
+    program.write_text(f"#!/bin/sh\n{script}\n")
+    program.chmod(0o755)
+
+
+@pytest.mark.parametrize(
+    ("script", "limit", "complaint"),
+    [("exit 0", 60.0, "wrote no sound"), ("exec /bin/sleep 60", 0.2, "longer than")],
+)
+def test_espeak_that_fails_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, script: str, limit: float, complaint: str
+) -> None:
+    programs, speech = tmp_path / "programs", tmp_path / "speech"
+    programs.mkdir()
+    stand_in(programs, script)
+    monkeypatch.setenv("PATH", str(programs))
+    monkeypatch.setattr("motion.synthetic_speech._TIME_LIMIT", limit)
+    with pytest.raises(InputError, match=complaint):
+        speak(SENTENCE, "neutral", speech / "a.wav")
+    assert not list(speech.iterdir())

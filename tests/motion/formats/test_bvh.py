@@ -88,6 +88,16 @@ def test_position_channels_of_any_joint_replace_its_offset(tmp_path: Path) -> No
     np.testing.assert_allclose(positions[0, 2], [1, -90, 2])
 
 
+def test_joint_without_rotation_channels_stays_as_its_parent_is(tmp_path: Path) -> None:
+    text = bvh_text(CHAIN, np.zeros((1, 9)) + 10)
+    place = text.index("JOINT ankle")
+    text = text[:place] + text[place:].replace(
+        "CHANNELS 3 Zrotation Xrotation Yrotation", "CHANNELS 0"
+    )
+    _, rotations = read_bvh(write_bvh(tmp_path / "a.bvh", text)).forward_kinematics()
+    np.testing.assert_array_equal(rotations[0, 2], rotations[0, 1])
+
+
 def test_layout_of_the_text_does_not_matter(tmp_path: Path) -> None:
     plain = chain(tmp_path)
     text = bvh_text(CHAIN, ROWS).replace("\n{", " {").replace("\n", "\r\n\r\n  ")

@@ -131,8 +131,28 @@ def test_palms_of_a_resting_source_turn_with_its_arms(droop: float) -> None:
         np.testing.assert_allclose(palm, [np.sin(inward), -np.cos(inward), 0], atol=1e-5)
 
 
+def test_palms_face_as_the_fingers_of_the_source_tell() -> None:
+    def supine(name: str, offset: tuple[float, float, float]) -> tuple[float, float, float]:
+        finger = name[-1] in "123" and "spine" not in name
+        x, y, z = Rotation.from_euler("x", -90 if finger else 0, degrees=True).apply(offset)
+        return (x, y, z)
+
+    skeleton = [(name, parent, supine(name, offset)) for name, parent, offset in smplx_skeleton()]
+    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    for side in ("left", "right"):
+        palm = turned[0, joint_index(f"{side}_wrist")] @ [0, -1, 0]
+        np.testing.assert_allclose(palm, [0, 0, 1], atol=0.05)
+        assert not clip.poses[0, joint_index(f"{side}_elbow")].any()
+
+
 @pytest.mark.parametrize(
-    "turn", [Rotation.from_euler("x", 90, degrees=True), Rotation.from_euler("y", 90, degrees=True)]
+    "turn",
+    [
+        Rotation.from_euler("x", 90, degrees=True),
+        Rotation.from_euler("y", 90, degrees=True),
+        Rotation.from_euler("yx", [-40, 25], degrees=True),
+    ],
 )
 def test_axes_of_the_source_only_turn_the_root(turn: Rotation) -> None:
     frames = 3
@@ -193,6 +213,48 @@ def test_rest_pose_that_does_not_stand_is_refused() -> None:
     ]
     with pytest.raises(InputError, match=r"no standing figure.*T-pose"):
         retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+
+
+def test_leaning_build_of_a_spine_is_no_posture() -> None:
+    skeleton = [
+        (name, parent, (x, y, z + 3) if "spine" in name or name == "neck" else (x, y, z))
+        for name, parent, (x, y, z) in smplx_skeleton()
+    ]
+    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+    np.testing.assert_allclose(clip.poses, 0, atol=1e-6)
+
+
+def test_arms_alone_give_the_scale_where_there_are_no_legs() -> None:
+    above = {name: name for name in JOINT_NAMES}
+    for part in ("hip", "knee", "ankle", "foot"):
+        for side in ("left", "right"):
+            del above[f"{side}_{part}"]
+    skeleton = [bone for bone in smplx_skeleton(50) if bone[0] in above]
+    root = np.array([[50.0, 0, 0]])
+    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton)), root), above)
+    np.testing.assert_allclose(clip.trans, [[1, 0, 0]], atol=1e-6)
+    assert not clip.poses[:, joint_index("left_knee")].any()
+
+
+def test_arms_without_length_are_refused() -> None:
+    flat = [
+        (name, parent, (0.0, 0.0, 0.0) if "elbow" in name or "wrist" in name else offset)
+        for name, parent, offset in smplx_skeleton()
+        if not any(part in name for part in ("hip", "knee", "ankle", "foot"))
+    ]
+    with pytest.raises(InputError, match="limbs have no length"):
+        retarget(
+            bvh_motion(flat, Rotation.identity(len(flat))), {name: name for name, _, _ in flat}
+        )
+
+
+def test_fingers_without_length_leave_the_hand_as_the_arm_is() -> None:
+    skeleton = [
+        (name, parent, (0.0, 0.0, 0.0) if name[-1] in "123" and "spine" not in name else offset)
+        for name, parent, offset in smplx_skeleton()
+    ]
+    clip = retarget(bvh_motion(skeleton, Rotation.identity(len(skeleton))), OWN)
+    np.testing.assert_allclose(clip.poses, 0, atol=1e-6)
 
 
 def test_skeleton_without_offsets_is_refused() -> None:
