@@ -74,7 +74,9 @@ def answer(
         _move_on(study_session, now)
 
 
-def skip_unplayable(database: Database, token: str, media_token: str, clock: Clock) -> None:
+def skip_unplayable(
+    database: Database, study: Study, token: str, media_token: str, clock: Clock
+) -> None:
     """Record that the video of the present trial does not play, and go on without an answer.
 
     Raises
@@ -87,6 +89,7 @@ def skip_unplayable(database: Database, token: str, media_token: str, clock: Clo
         trial = trial_of(study_session, media_token)
         if trial.unplayable_at is not None:
             return
+        regain_place(session, study, study_session)
         _require_present(study_session, trial)
         now = clock.now()
         trial.unplayable_at = now

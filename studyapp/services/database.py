@@ -77,6 +77,8 @@ class Database:
         """Give a session whose transaction excludes other writers and is stored at the end."""
         engine = self.engine.execution_options(writes=True)
         with Session(engine, expire_on_commit=False) as session, session.begin():
+            # Take the lock now, not at the first statement.
+            session.connection()
             yield session
 
     @contextmanager

@@ -96,7 +96,7 @@ def answers(token: str) -> ResponseReturnValue:
 def unplayable(token: str) -> ResponseReturnValue:
     """Go on without the video that does not play."""
     here = running()
-    skip_unplayable(here.database, token, request.form.get("trial", ""), here.clock)
+    skip_unplayable(here.database, here.study, token, request.form.get("trial", ""), here.clock)
     return _to_where_they_stand(token)
 
 

@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.segment import EMOTIONS
+from studyapp.definition.study import Study
+from studyapp.design.counterbalancing import participant_trials
+from studyapp.design.planned_trial import PlannedTrial
+from tests.studyapp.made_study import make_segments, make_study
+
+
+@st.composite
+def designs(draw: st.DrawFn) -> tuple[Study, tuple[PlannedTrial, ...], int]:
+    """Return a study, the trials of one participant, and how many segments there are."""
+    trials = draw(st.integers(1, 30))
+    study = make_study(
+        trials=trials,
+        practice=draw(st.integers(0, min(5, trials))),
+        seed=draw(st.integers(0, 2**32 - 1)),
+        catch={"trials": draw(st.integers(0, 6))},
+    )
+    emotions = draw(st.lists(st.sampled_from(EMOTIONS), min_size=1, max_size=30))
+    plan = participant_trials(
+        study, make_segments(emotions), other="static", number=draw(st.integers(0, 30))
+    )
+    return study, plan, len(emotions)
+
+
+def of_kind(plan: tuple[PlannedTrial, ...], *kinds: str) -> list[PlannedTrial]:
+    return [trial for trial in plan if trial.kind in kinds]
+
+
+@given(designs())
+def test_every_analysed_segment_comes_once(
+    design: tuple[Study, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, segments = design
+
+    names = [trial.segment.name for trial in of_kind(plan, "main", "repeat")]
+
+    assert len(names) == len(set(names)) == min(study.trials, segments)
+
+
+@given(designs())
+def test_practice_comes_first_and_is_repeated_at_the_end_in_its_order(
+    design: tuple[Study, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, segments = design
+    practice, repeats = of_kind(plan, "practice"), of_kind(plan, "repeat")
+
+    assert list(plan[: len(practice)]) == practice
+    assert len(practice) == min(study.practice, study.trials, segments)
+    assert [trial.segment for trial in repeats] == [trial.segment for trial in practice]
+    assert [trial.repeats for trial in repeats] == [trial.position for trial in practice]
+    last_main = max((trial.position for trial in of_kind(plan, "main")), default=0)
+    assert all(trial.position > last_main for trial in repeats)
+
+
+@given(designs())
+def test_sides_are_balanced_among_the_analysed_the_practice_and_the_catch_trials(
+    design: tuple[Study, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, _ = design
+
+    for kinds in (("main", "repeat"), ("practice",), ("catch",)):
+        trials = of_kind(plan, *kinds)
+        left = sum(trial.left == study.reference for trial in trials)
+        assert abs(2 * left - len(trials)) <= 1
+
+
+@given(designs())
+def test_catch_trials_are_never_first_nor_among_the_practice_ones(
+    design: tuple[Study, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, _ = design
+    catch = of_kind(plan, "catch")
+    practice = len(of_kind(plan, "practice"))
+
+    assert len(catch) == study.catch.trials
+    assert all(trial.position > max(1, practice) for trial in catch)
+
+
+@given(designs())
+def test_a_catch_trial_expects_the_side_without_the_flaw(
+    design: tuple[Study, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, _ = design
+
+    for trial in plan:
+        if trial.kind == "catch":
+            flawed = {"left": trial.right, "right": trial.left}[trial.expected or ""]
+            assert flawed == study.catch.condition
+            assert {trial.left, trial.right} == {study.catch_against, study.catch.condition}
+        else:
+            assert trial.expected is None
+            assert {trial.left, trial.right} == {study.reference, "static"}
+
+
+@given(designs())
+def test_positions_count_from_one(design: tuple[Study, tuple[PlannedTrial, ...], int]) -> None:
+    _, plan, _ = design
+
+    assert [trial.position for trial in plan] == list(range(1, len(plan) + 1))
+
+
+def test_catch_trials_do_not_follow_each_other_in_a_study_of_amuses_size() -> None:
+    segments = make_segments(EMOTIONS * 3)
+
+    for number in range(50):
+        plan = participant_trials(make_study(), segments, other="static", number=number)
+        positions = [trial.position for trial in of_kind(plan, "catch")]
+        assert all(b - a > 1 for a, b in itertools.pairwise(positions))
+
+
+def test_the_same_place_always_has_the_same_trials() -> None:
+    segments = make_segments(EMOTIONS)
+    plans = [participant_trials(make_study(), segments, other="static", number=4) for _ in "ab"]
+
+    assert plans[0] == plans[1]
+
+
+@pytest.mark.parametrize("difference", [{"number": 5}, {"other": "mismatched"}])
+def test_other_places_have_other_trials(difference: dict[str, object]) -> None:
+    segments = make_segments(EMOTIONS)
+    here: dict[str, object] = {"other": "static", "number": 4}
+
+    def order(place: dict[str, object]) -> list[tuple[str, bool]]:
+        plan = participant_trials(make_study(), segments, **place)  # type: ignore[arg-type]
+        return [(trial.segment.name, trial.left == "rule_based") for trial in plan]
+
+    assert order(here) != order(here | difference)
+
+
+def test_over_participants_sides_and_catch_positions_are_spread() -> None:
+    segments = make_segments(EMOTIONS * 3)
+    plans = [
+        participant_trials(make_study(), segments, other="static", number=number)
+        for number in range(200)
+    ]
+
+    first_left = Counter(plan[0].left == "rule_based" for plan in plans)
+    catch_positions = {trial.position for plan in plans for trial in of_kind(plan, "catch")}
+    assert 70 <= first_left[True] <= 130
+    assert catch_positions == set(range(4, 31))

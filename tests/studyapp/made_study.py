@@ -1,0 +1,40 @@
+"""Study definitions and segments for tests, without any file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from motion.segment import Segment
+from studyapp.definition.study import Study
+
+
+def make_study(**changes: Any) -> Study:
+    """Return a study of two comparisons; `changes` replace top-level keys of its file."""
+    keys: dict[str, Any] = {
+        "name": "made",
+        "title": "Made study",
+        "reference": "rule_based",
+        "conditions": {"rule_based": {}, "mismatched": {}, "static": {}},
+        "questions": [
+            {"name": "rhythm", "title": "Rhythm", "text": "Which fits better?"},
+            {"name": "emotion", "title": "Emotion", "text": "Which shows {emotion} better?"},
+        ],
+        "page": {"consent": "You agree."},
+    }
+    return Study.model_validate(keys | changes)
+
+
+def make_segments(emotions: Sequence[str]) -> tuple[Segment, ...]:
+    """Return one segment per given emotion, in order."""
+    return tuple(
+        Segment(
+            name=f"segment-{index}",
+            wav="take.wav",
+            start=float(index),
+            end=index + 1.0,
+            speaker="robin",
+            emotion=emotion,
+        )
+        for index, emotion in enumerate(emotions)
+    )

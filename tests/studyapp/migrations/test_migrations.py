@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from alembic import command
+from alembic.autogenerate import compare_metadata
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import create_engine, inspect
+
+from studyapp.models import Base
+from studyapp.services.database import Database, migration_config
+
+
+def test_the_newest_schema_is_that_of_the_models(database: Database) -> None:
+    with database.engine.connect() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_type": True})
+        assert compare_metadata(context, Base.metadata) == []
+
+
+def test_every_step_goes_up_and_down_again(tmp_path: Path) -> None:
+    engine = create_engine(f"sqlite:///{tmp_path / 'steps.db'}")
+    with engine.begin() as connection:
+        config = migration_config(connection)
+        steps = list(ScriptDirectory.from_config(config).walk_revisions())[::-1]
+        for step in steps:
+            command.upgrade(config, step.revision)
+            command.downgrade(config, step.down_revision or "base")
+            command.upgrade(config, step.revision)
+        assert set(Base.metadata.tables) <= set(inspect(connection).get_table_names())
+        command.downgrade(config, "base")
+        assert inspect(connection).get_table_names() == ["alembic_version"]
+    engine.dispose()

@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import sqlite3
+import threading
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select, text
+
+from motion.errors import InputError
+from studyapp.models import Place
+from studyapp.services.database import Database, sqlite_url
+
+
+def place(number: int) -> Place:
+    return Place(comparison="a-b", reference="a", other="b", number=number)
+
+
+def test_a_new_database_is_in_wal_mode_and_keeps_its_references(database: Database) -> None:
+    with database.reading() as session:
+        assert session.scalar(text("PRAGMA journal_mode")) == "wal"
+        assert session.scalar(text("PRAGMA foreign_keys")) == 1
+
+
+def test_what_was_written_is_there_when_it_is_opened_again(tmp_path: Path) -> None:
+    url = sqlite_url(tmp_path / "again.db")
+    first = Database.open(url)
+    with first.writing() as session:
+        session.add(place(0))
+    first.close()
+
+    second = Database.open(url)
+    with second.reading() as session:
+        assert session.scalars(select(Place.number)).all() == [0]
+    second.close()
+
+
+def test_a_failure_stores_nothing(database: Database) -> None:
+    with pytest.raises(ZeroDivisionError), database.writing() as session:
+        session.add(place(0))
+        session.flush()
+        _ = 1 / 0
+
+    with database.reading() as session:
+        assert session.scalars(select(Place)).all() == []
+
+
+def test_a_second_writer_waits_for_the_first(database: Database) -> None:
+    order: list[str] = []
+
+    def write_second() -> None:
+        with database.writing():
+            order.append("second")
+
+    with database.writing():
+        other = threading.Thread(target=write_second)
+        other.start()
+        other.join(timeout=0.3)
+        order.append("first")
+    other.join()
+
+    assert order == ["first", "second"]
+
+
+def test_a_database_of_a_newer_schema_is_refused_and_stays_as_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "newer.db"
+    Database.open(sqlite_url(path)).close()
+    with sqlite3.connect(path) as connection:
+        connection.execute("UPDATE alembic_version SET version_num = '9999'")
+    connection.close()
+
+    with pytest.raises(InputError, match=r"newer\.db.*schema \(9999\).*Update Motion Jury"):
+        Database.open(sqlite_url(path))
+
+    with sqlite3.connect(path) as connection:
+        versions = connection.execute("SELECT version_num FROM alembic_version").fetchall()
+    connection.close()
+    assert versions == [("9999",)]
+
+
+def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "damaged.db"
+    path.write_bytes(b"this is no database" * 1000)
+
+    with pytest.raises(InputError, match=r"damaged\.db.*not a database.*backup"):
+        Database.open(sqlite_url(path))
+
+
+def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be opened"):
+        Database.open(sqlite_url(tmp_path / "nowhere" / "responses.db"))
+
+
+@pytest.mark.parametrize("url", ["nonsense", "unknowndatabase://host/name"])
+def test_an_unusable_address_is_refused(url: str) -> None:
+    with pytest.raises(InputError, match="database address cannot be used"):
+        Database.open(url)
+
+
+def test_an_error_does_not_show_the_password() -> None:
+    with pytest.raises(InputError) as caught:
+        Database.open("unknowndatabase://someone:secret@host/name")
+
+    assert "secret" not in str(caught.value)

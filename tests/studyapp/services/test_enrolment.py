@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+import multiprocessing
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select
+
+from studyapp.clock import Clock
+from studyapp.models import Place, StudySession, Trial
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.refusal import StudyFullError
+from studyapp.services.served_study import ServedStudy
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+def held(database: Database) -> list[int]:
+    """Return the study sessions that hold a place."""
+    with database.reading() as session:
+        places = session.scalars(select(Place).where(Place.study_session_id.is_not(None)))
+        return [place.study_session_id or 0 for place in places]
+
+
+def test_a_participant_gets_a_place_and_all_trials(
+    database: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    token = enrol(database, served, Arrival(visit="one"), clock)
+
+    with database.reading() as session:
+        study_session = session.scalars(select(StudySession)).one()
+        assert study_session.token == token
+        assert len(token) >= 22
+        assert study_session.place is not None
+        assert [trial.kind for trial in study_session.trials].count("catch") == 1
+        assert len({trial.media_token for trial in study_session.trials}) == 6
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (Arrival(visit="one"), Arrival(visit="one")),
+        (
+            Arrival(recruiter_participant="p", recruiter_study="s", recruiter_session="1"),
+            Arrival(recruiter_participant="p", recruiter_study="s", recruiter_session="2"),
+        ),
+    ],
+)
+def test_who_comes_again_goes_on_where_they_were(
+    database: Database, served: ServedStudy, clock: SetClock, first: Arrival, second: Arrival
+) -> None:
+    token = enrol(database, served, first, clock)
+
+    assert enrol(database, served, second, clock) == token
+    assert len(held(database)) == 1
+
+
+@pytest.mark.parametrize(
+    "arrival",
+    [
+        Arrival(visit="two"),
+        Arrival(recruiter_participant="q", recruiter_study="s"),
+        Arrival(recruiter_participant="p", recruiter_study="another"),
+    ],
+)
+def test_others_are_not_taken_for_them(
+    database: Database, served: ServedStudy, clock: SetClock, arrival: Arrival
+) -> None:
+    known = enrol(database, served, Arrival(recruiter_participant="p", recruiter_study="s"), clock)
+
+    assert enrol(database, served, arrival, clock) != known
+
+
+def test_a_full_study_says_so_and_takes_nobody(
+    database: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for number in range(4):
+        enrol(database, served, Arrival(visit=f"visit {number}"), clock)
+
+    with pytest.raises(StudyFullError, match="all the participants it needs"):
+        enrol(database, served, Arrival(visit="late"), clock)
+
+    with database.reading() as session:
+        assert len(session.scalars(select(StudySession)).all()) == 4
+
+
+def test_the_place_of_a_silent_participant_goes_to_the_next(
+    database: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    silent = Participant(database, served, clock).enrol("silent").begin()
+    for number in range(3):
+        Participant(database, served, clock).enrol(f"done {number}").begin().take_all()
+    clock.advance(minutes=46)
+
+    enrol(database, served, Arrival(visit="late"), clock)
+
+    assert silent.look().state == "lapsed"
+    assert len(held(database)) == 4
+
+
+def test_finished_participants_keep_their_places(
+    database: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for number in range(4):
+        Participant(database, served, clock).enrol(f"done {number}").begin().take_all()
+    clock.advance(days=30)
+
+    with pytest.raises(StudyFullError):
+        enrol(database, served, Arrival(visit="late"), clock)
+
+
+def test_the_emptier_comparison_is_filled_first(
+    tiny_study: Path, database: Database, clock: SetClock
+) -> None:
+    study = tiny_study / "study.toml"
+    study.write_text(
+        study.read_text("utf-8").replace(
+            "[conditions.mismatched]", "[conditions.mismatched]\n[conditions.static]"
+        ),
+        "utf-8",
+    )
+    stimuli = tiny_study / "stimuli.json"
+    text = stimuli.read_text("utf-8")
+    pairs = text[text.index('"pairs": [') + len('"pairs": [') : text.rindex("]")]
+    more = pairs.replace("mismatched", "static")
+    stimuli.write_text(text[: text.rindex("]")] + "," + more + "]}", "utf-8")
+    served = ServedStudy.read(tiny_study)
+
+    for number in range(6):
+        enrol(database, served, Arrival(visit=f"visit {number}"), clock)
+
+    with database.reading() as session:
+        comparisons = Counter(session.scalars(select(StudySession.comparison)))
+    assert comparisons == {"rule_based-mismatched": 3, "rule_based-static": 3}
+
+
+def _arrive(folder: Path, url: str, names: list[str], results: multiprocessing.Queue[str]) -> None:
+    database, served = Database.open(url), ServedStudy.read(folder)
+    for name in names:
+        try:
+            results.put(enrol(database, served, Arrival(visit=name), Clock()))
+        except StudyFullError:
+            results.put("full")
+    database.close()
+
+
+@pytest.mark.slow
+def test_no_place_is_given_twice_by_several_processes(tiny_study: Path, tmp_path: Path) -> None:
+    study = tiny_study / "study.toml"
+    study.write_text(
+        study.read_text("utf-8").replace(
+            "participants_per_comparison = 4", "participants_per_comparison = 20"
+        ),
+        "utf-8",
+    )
+    url = sqlite_url(tmp_path / "busy.db")
+    spawn = multiprocessing.get_context("spawn")
+    results: multiprocessing.Queue[str] = spawn.Queue()
+    # Each name arrives at two of the four processes: twelve participants come twice.
+    names = [[f"visit {(process // 2) * 12 + n}" for n in range(12)] for process in range(4)]
+    processes = [
+        spawn.Process(target=_arrive, args=(tiny_study, url, own, results)) for own in names
+    ]
+    for process in processes:
+        process.start()
+    tokens = [results.get(timeout=60) for _ in range(48)]
+    for process in processes:
+        process.join()
+
+    database = Database.open(url)
+    with database.reading() as session:
+        places = session.scalars(select(Place)).all()
+        sessions = session.scalars(select(StudySession)).all()
+        trials = session.scalars(select(Trial)).all()
+    database.close()
+    assert len(places) == 20
+    assert len({place.study_session_id for place in places}) == 20
+    assert len(sessions) == 20
+    assert set(tokens) - {"full"} == {known.token for known in sessions}
+    assert len(trials) == 20 * 6

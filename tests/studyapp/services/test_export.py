@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+
+from analysis.responses import COLUMNS, responses_frame
+from studyapp.services.answering import skip_unplayable
+from studyapp.services.export import responses_table, study_sessions_table
+from studyapp.services.taking_part import withdraw
+from tests.studyapp.taking_part_steps import Participant
+
+
+def test_an_empty_study_exports_the_columns(participant: Participant) -> None:
+    assert list(responses_table(participant.database).columns) == list(COLUMNS)
+    assert responses_table(participant.database).empty
+
+
+def test_the_export_is_what_the_analysis_reads(participant: Participant) -> None:
+    participant.take_all()
+
+    table = responses_table(participant.database)
+
+    checked = responses_frame(table.to_dict("records"))  # type: ignore[arg-type]
+    assert len(checked) == 12
+    assert set(table["kind"]) == {"practice", "main", "repeat", "catch"}
+    assert set(table["watched"]) == {1.0}
+    assert set(table["seconds"]) == {5.0}
+
+
+def test_values_keep_their_side(participant: Participant) -> None:
+    participant.take_trial({"rhythm": "-2", "emotion": "2"})
+
+    table = responses_table(participant.database).set_index("question")
+
+    assert table.loc["rhythm", "value"] == -2
+    assert table.loc["emotion", "value"] == 2
+
+
+def test_of_a_catch_trial_other_is_the_flawed_condition(participant: Participant) -> None:
+    participant.take_all()
+
+    table = responses_table(participant.database)
+    catch = table[table["kind"] == "catch"]
+
+    assert set(catch["other"]) == {"broken"}
+    assert set(catch["reference"]) == {"rule_based"}
+    expected_condition = catch["left_condition"].where(
+        catch["expected"] == "left", catch["right_condition"]
+    )
+    assert set(expected_condition) == {"rule_based"}
+
+
+def test_who_withdrew_is_counted_but_not_exported(participant: Participant) -> None:
+    participant.take_trial()
+    withdraw(participant.database, participant.token, participant.clock)
+
+    assert responses_table(participant.database).empty
+    assert study_sessions_table(participant.database)["state"].tolist() == ["withdrawn"]
+
+
+def test_no_token_code_or_recruiters_name_is_exported(participant: Participant) -> None:
+    code = participant.take_all()
+
+    for table in (
+        responses_table(participant.database),
+        study_sessions_table(participant.database),
+    ):
+        text = table.to_csv()
+        assert participant.token not in text
+        assert code not in text
+
+
+def test_the_participant_flow_counts_every_study_session(participant: Participant) -> None:
+    participant.take_trial()
+    skip_unplayable(
+        participant.database,
+        participant.served.study,
+        participant.token,
+        participant.trial().media_token,
+        participant.clock,
+    )
+    other = Participant(participant.database, participant.served, participant.clock)
+    other.enrol("other").begin().take_all()
+    Participant(participant.database, participant.served, participant.clock).enrol("third")
+
+    flow = study_sessions_table(participant.database)
+
+    assert flow["state"].tolist() == ["started", "completed", "instructed"]
+    assert flow["answered"].tolist() == [1, 6, 0]
+    assert flow["unplayable"].tolist() == [1, 0, 0]
+    assert flow["presentations"].tolist() == [6, 6, 6]
+    assert pd.to_datetime(flow["completed_at"][1]).tzinfo is not None
+
+
+def test_the_watched_share_counts_what_was_played_once(participant: Participant) -> None:
+    first = participant.trial().media_token
+    participant.clock.advance(seconds=9)
+    participant.watch((0.0, 1.94), (0.0, 1.0))
+    participant.answer(first)
+
+    assert responses_table(participant.database)["watched"].tolist() == pytest.approx([0.97, 0.97])

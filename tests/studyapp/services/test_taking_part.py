@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import pytest
+
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.refusal import ConflictError, UnknownAddressError
+from studyapp.services.taking_part import look, video_key, withdraw
+from tests.studyapp.taking_part_steps import Participant
+
+
+def fill(participant: Participant, places: int) -> None:
+    for number in range(places):
+        enrol(
+            participant.database,
+            participant.served,
+            Arrival(visit=f"filler {number}"),
+            participant.clock,
+        )
+
+
+def test_looking_again_shows_the_same_trial(participant: Participant) -> None:
+    assert participant.trial() == participant.trial()
+
+
+def test_instructions_come_before_the_first_trial(participant: Participant) -> None:
+    other = Participant(participant.database, participant.served, participant.clock).enrol("new")
+
+    assert other.look().state == "instructed"
+    assert other.look().trial is None
+
+
+def test_an_unknown_address_is_refused(participant: Participant) -> None:
+    with pytest.raises(UnknownAddressError):
+        look(participant.database, participant.served, "nobody", participant.clock)
+
+
+def test_who_comes_back_after_a_lapse_goes_on_when_a_place_is_open(
+    participant: Participant,
+) -> None:
+    participant.take_trial()
+    participant.clock.advance(minutes=46)
+    fill(participant, 4)
+    assert participant.look().state == "lapsed"
+
+    participant.clock.advance(minutes=46)
+    enrol(participant.database, participant.served, Arrival(visit="new"), participant.clock)
+
+    situation = participant.look()
+    assert situation.state == "started"
+    assert situation.trial is not None
+    assert situation.trial.position == 2
+
+
+def test_withdrawing_ends_it_and_opens_the_place(participant: Participant) -> None:
+    participant.take_trial()
+    fill(participant, 3)
+
+    withdraw(participant.database, participant.token, participant.clock)
+
+    assert participant.look().state == "withdrawn"
+    enrol(participant.database, participant.served, Arrival(visit="new"), participant.clock)
+
+
+def test_who_has_finished_can_no_longer_withdraw(participant: Participant) -> None:
+    participant.take_all()
+
+    with pytest.raises(ConflictError, match="already finished"):
+        withdraw(participant.database, participant.token, participant.clock)
+
+
+def test_only_the_present_and_the_following_video_are_given_out(
+    participant: Participant,
+) -> None:
+    first = participant.trial()
+    assert video_key(participant.database, first.media_token) is not None
+    assert video_key(participant.database, first.next_media_token or "") is not None
+
+    participant.take_trial()
+    second = participant.trial()
+    assert video_key(participant.database, first.media_token) is None
+    assert video_key(participant.database, second.media_token) is not None
+
+    withdraw(participant.database, participant.token, participant.clock)
+    assert video_key(participant.database, second.media_token) is None
+
+
+def test_a_video_two_trials_ahead_is_not_given_out(participant: Participant) -> None:
+    participant.take_trial()
+    ahead = participant.trial().next_media_token
+    other = Participant(participant.database, participant.served, participant.clock)
+    other.enrol("other").begin().take_trial()
+    theirs = other.trial().next_media_token
+
+    assert video_key(participant.database, ahead or "") is not None
+    assert video_key(participant.database, theirs or "") is not None
+    assert video_key(participant.database, "no token") is None
+
+
+def test_the_time_left_follows_the_participants_own_pace(participant: Participant) -> None:
+    participant.trial()
+    participant.clock.advance(minutes=3)
+    participant.take_trial()
+
+    assert participant.trial().minutes_left == 16

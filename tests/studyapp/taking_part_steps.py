@@ -1,0 +1,86 @@
+"""A participant's steps, straight through the services, and a clock for them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+
+from studyapp.clock import Clock
+from studyapp.services.answering import answer
+from studyapp.services.database import Database
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.taking_part import ShownTrial, Situation, begin, look
+from studyapp.services.watching import record_watched
+
+ANSWERS = {"rhythm": "1", "emotion": "-2"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SetClock(Clock):
+    """A clock that stands still until a test moves it."""
+
+    moments: list[datetime] = field(default_factory=lambda: [datetime(2026, 5, 4, tzinfo=UTC)])
+
+    def now(self) -> datetime:
+        return self.moments[-1]
+
+    def advance(self, **duration: float) -> None:
+        self.moments.append(self.moments[-1] + timedelta(**duration))
+
+
+@dataclass
+class Participant:
+    """One participant of `served` on a clock that the test moves."""
+
+    database: Database
+    served: ServedStudy
+    clock: SetClock
+    token: str = ""
+
+    def enrol(self, name: str = "visit") -> Participant:
+        arrival = Arrival(visit=name)
+        self.token = enrol(self.database, self.served, arrival, self.clock)
+        return self
+
+    def begin(self) -> Participant:
+        begin(self.database, self.token, self.clock)
+        return self
+
+    def look(self) -> Situation:
+        return look(self.database, self.served, self.token, self.clock)
+
+    def trial(self) -> ShownTrial:
+        shown = self.look().trial
+        assert shown is not None
+        return shown
+
+    def watch(self, *intervals: tuple[float, float], batch: int = 0) -> float:
+        known = record_watched(
+            self.database,
+            self.token,
+            self.trial().media_token,
+            batch=batch,
+            intervals=intervals,
+            coverage=self.served.study.watching.coverage,
+            clock=self.clock,
+        )
+        return known.missing
+
+    def answer(self, media_token: str, answers: dict[str, str] | None = None) -> None:
+        given = ANSWERS if answers is None else answers
+        answer(self.database, self.served.study, self.token, media_token, given, self.clock)
+
+    def take_trial(self, answers: dict[str, str] | None = None) -> str:
+        media_token = self.trial().media_token
+        self.clock.advance(seconds=5)
+        self.watch((0.0, 2.0))
+        self.answer(media_token, answers)
+        return media_token
+
+    def take_all(self) -> str:
+        while self.look().trial is not None:
+            self.take_trial()
+        code = self.look().completion_code
+        assert code is not None
+        return code
