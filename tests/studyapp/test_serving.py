@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import httpx
+import pytest
+
+from motion.errors import InputError
+from studyapp.serving import run_server
+
+HEAVY = ("torch", "pyrender", "OpenGL", "matplotlib", "librosa", "anny", "statsmodels")
+
+
+def test_the_server_loads_neither_networks_nor_renderer_nor_plots() -> None:
+    code = "import json, sys, studyapp.serving; print(json.dumps(sorted(sys.modules)))"
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert set(HEAVY) & set(json.loads(done.stdout)) == set()
+
+
+@pytest.mark.slow
+def test_the_server_is_loaded_within_seconds() -> None:
+    started = time.monotonic()
+    subprocess.run([sys.executable, "-c", "import studyapp.serving"], check=True)
+
+    assert time.monotonic() - started < 8
+
+
+def test_a_missing_video_is_named_before_anything_is_served(tiny_study: Path) -> None:
+    (tiny_study / "videos" / "pairs" / "003.mp4").unlink()
+
+    with pytest.raises(InputError, match=r"003\.mp4"):
+        run_server(tiny_study, "127.0.0.1", 0, 1)
+    assert not (tiny_study / "responses.db").exists()
+
+
+@pytest.mark.slow
+def test_two_workers_serve_pages_and_stop_when_told(tiny_study: Path) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    code = (
+        "import sys; from pathlib import Path; from studyapp.serving import run_server; "
+        "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2)"
+    )
+    server = subprocess.Popen([sys.executable, "-c", code, str(tiny_study), str(port)])
+    try:
+        with httpx.Client(transport=httpx.HTTPTransport(retries=10)) as client:
+            deadline = time.monotonic() + 30
+            while True:
+                try:
+                    answer = client.get(f"http://127.0.0.1:{port}/")
+                    break
+                except httpx.ConnectError:
+                    assert time.monotonic() < deadline
+                    time.sleep(0.2)
+        assert answer.status_code == 200
+        assert "I agree" in answer.text
+        assert (tiny_study / "responses.db").exists()
+    finally:
+        server.send_signal(signal.SIGTERM)
+        assert server.wait(timeout=30) == 0

@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from flask import Flask
+
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.visitor import Visitor
+
+WEB = Path(__file__).parents[3] / "studyapp" / "web"
+
+
+@pytest.mark.parametrize("address", ["/", "/nowhere", "/take/nobody", "/static/style.css"])
+def test_every_answer_is_protected(app: Flask, address: str) -> None:
+    headers = app.test_client().get(address, buffered=True).headers
+
+    assert headers["Referrer-Policy"] == "no-referrer"
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert "default-src 'none'" in headers["Content-Security-Policy"]
+    assert "unsafe" not in headers["Content-Security-Policy"]
+    assert "Set-Cookie" not in headers
+
+
+def test_pages_are_never_kept_by_a_browser(app: Flask, clock: SetClock) -> None:
+    visitor = Visitor(app, clock).enrol().begin()
+
+    assert visitor.client.get(visitor.address).headers["Cache-Control"] == "no-store"
+
+
+@pytest.mark.parametrize("template", sorted((WEB / "templates").iterdir()), ids=lambda p: p.name)
+def test_pages_hold_no_inline_script_or_style_and_ask_nobody_else(template: Path) -> None:
+    text = template.read_text("utf-8")
+
+    assert not re.search(r"<style|\sstyle=|\son[a-z]+=|javascript:|https?://", text)
+    assert all("src=" in tag for tag in re.findall(r"<script[^>]*>", text))
+
+
+def test_a_trial_page_with_all_it_loads_stays_under_60_kb(app: Flask, clock: SetClock) -> None:
+    visitor = Visitor(app, clock).enrol().begin()
+
+    page = len(visitor.client.get(visitor.address).data)
+    assert page + sum(file.stat().st_size for file in (WEB / "static").iterdir()) < 60_000
+
+
+def test_a_request_that_is_too_large_is_refused(app: Flask) -> None:
+    answer = app.test_client().post("/", data={"visit": "x" * 70_000})
+
+    assert answer.status_code == 413
+    assert "too much" in answer.text
+
+
+def test_a_failure_of_ours_is_a_friendly_page(app: Flask, tmp_path: Path) -> None:
+    @app.get("/fails")
+    def fails() -> str:
+        raise ZeroDivisionError
+
+    answer = app.test_client().get("/fails")
+
+    assert answer.status_code == 500
+    assert "went wrong on our side" in answer.text
+    assert "ZeroDivisionError" not in answer.text

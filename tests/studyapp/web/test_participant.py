@@ -1,0 +1,344 @@
+"""A participant's way over HTTP, and everything that is posted where it does not belong."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from flask import Flask
+from sqlalchemy import select
+
+from studyapp.models import Response, StudySession, Trial
+from studyapp.web.app import create_app
+from studyapp.web.running import running
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor
+
+
+@pytest.fixture
+def visitor(app: Flask, clock: SetClock) -> Visitor:
+    """Return a participant at the first trial."""
+    return Visitor(app, clock).enrol().begin()
+
+
+def stored(app: Flask) -> int:
+    with app.app_context(), running().database.reading() as session:
+        return len(session.scalars(select(Response)).all())
+
+
+def test_from_consent_to_code(app: Flask, clock: SetClock) -> None:
+    visitor = Visitor(app, clock).enrol()
+    assert visitor.page().heading == "What you will do"
+    visitor.begin()
+
+    for position in range(1, 7):
+        page = visitor.page()
+        assert f"Trial {position} of 6" in page.one(".progress").get_text()
+        visitor.watch()
+        assert visitor.post(page)[0] == 303
+
+    code = visitor.page().one("output#completion-code").get_text()
+    with app.app_context(), running().database.reading() as session:
+        assert session.scalars(select(StudySession.completion_code)).one() == code
+    assert stored(app) == 12
+
+
+def test_the_consent_page_states_the_terms_and_stores_nothing(app: Flask) -> None:
+    page = app.test_client().get("/").text
+
+    for words in ("Institute of Gestures", "10 minutes", "2.50 EUR", "gestures@example.org"):
+        assert words in page
+    with app.app_context(), running().database.reading() as session:
+        assert session.scalars(select(StudySession)).all() == []
+
+
+def test_a_start_pressed_twice_takes_one_place(app: Flask) -> None:
+    client = app.test_client()
+    visit = PageReader(client.get("/").text).value("[name=visit]", "value")
+
+    first, second = (client.post("/", data={"visit": visit}).location for _ in "ab")
+
+    assert first == second
+
+
+def test_the_recruiters_participant_comes_back_to_the_same_place(
+    app: Flask, clock: SetClock
+) -> None:
+    query = "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1"
+
+    first = Visitor(app, clock).enrol(query)
+    again = Visitor(app, clock).enrol(query.replace("x1", "x2"))
+
+    assert first.address == again.address
+    with app.app_context(), running().database.reading() as session:
+        known = session.scalars(select(StudySession)).one()
+        assert (known.recruiter_participant, known.recruiter_session) == ("p1", "x1")
+
+
+@pytest.mark.parametrize(
+    "data", [{}, {"visit": "short"}, {"visit": "x" * 65}, {"PROLIFIC_PID": "p" * 201}]
+)
+def test_a_start_that_no_consent_page_made_is_refused(app: Flask, data: dict[str, str]) -> None:
+    assert app.test_client().post("/", data=data).status_code == 422
+
+
+def test_a_full_study_is_said_kindly(app: Flask, clock: SetClock) -> None:
+    for _ in range(4):
+        Visitor(app, clock).enrol()
+    client = app.test_client()
+    visit = PageReader(client.get("/").text).value("[name=visit]", "value")
+
+    answer = client.post("/", data={"visit": visit})
+
+    assert answer.status_code == 409
+    assert "all the participants it needs" in answer.text
+
+
+def test_nothing_is_preselected_and_every_answer_has_words(visitor: Visitor) -> None:
+    page = visitor.page()
+
+    assert page.checked() == {}
+    labels = [label.get_text(strip=True) for label in page.soup.select(".scale label")]
+    assert labels == ["clearly A", "slightly A", "no difference", "slightly B", "clearly B"] * 2
+    values = [radio["value"] for radio in page.soup.select("[name=rhythm]")]
+    assert values == ["-2", "-1", "0", "1", "2"]
+
+
+def test_the_question_names_the_emotion_of_the_speech(app: Flask, visitor: Visitor) -> None:
+    emotion = visitor.page().one(".emotion").get_text()
+
+    with app.app_context(), running().database.reading() as session:
+        assert session.scalars(select(Trial).where(Trial.position == 1)).one().emotion == emotion
+
+
+@pytest.mark.parametrize("value", ["3", "-3", "99", "1.5", "one", "", "１"])
+def test_a_value_out_of_range_is_refused(app: Flask, visitor: Visitor, value: str) -> None:
+    visitor.watch()
+
+    status, page = visitor.post(visitor.page(), rhythm=value)
+
+    assert status == 422
+    assert "not one of the five choices" in page.one("#problem").get_text()
+    assert stored(app) == 0
+
+
+def test_what_was_answered_is_kept_when_something_is_missing(app: Flask, visitor: Visitor) -> None:
+    visitor.watch()
+    page = visitor.page()
+
+    answer = visitor.client.post(page.action, data={"trial": page.trial, "rhythm": "-1"})
+
+    refused = PageReader(answer.text)
+    assert answer.status_code == 422
+    assert refused.checked() == {"rhythm": "-1"}
+    assert "Question 2 is not answered" in refused.one("#problem").get_text()
+    assert stored(app) == 0
+
+
+def test_an_answer_before_watching_is_refused_and_kept_on_the_page(
+    app: Flask, visitor: Visitor
+) -> None:
+    status, page = visitor.post(visitor.page())
+
+    assert status == 422
+    assert page.checked() == ANSWERS
+    assert "have not been played" in page.one("#problem").get_text()
+    assert stored(app) == 0
+
+
+def test_an_answer_sent_twice_is_harmless(app: Flask, visitor: Visitor) -> None:
+    visitor.watch()
+    page = visitor.page()
+
+    assert [visitor.post(page)[0] for _ in "ab"] == [303, 303]
+    assert stored(app) == 2
+
+
+def test_a_second_different_answer_is_refused(app: Flask, visitor: Visitor) -> None:
+    visitor.watch()
+    page = visitor.page()
+    visitor.post(page)
+
+    status, refusal = visitor.post(page, rhythm="-2")
+
+    assert status == 409
+    assert "already answered" in refusal.heading
+    assert stored(app) == 2
+
+
+def test_a_trial_of_somebody_else_is_refused(app: Flask, visitor: Visitor, clock: SetClock) -> None:
+    theirs = Visitor(app, clock).enrol().begin()
+    theirs.watch()
+    visitor.watch()
+
+    status, refusal = visitor.post(visitor.page(), trial=theirs.page().trial)
+
+    assert status == 403
+    assert "does not belong to you" in refusal.heading
+    assert stored(app) == 0
+
+
+def test_an_unknown_question_is_refused(app: Flask, visitor: Visitor) -> None:
+    visitor.watch()
+
+    status, _ = visitor.post(visitor.page(), beauty="1")
+
+    assert status == 422
+    assert stored(app) == 0
+
+
+def test_answers_for_nobody_are_refused(visitor: Visitor) -> None:
+    answer = visitor.client.post("/take/nobody/answers", data=ANSWERS)
+
+    assert answer.status_code == 404
+    assert "nothing you answered is lost" in answer.text
+
+
+@pytest.mark.parametrize(
+    "report",
+    [
+        None,
+        [],
+        {"batch": 0},
+        {"batch": -1, "intervals": []},
+        {"batch": "0", "intervals": []},
+        {"batch": 0, "intervals": [[0.0]]},
+        {"batch": 0, "intervals": [["a", "b"]]},
+        {"batch": 0, "intervals": [[0.0, float("nan")]]},
+        {"batch": 0, "intervals": [[-1.0, 1.0]]},
+        {"batch": 0, "intervals": [[0.0, 0.1]] * 201},
+    ],
+)
+def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor, report: object) -> None:
+    address = visitor.page().value("#pair", "data-watched-url")
+
+    assert visitor.client.post(address, json=report).status_code == 422
+
+
+def test_more_watched_than_time_has_passed_is_refused(visitor: Visitor) -> None:
+    address = visitor.page().value("#pair", "data-watched-url")
+
+    answer = visitor.client.post(address, json=WATCHED, headers={"Accept": "application/json"})
+
+    assert answer.status_code == 422
+    assert "than time has passed" in answer.json["problem"]
+
+
+def test_a_rehearsals_clock_may_run_faster(tiny_study: Path) -> None:
+    app = create_app(tiny_study, rehearsal_speed=1e6)
+    client = app.test_client()
+    visitor = Visitor(app, SetClock()).enrol().begin()
+    address = visitor.page().value("#pair", "data-watched-url")
+
+    assert client.post(address, json=WATCHED).json["missing"] == 0
+    assert (tiny_study / "rehearsal.db").exists()
+    assert not (tiny_study / "responses.db").exists()
+    with app.app_context():
+        running().database.close()
+
+
+def test_a_refresh_shows_the_same_trial_with_what_was_watched(visitor: Visitor) -> None:
+    first = visitor.page()
+    visitor.watch()
+
+    again = visitor.page()
+
+    assert again.trial == first.trial
+    assert again.value("#pair", "data-watched") == "[[0.0, 2.0]]"
+    assert again.value("#pair", "data-next-batch") == "1"
+
+
+def test_an_unplayable_video_is_left_behind(app: Flask, visitor: Visitor) -> None:
+    page = visitor.page()
+    form = page.one("form#unplayable")
+
+    answer = visitor.client.post(str(form["action"]), data={"trial": page.trial})
+
+    assert answer.status_code == 303
+    assert "Trial 2 of 6" in visitor.page().text
+    assert stored(app) == 0
+
+
+def test_withdrawing_asks_first_and_ends_it(visitor: Visitor) -> None:
+    link = visitor.page().value("footer a", "href")
+    question = PageReader(visitor.client.get(link).text)
+
+    assert visitor.page().soup.select("#answers")
+    assert visitor.client.post(question.action).status_code == 303
+    assert visitor.page().heading == "You have withdrawn"
+
+
+def test_scripts_get_their_answers_as_json(visitor: Visitor) -> None:
+    page = visitor.page()
+    headers = {"Accept": "application/json"}
+    data = {"trial": page.trial, **ANSWERS}
+
+    refused = visitor.client.post(page.action, data=data, headers=headers)
+    visitor.watch()
+    accepted = visitor.client.post(page.action, data=data, headers=headers)
+
+    assert (refused.status_code, list(refused.json)) == (422, ["problem"])
+    assert (accepted.status_code, accepted.json) == (200, {"next": visitor.address})
+
+
+def rewrite(folder: Path, *changes: tuple[str, str]) -> None:
+    path = folder / "study.toml"
+    text = path.read_text("utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text, "utf-8")
+
+
+def instructions(folder: Path) -> str:
+    app = create_app(folder)
+    text = Visitor(app, SetClock()).enrol().page().text
+    with app.app_context():
+        running().database.close()
+    return re.sub(r"\s+", " ", text)
+
+
+def test_instructions_say_that_no_motion_is_recorded(tiny_study: Path) -> None:
+    text = instructions(tiny_study)
+
+    assert "made by a computer" in text
+    assert "Judge the gestures, not the face" in text
+    assert "kept still" not in text
+    assert "practice" not in text
+
+
+def test_instructions_follow_the_study(tiny_study: Path) -> None:
+    rewrite(
+        tiny_study,
+        ('title = "Gestures', 'announce_practice = true\nfreeze = ["face", "root"]\ntitle = "G'),
+        ("practice = 1", "practice = 2"),
+    )
+
+    text = instructions(tiny_study)
+
+    assert "The first 2 pairs are for practice" in text
+    assert "The face and whole-body movement through space are kept still on purpose" in text
+
+
+def test_a_study_with_a_recording_does_not_claim_to_have_none(tiny_study: Path) -> None:
+    rewrite(tiny_study, ('"rule_based"', '"ground_truth"'), ("s.rule_based]", "s.ground_truth]"))
+    stimuli = tiny_study / "stimuli.json"
+    stimuli.write_text(stimuli.read_text("utf-8").replace("rule_based", "ground_truth"), "utf-8")
+
+    assert "made by a computer" not in instructions(tiny_study)
+
+
+@pytest.mark.parametrize("announced", [True, False])
+def test_practice_is_marked_only_where_the_study_announces_it(
+    tiny_study: Path, announced: bool
+) -> None:
+    if announced:
+        rewrite(tiny_study, ("practice = 1", "practice = 1\nannounce_practice = true"))
+    app = create_app(tiny_study)
+    page = Visitor(app, SetClock()).enrol().begin().page()
+    with app.app_context():
+        running().database.close()
+
+    assert ("ractice" in page.text) is announced

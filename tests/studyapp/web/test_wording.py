@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import pytest
+
+from motion.freeze import CHANNELS
+from studyapp.definition.study import Question
+from studyapp.web.wording import CHANNEL_WORDS, SCALE, asked, frozen_words
+from tests.studyapp.made_study import make_study
+
+
+def test_the_scale_is_symmetric_and_in_the_order_of_the_videos() -> None:
+    assert [value for value, _ in SCALE] == [-2, -1, 0, 1, 2]
+    mirrored = [label.translate(str.maketrans("AB", "BA")) for _, label in reversed(SCALE)]
+    assert mirrored == [label for _, label in SCALE]
+
+
+def test_the_emotion_is_emphasised_in_its_place() -> None:
+    question = Question(name="q", title="Q", text="{emotion}: which shows {emotion}?")
+
+    assert asked(question, "fear").parts == (
+        ("fear", True),
+        (": which shows ", False),
+        ("fear", True),
+        ("?", False),
+    )
+
+
+@pytest.mark.parametrize(
+    ("freeze", "words"),
+    [
+        ([], ""),
+        (["face"], "face"),
+        (["face", "hands"], "face and fingers"),
+        (["face", "hands", "lower_body"], "face, fingers and legs"),
+    ],
+)
+def test_what_is_kept_still_is_said_in_words(freeze: list[str], words: str) -> None:
+    assert frozen_words(make_study(freeze=freeze)) == words
+
+
+def test_every_channel_has_words() -> None:
+    assert set(CHANNEL_WORDS) == set(CHANNELS)
