@@ -29,8 +29,8 @@ class Roster:
     finished : tuple of str
         Those who have their completion code, also if they are more than are asked for now.
     halfway : tuple of str
-        Those asked for who are in the middle of their study session. They are to come back before anybody new
-        comes, so that their places are not thought abandoned.
+        Those asked for who are in the middle of their study session. They are to come back
+        before anybody new comes, so that their places are not thought abandoned.
     awaited : tuple of str
         Those asked for who have not come yet.
     """

@@ -6,7 +6,7 @@ import ssl
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from threading import Event
 from typing import Final
@@ -17,6 +17,7 @@ from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.lock import only_rehearsal
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant, Visit, answer_trial
 from studyapp.rehearsal.population import Population
@@ -102,15 +103,16 @@ def rehearse(
     Raises
     ------
     InputError
-        If the study is not ready, more participants are asked for than it has places, a page
-        lacks what a participant needs, or something bad is not refused.
+        If the study is not ready or being rehearsed already, more participants are asked for
+        than it has places, a page lacks what a participant needs, or something bad is not
+        refused.
     """
     started = time.monotonic()
     study = ServedStudy.read(folder.root).study
     count = _checked_count(folder, study, participants) * len(study.others)
-    truth, note = prepare(folder, seed=seed, population=population)
-    url = sqlite_url(folder.rehearsal)
-    with closing(Database.open(url)) as database:
+    with only_rehearsal(folder), ExitStack() as opened:
+        truth, note = prepare(folder, seed=seed, population=population)
+        database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
         roster = call_roster(database, count)
         there = count - len(roster.remaining)
         show = on_done or _show_nothing

@@ -191,3 +191,28 @@ def test_a_study_without_its_videos_is_not_rehearsed(folder: StudyFolder) -> Non
     with pytest.raises(InputError, match=r"2-.*\.mp4.*motionjury render"):
         rehearse(folder)
     assert not folder.rehearsal.exists()
+
+
+def test_a_server_that_dies_is_told_and_the_rehearsal_can_be_finished(
+    folder: StudyFolder, answered: list[tuple[object, ...]]
+) -> None:
+    def kill_the_server(done: int, _total: int) -> None:
+        if done == 1:
+            for process in servers(folder):
+                os.kill(process, signal.SIGKILL)
+
+    with pytest.raises(InputError, match=r"does not answer.*goes on where it was"):
+        rehearse(folder, seed=3, workers=2, on_done=kill_the_server)
+    rehearse(folder, seed=3)
+    assert what_was_answered(folder) == answered
+
+
+def test_two_rehearsals_of_one_study_do_not_disturb_each_other(folder: StudyFolder) -> None:
+    def rehearse_again(done: int, _total: int) -> None:
+        if done == 1:
+            with pytest.raises(InputError, match="being rehearsed already"):
+                rehearse(folder, seed=4)
+
+    rehearse(folder, participants=1, seed=3, on_done=rehearse_again)
+    assert read_truth(folder.rehearsal_truth).seed == 3
+    assert rehearse(folder, participants=1, seed=3).kept == 2
