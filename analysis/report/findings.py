@@ -92,12 +92,17 @@ def _longest(responses: pd.DataFrame) -> int:
 
 
 def _comparisons(inputs: ReportInputs) -> list[tuple[str, str, str]]:
-    """Return the comparisons answered, ordered as the study orders its conditions."""
-    pairs = inputs.responses.loc[
+    """Return every comparison as (name, reference, other), in the order of the conditions.
+
+    Those that nobody has answered yet are among them: they belong to the family of tests.
+    """
+    if inputs.origin == "none":
+        return []
+    answered = inputs.responses.loc[
         inputs.responses["kind"] != "catch", ["comparison", "reference", "other"]
     ].drop_duplicates()
+    found = [(str(name), str(one), str(other)) for name, one, other in answered.to_numpy()]
+    missing = set(inputs.conditions) - {inputs.reference} - {other for _, _, other in found}
+    found += [(f"{inputs.reference}-{other}", inputs.reference, other) for other in missing]
     order = {condition: place for place, condition in enumerate(inputs.conditions)}
-    return sorted(
-        ((str(name), str(reference), str(other)) for name, reference, other in pairs.to_numpy()),
-        key=lambda pair: (order.get(pair[2], len(order)), pair),
-    )
+    return sorted(found, key=lambda pair: (order.get(pair[2], len(order)), pair))

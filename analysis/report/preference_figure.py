@@ -57,8 +57,8 @@ def preference_figure(
             width_ratios=[3.6, 1.15, *([0.72, 3.6, 1.15] * (_COLUMNS - 1))],
             hspace=1.05 / (0.5 * len(others)),
             wspace=0.06,
-            left=0.1,
-            right=0.915,
+            left=0.12,
+            right=0.91,
             top=1 - 0.55 / height,
             bottom=0.92 / height,
         )
@@ -75,7 +75,7 @@ def preference_figure(
         _legend(figure, reference, height)
         if mark:
             figure.text(
-                0.1,
+                0.12,
                 1 - 0.03 / height,
                 mark,
                 va="top",
@@ -198,7 +198,7 @@ def _dress_bars(
 
 
 def _wrapped(condition: str) -> str:
-    return "\n".join(textwrap.wrap(wording.name(condition), 16, max_lines=2, placeholder=" …"))
+    return "\n".join(textwrap.wrap(wording.name(condition), 14, max_lines=2, placeholder=" …"))
 
 
 def _dress_forest(axes: Axes, rows: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from analysis.exclusions import Flow
 from analysis.preferences.clustered import LEVEL, TWO_WAY
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
@@ -23,29 +24,35 @@ INTERVAL_NOTE = (
 def flow_section(inputs: ReportInputs, findings: Findings) -> Section:
     """Return who took part, who was left out, and why."""
     exclusion = findings.exclusion
-    started = inputs.study_sessions
-    header = ["comparison", *(["started"] if started is not None else []), "answered"]
-    header += [f"− {outcome.description}" for outcome in exclusion.outcomes]
-    header.append("analysed")
+    others = {p.comparison: wording.name(p.other) for p in findings.preferences}
+    header = ["comparison with"]
+    if inputs.study_sessions is not None:
+        header.append("started")
+    header += ["answered", *(f"− {outcome.description}" for outcome in exclusion.outcomes)]
+    flows = {flow.comparison: flow for flow in exclusion.flow}
     rows = []
-    for flow in exclusion.flow:
-        row = [wording.name(flow.comparison)]
-        if started is not None:
-            row.append(str(started.get(flow.comparison, flow.answered)))
+    for comparison, other in others.items():
+        flow = flows.get(comparison) or Flow(
+            comparison=comparison, answered=0, removed=(0,) * len(exclusion.outcomes), analysed=0
+        )
+        row = [other]
+        if inputs.study_sessions is not None:
+            row.append(str(inputs.study_sessions.get(comparison, flow.answered)))
         row += [str(flow.answered), *map(str, flow.removed), str(flow.analysed)]
         rows.append(cells(*row))
     flow_table = Table(
-        caption=f"Participant flow: study sessions of {people(inputs)} per comparison. Rules "
-        "apply from left to right; a study session counts under the first that removes it.",
-        header=tuple(header),
+        caption=f"Participant flow: study sessions of {people(inputs)} comparing "
+        f"{wording.name(inputs.reference)} with each other condition. Rules apply from left to "
+        "right; a study session counts under the first that removes it.",
+        header=(*header, "analysed"),
         rows=tuple(rows),
         data="participant_flow.csv",
     )
     reasons = Table(
         caption="Every excluded study session with its reason.",
-        header=("study session", "comparison", "rule", "reason"),
+        header=("study session", "comparison with", "rule", "reason"),
         rows=tuple(
-            cells(e.study_session, wording.name(e.comparison), e.rule, e.reason)
+            cells(e.study_session, others.get(e.comparison, e.comparison), e.rule, e.reason)
             for e in exclusion.exclusions
         ),
         text_columns=4,
