@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import ssl
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, field
-from threading import Event
+from dataclasses import dataclass
 from typing import Final
-
-import httpx
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
+from studyapp.rehearsal.crowd import Crowd
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.lock import only_rehearsal
-from studyapp.rehearsal.pages import Page
-from studyapp.rehearsal.participant import Participant, Visit, answer_trial
 from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.probes import Probe, probe_trial
+from studyapp.rehearsal.probes import Probe
 from studyapp.rehearsal.record import Truth
-from studyapp.rehearsal.resumption import Roster, call_roster, prepare
+from studyapp.rehearsal.resumption import call_roster, prepare
 from studyapp.rehearsal.server import rehearsal_server
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
@@ -33,11 +27,6 @@ SPEED: Final = 100.0
 
 WORKERS: Final = 8
 """How many simulated participants take part at the same time."""
-
-STAGGER: Final = 0.05
-"""Seconds between the first arrivals."""
-
-REQUEST_SECONDS: Final = 60.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +40,7 @@ class RehearsalResult:
     kept : int
         How many of them had it before this run.
     probes : tuple of Probe
-        Bad submissions that were tried in this run, all of them refused.
+        Bad submissions that were tried in this run; they changed nothing.
     truth : Truth
         What the participants were given to prefer.
     note : str
@@ -120,7 +109,7 @@ def rehearse(
         probes: tuple[Probe, ...] = ()
         if roster.remaining:
             with rehearsal_server(folder, speed=speed) as server:
-                crowd = _Crowd(
+                crowd = Crowd(
                     study=study, truth=truth, eyes=Eyes(database), server=server, speed=speed
                 )
                 crowd.take_part(
@@ -152,76 +141,3 @@ def _checked_count(folder: StudyFolder, study: Study, participants: int | None) 
             remedy="Ask for fewer, or raise participants_per_comparison",
         )
     return participants
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Crowd:
-    """The participants of one run, and what they have in common."""
-
-    study: Study
-    truth: Truth
-    eyes: Eyes
-    server: str
-    speed: float
-    stop: Event = field(default_factory=Event)
-    probes: list[Probe] = field(default_factory=list)
-
-    def take_part(self, roster: Roster, *, workers: int, on_done: Callable[[int], None]) -> None:
-        """Let the rest of `roster` come, `workers` at a time; the first error stops everybody.
-
-        The first who is new tries bad submissions at the first trial.
-        """
-        with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
-            try:
-                visits = [
-                    pool.submit(
-                        self._one,
-                        name,
-                        delay=min(index, workers) * STAGGER,
-                        probing=name in roster.awaited[:1],
-                    )
-                    for index, name in enumerate(roster.remaining)
-                ]
-                for done, visit in enumerate(as_completed(visits), start=1):
-                    visit.result()
-                    on_done(done)
-            finally:
-                self.stop.set()
-                pool.shutdown(cancel_futures=True)
-
-    def _one(self, name: str, *, delay: float, probing: bool) -> None:
-        self.stop.wait(delay)
-        participant = Participant(
-            entrance=f"/?PROLIFIC_PID={name}&STUDY_ID=rehearsal&SESSION_ID={name}",
-            questions=tuple(question.name for question in self.study.questions),
-            population=self.truth.population,
-            seed=self.truth.seed,
-            eyes=self.eyes,
-            speed=self.speed,
-            stop=self.stop,
-            answer_first=self._probe if probing else answer_trial,
-        )
-        # Certificates are not needed on the loopback, and loading them takes longer than a visit.
-        unused = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-        with httpx.Client(
-            base_url=self.server,
-            follow_redirects=True,
-            timeout=REQUEST_SECONDS,
-            trust_env=False,
-            verify=unused,
-            headers={"Accept": "text/html"},
-        ) as client:
-            try:
-                participant.take_part(client)
-            except httpx.TransportError as error:
-                raise InputError(
-                    f"the study's server does not answer any more ({error})",
-                    where=self.server,
-                    remedy="Run the command again: it goes on where it was",
-                ) from error
-
-    def _probe(self, visit: Visit, page: Page, answers: dict[str, str]) -> Page:
-        gated = self.study.watching.coverage > 0
-        following, probes = probe_trial(visit, page, answers, self.eyes, gated=gated)
-        self.probes.extend(probes)
-        return following

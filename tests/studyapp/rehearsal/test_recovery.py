@@ -77,7 +77,7 @@ def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
     study: Study, population: Population
 ) -> None:
     held = []
-    for seed in range(40):
+    for seed in range(30):
         truth = expected_shares(study, [s.name for s in SEGMENTS], population=population, seed=seed)
         _, found = analysed(study, simulated(study, population, seed))
         for entry, preference in zip(truth, found, strict=True):

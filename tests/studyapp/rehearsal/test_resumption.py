@@ -53,7 +53,7 @@ def test_another_seed_starts_anew_and_says_so(begun: StudyFolder) -> None:
 
 def test_a_changed_study_starts_anew_and_says_so(begun: StudyFolder) -> None:
     text = begun.definition.read_text()
-    begun.definition.write_text(text.replace("trials = 3", "trials = 2"))
+    begun.definition.write_text(text.replace("trials = 4", "trials = 3"))
     _, note = prepare(begun, seed=1)
     assert "the study has changed" in note
     assert not begun.rehearsal.exists()
