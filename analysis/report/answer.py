@@ -78,7 +78,11 @@ def _with_numbers(preference: Preference, *, full: bool) -> str:
     """Return the other condition with the reference's win share; `full` says what that is."""
     mean = preference.win_share
     other = wording.name(preference.other)
-    if not full or mean.reason:
+    if not mean.answers:
+        return f"{other} (no answers)"
+    if mean.reason:
+        return f"{other} ({wording.share(mean.estimate)}, {wording.interval(mean)})"
+    if not full:
         return f"{other} ({wording.estimate(mean)})"
     return (
         f"{other} (win share of {wording.name(preference.reference)} "

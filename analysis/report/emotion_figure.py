@@ -11,6 +11,7 @@ from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.preferences.segments import SegmentShare
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
 from analysis.report.svg import STYLE, WIDTH, inline_svg
@@ -22,7 +23,12 @@ _INK: Final = "#0072b2"
 
 
 def emotion_figure(
-    emotions: Sequence[Preference], overall: Sequence[Preference], *, name: str, mark: str
+    emotions: Sequence[Preference],
+    overall: Sequence[Preference],
+    segments: Sequence[SegmentShare],
+    *,
+    name: str,
+    mark: str,
 ) -> Markup:
     """Draw one comparison: a panel per question, a row per emotion, all of them last.
 
@@ -32,6 +38,8 @@ def emotion_figure(
         Estimates within emotions, of one comparison.
     overall : sequence of Preference
         The comparison's estimates over all emotions, one per question; they set the panels.
+    segments : sequence of SegmentShare
+        The comparison's single segments, drawn as ticks under the row of their emotion.
     name : str
         Prefix of the figure's ids.
     mark : str
@@ -62,6 +70,17 @@ def emotion_figure(
                     f"{wording.estimate(preference.win_share)}, "
                     f"{wording.count(preference.win_share.segments, 'segment')}"
                 )
+            ticks = [s for s in segments if s.question == whole.question]
+            axes.plot(
+                [tick.win_share for tick in ticks],
+                [labels.index(tick.emotion) + 0.25 for tick in ticks],
+                linestyle="none",
+                marker="|",
+                markersize=5.5,
+                markeredgewidth=1.1,
+                color="#565d66",
+                zorder=2,
+            )
             axes.axhline(rows - 1.5, color="#c7ccd2", linewidth=0.8)
             axes.axvline(0.5, color="#22262b", linewidth=0.8, zorder=1)
             axes.set_xlim(-0.02, 1.02)

@@ -14,6 +14,7 @@ from analysis.exclusions import (
     incomplete_sessions,
 )
 from analysis.metrics.conditions import StudyMetrics, study_metrics
+from analysis.preferences.segments import SegmentShare, segment_shares
 from analysis.preferences.side_bias import SideBias, side_bias
 from analysis.preferences.win_share import Preference, compare, compare_by_emotion
 from analysis.report.inputs import ReportInputs
@@ -40,6 +41,8 @@ class Findings:
         The same without exclusions, in the same order.
     emotions : tuple of Preference
         Every comparison, question and emotion after exclusions.
+    segments : tuple of SegmentShare
+        Every comparison, question and segment after exclusions.
     side_bias : tuple of SideBias
         One per question, after exclusions.
     metrics : StudyMetrics
@@ -51,6 +54,7 @@ class Findings:
     preferences: tuple[Preference, ...]
     everyone: tuple[Preference, ...]
     emotions: tuple[Preference, ...]
+    segments: tuple[SegmentShare, ...]
     side_bias: tuple[SideBias, ...]
     metrics: StudyMetrics
 
@@ -73,6 +77,7 @@ def find(inputs: ReportInputs) -> Findings:
         preferences=compare(exclusion.analysed, comparisons, questions),
         everyone=compare(exclusion.everyone, comparisons, questions),
         emotions=compare_by_emotion(exclusion.analysed, comparisons, questions),
+        segments=segment_shares(exclusion.analysed),
         side_bias=side_bias(exclusion.analysed, questions),
         metrics=study_metrics(inputs.clips, inputs.speech, frozen=inputs.frozen),
     )

@@ -263,6 +263,7 @@ def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Sect
             for p in findings.preferences
             if p.comparison == comparison and p.question == question
         ]
+        single = [s for s in findings.segments if s.comparison == comparison]
         within = [p for p in findings.emotions if p.comparison == comparison]
         reference, other = wording.name(overall[0].reference), wording.name(overall[0].other)
         descriptive = (
@@ -273,10 +274,10 @@ def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Sect
         )
         pictures.append(
             Picture(
-                svg=emotion_figure(within, overall, name=f"emotion{number}", mark=mark),
+                svg=emotion_figure(within, overall, single, name=f"emotion{number}", mark=mark),
                 caption=f"Win share of {reference} against {other} within each emotion, with "
-                f"{LEVEL:.0%} intervals clustered by participant and segment; right of the line "
-                f"{reference} is preferred.{descriptive}",
+                f"{LEVEL:.0%} intervals clustered by participant and segment, and a tick below for "
+                f"each segment; right of the line {reference} is preferred.{descriptive}",
                 data="emotions.csv",
             )
         )

@@ -61,6 +61,7 @@ def data_tables(inputs: ReportInputs, findings: Findings) -> dict[str, pd.DataFr
         "emotions.csv": _records(
             [{"emotion": p.emotion} | _place(p) | _mean(p.win_share) for p in findings.emotions]
         ),
+        "segments.csv": _records([asdict(share) for share in findings.segments]),
         "side_bias.csv": _records(
             [
                 {"question": bias.question, "reference_on_left": bias.reference_on_left}
