@@ -90,7 +90,9 @@ def record_watched(
 ) -> Watched:
     """Store one numbered report of played intervals and return what is known now.
 
-    The same report sent twice is stored once.
+    A number is stored once, so that a report may be sent again when its fate is unknown. Where
+    another window has used the number, the answer lacks what was reported; it can be sent again
+    under `Watched.next_batch`.
 
     Parameters
     ----------
@@ -102,8 +104,8 @@ def record_watched(
     Raises
     ------
     RefusalError
-        If the trial is not the one being shown, the number was used for another report, or more
-        is claimed to be played than time has passed since the video was first shown.
+        If the trial is not the one being shown, or more is claimed to be played than time has
+        passed since the video was first shown.
     """
     with database.writing() as session:
         study_session = find(session, token)
@@ -115,11 +117,8 @@ def record_watched(
             for start, end in intervals
             if start < trial.duration and end > max(0.0, start)
         ]
-        stored = {known.batch: known for known in trial.watch_batches}
-        if batch in stored:
-            if [tuple(pair) for pair in stored[batch].intervals] == inside:
-                return watched_so_far(trial, coverage)
-            raise ConflictError("This report number is used already.", "Please reload the page.")
+        if batch in {known.batch for known in trial.watch_batches}:
+            return watched_so_far(trial, coverage)
         passed = clock.seconds_since(trial.shown_at)
         before = watched_so_far(trial, coverage).intervals
         if length(merged([*before, *inside])) > passed + TOLERANCE:

@@ -19,6 +19,10 @@ function length(intervals) {
   return intervals.reduce((sum, [from, to]) => sum + to - from, 0);
 }
 
+function covers(known, intervals) {
+  return length(merged([...known, ...intervals])) - length(known) < 0.001;
+}
+
 export class WatchEvidence extends EventTarget {
   constructor(video) {
     super();
@@ -27,7 +31,10 @@ export class WatchEvidence extends EventTarget {
     this.needed = Number(video.dataset.coverage) * this.duration;
     this.played = JSON.parse(video.dataset.watched);
     this.batch = Number(video.dataset.nextBatch);
-    this.unsent = [];
+    this.keptKey = `unsent ${video.dataset.watchedUrl}`;
+    this.unsent = JSON.parse(sessionStorage.getItem(this.keptKey) ?? "[]");
+    sessionStorage.removeItem(this.keptKey);
+    this.flying = [];
     this.last = null; // where the playing video was when last looked at, and when that was
     this.sending = null;
     video.addEventListener("playing", () => this.open());
@@ -43,12 +50,13 @@ export class WatchEvidence extends EventTarget {
     setInterval(() => this.report(), REPORT_EVERY_MS);
     addEventListener("pagehide", () => {
       this.close(false);
+      this.keep();
       this.report();
     });
   }
 
   get missing() {
-    const rest = this.needed - length(merged([...this.played, ...this.unsent]));
+    const rest = this.needed - length(merged([...this.played, ...this.flying, ...this.unsent]));
     return rest < 0.001 ? 0 : rest;
   }
 
@@ -77,7 +85,7 @@ export class WatchEvidence extends EventTarget {
 
   // What was played since the last look: no more than time has passed.
   extend(time) {
-    const now = { time, at: performance.now() };
+    const now = { time: Math.min(time, this.duration), at: performance.now() };
     const played = now.time - this.last.time;
     if (played > 0 && played <= (now.at - this.last.at) / 1000 + SLACK) {
       this.add(this.last.time, now.time);
@@ -88,6 +96,13 @@ export class WatchEvidence extends EventTarget {
   add(from, to) {
     this.unsent = merged([...this.unsent, [from, to]]);
     this.dispatchEvent(new Event("change"));
+  }
+
+  // A page that is left may not learn whether its last report arrived: the next one sends it
+  // again under the same number.
+  keep() {
+    const kept = merged([...this.flying, ...this.unsent]);
+    if (kept.length) sessionStorage.setItem(this.keptKey, JSON.stringify(kept));
   }
 
   // Send what is unsent; resolves when nothing is, or when sending failed.
@@ -102,7 +117,7 @@ export class WatchEvidence extends EventTarget {
   async send() {
     const intervals = this.unsent;
     this.unsent = [];
-    this.played = merged([...this.played, ...intervals]);
+    this.flying = intervals;
     const body = JSON.stringify({ batch: this.batch, intervals });
     for (;;) {
       try {
@@ -116,11 +131,14 @@ export class WatchEvidence extends EventTarget {
           const known = await answer.json();
           this.played = known.intervals;
           this.batch = known.next_batch;
+          this.flying = [];
+          // Another window has used the number: once more under the next one.
+          if (!covers(this.played, intervals)) this.unsent = merged([...this.unsent, ...intervals]);
           this.dispatchEvent(new Event("change"));
           return;
         }
         if (answer.status < 500) {
-          // Another window is ahead of this one: start again from what the server knows.
+          // Another window has moved on: show where the participant stands.
           location.reload();
           return;
         }

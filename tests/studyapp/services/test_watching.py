@@ -63,14 +63,16 @@ def test_the_same_report_sent_twice_is_stored_once(participant: Participant) -> 
     assert participant.trial().watched.next_batch == 1
 
 
-def test_another_report_under_the_same_number_is_refused(participant: Participant) -> None:
+def test_another_report_under_the_same_number_is_not_stored_and_the_answer_shows_it(
+    participant: Participant,
+) -> None:
     participant.look()
     participant.clock.advance(seconds=5)
     participant.watch((0.0, 1.0))
 
-    with pytest.raises(ConflictError):
-        participant.watch((1.0, 2.0))
+    assert participant.watch((1.0, 2.0)) == pytest.approx(0.9)
     assert participant.trial().watched.intervals == ((0.0, 1.0),)
+    assert participant.trial().watched.next_batch == 1
 
 
 def test_what_lies_outside_the_video_does_not_count(participant: Participant) -> None:

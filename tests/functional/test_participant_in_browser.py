@@ -1,0 +1,477 @@
+"""A participant in a real browser, with really playing videos, on the real server."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
+from sqlalchemy import select
+
+from studyapp.models import Response, StudySession, Trial
+from studyapp.services.database import Database, sqlite_url
+
+CHROMIUM = Path("/usr/bin/chromium")
+ARGUMENTS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--autoplay-policy=document-user-activation-required",
+)
+LAPTOP = {"width": 1366, "height": 768}
+VIEWPORTS = {"laptop": LAPTOP, "desktop": {"width": 1920, "height": 1080}}
+VIEWPORTS["phone"] = {"width": 420, "height": 900}
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.slow,
+    pytest.mark.skipif(not CHROMIUM.exists(), reason="there is no /usr/bin/chromium"),
+]
+
+
+@pytest.fixture(scope="module")
+def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study with places for all these tests."""
+    folder = tmp_path_factory.mktemp("browser") / "study"
+    shutil.copytree(tiny_study_template, folder)
+    definition = folder / "study.toml"
+    text = definition.read_text("utf-8")
+    definition.write_text(
+        text.replace("participants_per_comparison = 4", "participants_per_comparison = 50"),
+        "utf-8",
+    )
+    return folder
+
+
+@pytest.fixture(scope="module")
+def address(study: Path) -> Iterator[str]:
+    """Serve the study as `motionjury serve` does, and return where."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    code = (
+        "import sys; from pathlib import Path; from studyapp.serving import run_server; "
+        "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2)"
+    )
+    server = subprocess.Popen([sys.executable, "-c", code, str(study), str(port)])
+    url = f"http://127.0.0.1:{port}"
+    deadline = time.monotonic() + 30
+    while True:
+        try:
+            httpx.get(url)
+            break
+        except httpx.ConnectError:
+            assert time.monotonic() < deadline
+            assert server.poll() is None
+            time.sleep(0.2)
+    yield url
+    server.send_signal(signal.SIGTERM)
+    server.wait(timeout=30)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def page(browser: Browser, address: str) -> Iterator[Page]:
+    """Return an empty page that may ask nobody but the study, and must not complain."""
+    context = browser.new_context(viewport=LAPTOP)
+    opened = context.new_page()
+    complaints: list[str] = []
+    strangers: list[str] = []
+
+    def look_at(request: Request) -> None:
+        if not request.url.startswith(address):
+            strangers.append(request.url)
+
+    opened.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
+    opened.on("pageerror", lambda error: complaints.append(str(error)))
+    opened.on("request", look_at)
+    yield opened
+    context.close()
+    assert strangers == []
+    assert [c for c in complaints if "ERR_INTERNET_DISCONNECTED" not in c] == []
+
+
+@pytest.fixture
+def database(study: Path) -> Iterator[Database]:
+    opened = Database.open(sqlite_url(study / "responses.db"))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def screenshots(tmp_path: Path) -> Path:
+    folder = Path(os.environ.get("SCREENSHOTS", tmp_path / "screenshots"))
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def photograph(page: Page, folder: Path, name: str) -> None:
+    """Take the page in every size, and leave it as wide as a laptop."""
+    for size, viewport in VIEWPORTS.items():
+        page.set_viewport_size(viewport)
+        page.screenshot(path=folder / f"{name}-{size}.png", full_page=size == "phone")
+    page.set_viewport_size(LAPTOP)
+
+
+def take_part(page: Page, address: str) -> None:
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    page.get_by_role("button", name="Begin").click()
+    expect_trial(page, 1)
+
+
+def expect_trial(page: Page, number: int) -> None:
+    expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 6")
+
+
+def play(page: Page) -> None:
+    page.get_by_role("button", name="Play both").click()
+    expect(page.locator("#watched")).to_have_text("Watched ✓", timeout=15_000)
+
+
+def wait_for_video(page: Page, condition: str) -> None:
+    """Wait until `condition` holds of the video; the page forbids scripts that watch by eval."""
+    deadline = time.monotonic() + 15
+    while not page.evaluate(f"document.querySelector('video').{condition}"):
+        assert time.monotonic() < deadline, f"the video never was: {condition}"
+        page.wait_for_timeout(50)
+
+
+def choose(page: Page, question: str, label: str) -> None:
+    page.locator(f"[data-question={question}]").get_by_text(label, exact=True).click()
+
+
+def trials(page: Page, database: Database) -> list[Trial]:
+    """Return the trials of the participant whose page this is."""
+    token = page.url.rsplit("/", 1)[1]
+    with database.reading() as session:
+        found = session.scalars(select(StudySession).where(StudySession.token == token)).one()
+        return list(found.trials)
+
+
+def answers(page: Page, database: Database) -> list[tuple[int, str, int]]:
+    """Return what is stored of the participant whose page this is."""
+    ids = {trial.id: trial.position for trial in trials(page, database)}
+    with database.reading() as session:
+        rows = session.scalars(select(Response).order_by(Response.id))
+        return [(ids[r.trial_id], r.question, r.value) for r in rows if r.trial_id in ids]
+
+
+def test_a_study_session_from_consent_to_code(
+    page: Page, address: str, database: Database, screenshots: Path
+) -> None:
+    page.goto(address)
+    photograph(page, screenshots, "1-consent")
+    page.get_by_role("button", name="I agree").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("What you will do")
+    photograph(page, screenshots, "2-instructions")
+    page.get_by_role("button", name="Begin").click()
+
+    for number in range(1, 7):
+        expect_trial(page, number)
+        page.get_by_role("button", name="Play both").click()
+        wait_for_video(page, "currentTime > 0.5")
+        if number == 2:
+            photograph(page, screenshots, "3-trial-playing")
+        expect(page.locator("#watched")).to_have_text("Watched ✓", timeout=15_000)
+        assert page.evaluate("document.querySelector('video').videoWidth") == 240
+        choose(page, "rhythm", "slightly A")
+        choose(page, "emotion", "clearly B")
+        if number == 3:
+            photograph(page, screenshots, "4-trial-answered")
+        page.get_by_role("button", name="Next").click()
+
+    expect(page.get_by_role("heading", level=1)).to_contain_text("Thank you")
+    photograph(page, screenshots, "5-completed")
+    page.get_by_role("button", name="Copy the code").click()
+    expect(page.locator("#copied")).not_to_be_empty()
+
+    shown = page.locator("#completion-code").inner_text()
+    stored = answers(page, database)
+    assert stored == [
+        (number, question, value)
+        for number in range(1, 7)
+        for question, value in (("rhythm", -1), ("emotion", 2))
+    ]
+    with database.reading() as session:
+        found = session.scalars(
+            select(StudySession).where(StudySession.token == page.url.rsplit("/", 1)[1])
+        ).one()
+        assert found.completion_code == shown
+
+
+@pytest.mark.parametrize("size", ["laptop", "desktop"])
+def test_video_questions_and_next_are_in_view_without_scrolling(
+    page: Page, address: str, size: str
+) -> None:
+    page.set_viewport_size(VIEWPORTS[size])
+    take_part(page, address)
+    wait_for_video(page, "readyState >= 1")
+
+    for part in ("#pair", "#controls", "#answers", "#next"):
+        box = page.locator(part).bounding_box()
+        assert box is not None
+        assert box["y"] >= 0
+        assert box["y"] + box["height"] <= VIEWPORTS[size]["height"]
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_refresh_keeps_what_was_watched_and_chosen(
+    page: Page, address: str, database: Database
+) -> None:
+    take_part(page, address)
+    play(page)
+    choose(page, "emotion", "no difference")
+
+    page.reload()
+
+    expect_trial(page, 1)
+    expect(page.locator("#watched")).to_have_text("Watched ✓")
+    expect(page.locator("#needed")).to_have_text("Still needed: answer 1")
+    expect(page.locator("[name=emotion][value='0']")).to_be_checked()
+    assert answers(page, database) == []
+
+
+def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, address: str) -> None:
+    take_part(page, address)
+    page.get_by_role("button", name="Play both").click()
+    wait_for_video(page, "currentTime > 1.2")
+
+    page.reload()
+
+    expect(page.locator("#watched")).to_have_text("Watched: still 1 s")
+
+
+def test_the_back_button_is_harmless(page: Page, address: str, database: Database) -> None:
+    take_part(page, address)
+    where = page.url
+    play(page)
+    choose(page, "rhythm", "clearly A")
+    choose(page, "emotion", "clearly A")
+    page.get_by_role("button", name="Next").click()
+    expect_trial(page, 2)
+
+    page.go_back()
+    while page.url != f"{address}/" and page.url != "about:blank":
+        expect_trial(page, 2)
+        page.go_back()
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+
+    expect_trial(page, 2)
+    assert page.url == where
+    assert len(answers(page, database)) == 2
+
+
+def test_a_double_click_on_next_answers_one_trial(
+    page: Page, address: str, database: Database
+) -> None:
+    take_part(page, address)
+    play(page)
+    choose(page, "rhythm", "clearly A")
+    choose(page, "emotion", "slightly B")
+
+    page.get_by_role("button", name="Next").dblclick()
+
+    expect_trial(page, 2)
+    assert answers(page, database) == [(1, "rhythm", -2), (1, "emotion", 1)]
+    expect(page.locator(":checked")).to_have_count(0)
+
+
+def test_a_double_click_on_start_takes_one_place(
+    page: Page, address: str, database: Database
+) -> None:
+    with database.reading() as session:
+        before = len(session.scalars(select(StudySession)).all())
+    page.goto(address)
+
+    page.get_by_role("button", name="I agree").dblclick()
+
+    expect(page.get_by_role("heading", level=1)).to_have_text("What you will do")
+    with database.reading() as session:
+        assert len(session.scalars(select(StudySession)).all()) == before + 1
+
+
+def test_next_says_what_is_missing_and_sends_nothing(
+    page: Page, address: str, database: Database, screenshots: Path
+) -> None:
+    take_part(page, address)
+    choose(page, "rhythm", "clearly A")
+
+    page.get_by_role("button", name="Next").click()
+
+    expect(page.locator("#needed")).to_have_text("Still needed: play the pair to the end, answer 2")
+    expect_trial(page, 1)
+    photograph(page, screenshots, "6-still-needed")
+    assert answers(page, database) == []
+
+
+def test_skipping_to_the_end_does_not_count(page: Page, address: str) -> None:
+    take_part(page, address)
+    wait_for_video(page, "readyState >= 1")
+
+    page.evaluate("document.querySelector('video').currentTime = 1.8")
+    page.get_by_role("button", name="Play both").click()
+    wait_for_video(page, "ended")
+
+    expect(page.locator("#watched")).to_have_text("Watched: still 2 s")
+
+
+def test_playing_without_sound_does_not_count_and_says_so(page: Page, address: str) -> None:
+    take_part(page, address)
+
+    page.locator("#volume").fill("0")
+    page.get_by_role("button", name="Play both").click()
+    wait_for_video(page, "ended")
+
+    expect(page.locator("#watched")).to_have_text("Turn the sound on, please")
+
+
+def test_keys_one_to_five_answer_the_next_question(page: Page, address: str) -> None:
+    take_part(page, address)
+
+    page.keyboard.press("1")
+    expect(page.locator("[name=rhythm][value='-2']")).to_be_checked()
+    page.keyboard.press("5")
+    expect(page.locator("[name=emotion][value='2']")).to_be_checked()
+
+    page.locator("[name=rhythm][value='-2']").focus()
+    page.keyboard.press("3")
+    expect(page.locator("[name=rhythm][value='0']")).to_be_checked()
+
+
+def test_everything_can_be_done_from_the_keyboard(page: Page, address: str) -> None:
+    take_part(page, address)
+
+    page.keyboard.press("Tab")
+    expect(page.locator("#play")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.locator("#watched")).to_have_text("Watched ✓", timeout=15_000)
+    for _ in range(3):
+        page.keyboard.press("Tab")
+    page.keyboard.press("Space")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Space")
+    page.keyboard.press("Enter")
+
+    expect_trial(page, 2)
+
+
+def test_a_lost_connection_loses_no_answer(
+    page: Page, address: str, database: Database, screenshots: Path
+) -> None:
+    take_part(page, address)
+    play(page)
+    choose(page, "rhythm", "clearly A")
+    choose(page, "emotion", "clearly A")
+    page.wait_for_timeout(500)
+
+    page.context.set_offline(True)
+    page.get_by_role("button", name="Next").click()
+    expect(page.locator("#problem")).to_contain_text("The connection is lost")
+    page.screenshot(path=screenshots / "7-connection-lost.png")
+    assert answers(page, database) == []
+    page.context.set_offline(False)
+
+    expect_trial(page, 2)
+    assert len(answers(page, database)) == 2
+
+
+def test_only_the_next_video_is_fetched_ahead_and_only_after_watching(
+    page: Page, address: str
+) -> None:
+    fetched: list[str] = []
+    page.on("request", lambda r: fetched.append(r.url) if "/media/" in r.url else None)
+    take_part(page, address)
+    following = address + (page.locator("#pair").get_attribute("data-following") or "")
+    wait_for_video(page, "readyState >= 4")
+    assert following not in fetched
+
+    play(page)
+    page.wait_for_timeout(500)
+
+    assert len(set(fetched)) == 2
+    assert following in fetched
+
+
+def test_a_video_that_does_not_play_can_be_left_behind(
+    page: Page, address: str, database: Database
+) -> None:
+    page.route("**/media/**", lambda route: route.fulfill(status=200, body="no video"))
+    take_part(page, address)
+
+    page.get_by_text("The video will not play").click()
+    page.get_by_role("button", name="Go on without this video").click()
+
+    expect_trial(page, 2)
+    assert [trial.unplayable_at is not None for trial in trials(page, database)][:2] == [
+        True,
+        False,
+    ]
+    assert answers(page, database) == []
+
+
+def test_two_windows_of_one_participant_do_not_disturb_each_other(
+    page: Page, address: str, database: Database
+) -> None:
+    take_part(page, address)
+    second = page.context.new_page()
+    second.goto(page.url)
+    for window in (page, second):
+        window.bring_to_front()
+        play(window)
+        choose(window, "rhythm", "clearly A")
+        choose(window, "emotion", "clearly A")
+    page.bring_to_front()
+    page.get_by_role("button", name="Next").click()
+    expect_trial(page, 2)
+
+    second.bring_to_front()
+    choose(second, "rhythm", "clearly B")
+    second.get_by_role("button", name="Next").click()
+
+    expect_trial(second, 2)
+    assert answers(page, database) == [(1, "rhythm", -2), (1, "emotion", -2)]
+
+
+def test_withdrawing_is_always_possible(page: Page, address: str, database: Database) -> None:
+    take_part(page, address)
+
+    page.get_by_role("link", name="withdraw").click()
+    page.get_by_role("button", name="Yes, withdraw").click()
+
+    expect(page.get_by_role("heading", level=1)).to_have_text("You have withdrawn")
+
+
+def test_an_unknown_address_is_a_friendly_page(
+    browser: Browser, address: str, screenshots: Path
+) -> None:
+    lost = browser.new_page(viewport=LAPTOP)
+
+    lost.goto(f"{address}/take/nobody")
+
+    expect(lost.get_by_role("heading", level=1)).to_have_text(re.compile("no participant"))
+    lost.screenshot(path=screenshots / "8-unknown-address.png")
+    lost.close()
