@@ -48,7 +48,8 @@ STYLES: Final[Mapping[str, EmotionStyle]] = MappingProxyType(
             posture=Posture(),
             liveliness=Liveliness(),
             face=Face(
-                steady={"mouthSmile": 0.06}, on_accent={"browInnerUp": 0.3, "browOuterUp": 0.22}
+                steady={"mouthSmile": 0.12, "eyeWide": 0.12},
+                on_accent={"browInnerUp": 0.3, "browOuterUp": 0.22},
             ),
         ),
         "happiness": EmotionStyle(
@@ -58,7 +59,7 @@ STYLES: Final[Mapping[str, EmotionStyle]] = MappingProxyType(
                     "throw_up": 1.6,
                     "frame": 2.5,
                     "sweep": 2,
-                    "beat": 1,
+                    "beat": 0.4,
                     "to_self": 0.6,
                 },
                 rest=BEFORE_THE_WAIST,
@@ -74,8 +75,8 @@ STYLES: Final[Mapping[str, EmotionStyle]] = MappingProxyType(
             ),
             face=Face(
                 steady={
-                    "mouthSmile": 0.55,
-                    "cheekSquint": 0.4,
+                    "mouthSmile": 0.85,
+                    "cheekSquint": 0.5,
                     "eyeSquint": 0.15,
                     "browInnerUp": 0.12,
                     "browOuterUp": 0.15,
@@ -208,7 +209,7 @@ STYLES: Final[Mapping[str, EmotionStyle]] = MappingProxyType(
                 nod=7, head_drift=4, sway=1.1, restlessness=1.1, breaths=18, blinks=30
             ),
             face=Face(
-                steady={"browInnerUp": 0.7, "browOuterUp": 0.75, "eyeWide": 0.6},
+                steady={"browInnerUp": 0.7, "browOuterUp": 0.75, "eyeWide": 0.9},
                 on_accent={
                     "browInnerUp": 0.25,
                     "browOuterUp": 0.2,

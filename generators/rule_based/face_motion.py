@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 _BROW_LEAD: Final = 0.06
 _WAVERING: Final = 0.12
-_QUIETED_BY_SPEECH: Final = 0.45
+_QUIETED_BY_SPEECH: Final = 0.3
 _LIP_SHAPES: Final = ("mouthSmile", "mouthFrown", "mouthPress", "mouthShrug", "mouthDimple")
 
 

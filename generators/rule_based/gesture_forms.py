@@ -75,7 +75,7 @@ def _apex(
 FORMS: Final = MappingProxyType(
     {
         "beat": GestureForm(
-            apex=_apex((-0.02, -0.48, 0.60), RELAXED, pronation=40, flexion=12),
+            apex=_apex((-0.02, -0.46, 0.60), RELAXED, pronation=24, flexion=2),
             stroke=(0.03, -0.24, 0.06),
             wind_up=(-10, -32),
         ),
@@ -103,12 +103,12 @@ FORMS: Final = MappingProxyType(
             both_hands=False,
         ),
         "sweep": GestureForm(
-            apex=_apex((0.42, -0.40, 0.58), OPEN, pronation=48, flexion=-12, elbow_out=8),
+            apex=_apex((0.38, -0.36, 0.60), OPEN, pronation=30, flexion=-16, elbow_out=0),
             stroke=(0.44, -0.04, -0.02),
             wind_up=(-10, 22),
         ),
         "to_self": GestureForm(
-            apex=_apex((-0.22, -0.16, 0.40), OPEN, pronation=14, flexion=14),
+            apex=_apex((-0.22, -0.30, 0.40), OPEN, pronation=14, flexion=14),
             stroke=(-0.16, 0.02, -0.20),
             wind_up=(-24, -14),
             both_hands=False,

@@ -9,7 +9,7 @@ loudest moment, between its onset and that.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -32,14 +32,14 @@ _RETRACTION: Final = 0.85
 _WORTH_RETRACTING: Final = 1.1
 _QUICKEST_START: Final = 0.3
 _UNIT_GAP: Final = 1.6
-_LONGEST_UNIT: Final = 4
-_FORM_CHANGES: Final = 0.3
+_LONGEST_UNIT: Final = 3
+_FORM_CHANGES: Final = 0.4
 _STRONG_HAND: Final = 0.65
 
 
 @dataclass(frozen=True, kw_only=True)
 class Gesture:
-    """One gesture and its phases.
+    """One gesture up to the end of its stroke.
 
     Attributes
     ----------
@@ -53,10 +53,8 @@ class Gesture:
         When preparation ends and the stroke begins.
     apex : float
         When the stroke ends and the hold begins: at the accent.
-    release : float
-        When the hold ends.
-    rest : float or None
-        When the retraction ends; None where the next gesture begins out of the hold.
+    hold : float
+        Seconds that the hand would stay if nothing followed.
     strength : float
         Prominence of the accent, in (0, 1].
     """
@@ -66,9 +64,24 @@ class Gesture:
     begin: float
     stroke: float
     apex: float
+    hold: float
+    strength: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ending:
+    """How one hand comes out of a gesture.
+
+    Attributes
+    ----------
+    release : float
+        When the hold ends, in seconds.
+    rest : float or None
+        When the retraction ends; None where the hand's next gesture begins out of the hold.
+    """
+
     release: float
     rest: float | None
-    strength: float
 
 
 def plan_gestures(
@@ -93,12 +106,13 @@ def plan_gestures(
     strong_hand = HANDS[int(rng.random() < 0.7)]
     gestures: list[Gesture] = []
     for unit in _units(prosody.accents[picked], manner.tempo):
-        form = _choose_form(manner, rng)
+        last = gestures[-1].form if gestures else None
+        form = _choose_form(manner, rng, unlike=last)
         hands = _choose_hands(form, manner, strong_hand, rng)
         for place, accent in enumerate(unit):
             apex = accent - _AHEAD_OF_PEAK
             if place and rng.random() < _FORM_CHANGES:
-                form = _choose_form(manner, rng, len(hands))
+                form = _choose_form(manner, rng, unlike=form, hand_count=len(hands))
             earlier = _latest_of(gestures, hands)
             free = 0.0 if earlier is None else earlier.apex + _SHORTEST_HOLD
             begin, stroke = _approach(apex, free, bool(place), manner.tempo, rng)
@@ -109,15 +123,33 @@ def plan_gestures(
                     begin=begin,
                     stroke=stroke,
                     apex=apex,
-                    release=apex + manner.longest_hold * rng.uniform(0.4, 1.0),
-                    rest=None,
+                    hold=manner.longest_hold * rng.uniform(0.4, 1.0),
                     strength=float(np.interp(accent, prosody.accents, prosody.prominence)),
                 )
             )
-    return tuple(
-        _with_ending(gesture, gestures[number + 1 :], manner.tempo)
-        for number, gesture in enumerate(gestures)
-    )
+    return tuple(gestures)
+
+
+def endings(gestures: Sequence[Gesture], tempo: float) -> tuple[Ending, ...]:
+    """Return how one hand comes out of each of the gestures that it makes.
+
+    Parameters
+    ----------
+    gestures : sequence of Gesture
+        Those of one hand, in time order.
+    tempo : float
+        Speed of the retraction against an unmoved speaker's.
+    """
+    found: list[Ending] = []
+    for number, gesture in enumerate(gestures):
+        release = gesture.apex + gesture.hold
+        following = gestures[number + 1].begin if number + 1 < len(gestures) else np.inf
+        room = following - release
+        if room < _WORTH_RETRACTING:
+            found.append(Ending(release=following, rest=None))
+        else:
+            found.append(Ending(release=release, rest=release + min(_RETRACTION / tempo, room)))
+    return tuple(found)
 
 
 def _pick_accents(prosody: Prosody, least_gap: float) -> NDArray[np.intp]:
@@ -143,17 +175,22 @@ def _units(apexes: FloatArray, tempo: float) -> list[list[float]]:
 
 
 def _choose_form(
-    manner: GestureManner, rng: np.random.Generator, hand_count: int | None = None
+    manner: GestureManner,
+    rng: np.random.Generator,
+    *,
+    unlike: GestureForm | None,
+    hand_count: int | None = None,
 ) -> GestureForm:
-    """Return a form the emotion likes, one for `hand_count` hands if that is given."""
+    """Return a form the emotion likes, another than `unlike`, for `hand_count` hands if given."""
     usable = [
         (FORMS[name], liking)
         for name, liking in manner.forms.items()
         if hand_count is None
         or (FORMS[name].both_hands if hand_count == 2 else FORMS[name].one_hand)
     ]
-    liking = np.array([weight for _, weight in usable])
-    return usable[int(rng.choice(len(usable), p=liking / liking.sum()))][0]
+    others = [(form, liking) for form, liking in usable if form is not unlike] or usable
+    liking = np.array([weight for _, weight in others])
+    return others[int(rng.choice(len(others), p=liking / liking.sum()))][0]
 
 
 def _choose_hands(
@@ -180,14 +217,3 @@ def _approach(
     preparation = (_RECOIL if again else _PREPARATION) / tempo * rng.uniform(0.85, 1.2)
     squeeze = min(1.0, (apex - free) / (stroke + preparation))
     return apex - squeeze * (stroke + preparation), apex - squeeze * stroke
-
-
-def _with_ending(gesture: Gesture, later: Sequence[Gesture], tempo: float) -> Gesture:
-    """Return the gesture held until the next of its hands begins, or retracted before."""
-    following = next((other for other in later if set(other.hands) & set(gesture.hands)), None)
-    if following is None:
-        return replace(gesture, rest=gesture.release + _RETRACTION / tempo)
-    room = following.begin - gesture.release
-    if room < _WORTH_RETRACTING:
-        return replace(gesture, release=following.begin)
-    return replace(gesture, rest=gesture.release + min(_RETRACTION / tempo, room))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from generators.rule_based.emotion_style import GestureManner
-from generators.rule_based.gesture_plan import Gesture
+from generators.rule_based.gesture_plan import Gesture, endings
 from generators.rule_based.hand_pose import (
     CURLS,
     ELBOW_OUT,
@@ -30,6 +30,7 @@ _TURN_VARIETY: Final = 7.0
 _SECOND_HAND: Final = 0.9
 _FOLLOW_THROUGH: Final = 0.05
 _HAND_DRIFT: Final = 0.007
+_OVERLAP: Final = 0.2
 _REBOUND: Final = 0.14
 _REBOUND_SECONDS: Final = 0.35
 _SHORTEST_REBOUND: Final = 0.2
@@ -66,9 +67,8 @@ def hand_track(
     rest = manner.rest.channels() + _variety(rng) * 0.5
     rest[ELBOW_OUT] += manner.elbows_out
     movements: list[Movement] = []
-    for gesture in gestures:
-        if hand not in gesture.hands:
-            continue
+    own = [gesture for gesture in gestures if hand in gesture.hands]
+    for gesture, ending in zip(own, endings(own, manner.tempo), strict=True):
         size = manner.amplitude * (0.75 + 0.35 * gesture.strength) * rng.uniform(0.9, 1.1)
         if len(gesture.hands) == 2 and hand == "left":
             size *= _SECOND_HAND
@@ -76,16 +76,21 @@ def hand_track(
         bow = np.zeros(len(rest))
         bow[PLACE] = (0.05 * size, 0.0, 0.03 * size)
         movements += [
-            Movement(start=gesture.begin, end=gesture.stroke + 0.03, target=upbeat, bow=bow),
+            Movement(
+                start=gesture.begin,
+                end=gesture.stroke + _OVERLAP * (gesture.apex - gesture.stroke),
+                target=upbeat,
+                bow=bow,
+            ),
             Movement(start=gesture.stroke, end=gesture.apex, target=apex),
         ]
-        if gesture.release - gesture.apex > _SHORTEST_REBOUND:
-            end = min(gesture.apex + _REBOUND_SECONDS / manner.tempo, gesture.release)
+        if ending.release - gesture.apex > _SHORTEST_REBOUND:
+            end = min(gesture.apex + _REBOUND_SECONDS / manner.tempo, ending.release)
             settled = apex + _REBOUND * (upbeat - apex)
             movements.append(Movement(start=gesture.apex, end=end, target=settled))
-        if gesture.rest is not None:
+        if ending.rest is not None:
             movements.append(
-                Movement(start=gesture.release, end=gesture.rest, target=rest, bow=bow * 0.6)
+                Movement(start=ending.release, end=ending.rest, target=rest, bow=bow * 0.6)
             )
     course = follow(rest, movements, times)
     # Fingers and the wrist's bend trail the arm a little, as loosely held hands do.
