@@ -18,10 +18,10 @@ from analysis.metrics.joint_positions import (
     UPPER_BODY_JOINTS,
     common_frame_rate,
     joint_positions,
+    select,
 )
 from analysis.metrics.result import MetricResult
 from motion.audio import read_audio
-from motion.clip import MotionClip
 from motion.formats import read_clip
 from motion.speech_onsets import DETECTOR, speech_onsets
 
@@ -116,14 +116,17 @@ def study_metrics(
     by_clip: list[ClipScore] = []
     by_condition: list[ConditionScore] = []
     for condition, found in motions.items():
+        positions = {
+            segment: joint_positions(clip, frame_rate, frozen) for segment, clip in found.items()
+        }
         scores = [
             ClipScore(condition=condition, segment=segment, result=result)
-            for segment, clip in found.items()
-            for result in _clip_metrics(clip, onsets.get(segment), frame_rate, frozen)
+            for segment, moving in positions.items()
+            for result in _clip_metrics(moving, onsets.get(segment), frame_rate)
         ]
         by_clip += scores
         by_condition += _summaries(condition, scores)
-        by_condition += _pair_distance(condition, list(found.values()), frame_rate, frozen)
+        by_condition += _pair_distance(condition, list(positions.values()), frame_rate)
     return StudyMetrics(frame_rate=frame_rate, clips=tuple(by_clip), conditions=tuple(by_condition))
 
 
@@ -133,12 +136,12 @@ def _onsets(excerpt: Excerpt) -> FloatArray:
 
 
 def _clip_metrics(
-    clip: MotionClip, onsets: FloatArray | None, frame_rate: float, frozen: Collection[str]
+    positions: FloatArray, onsets: FloatArray | None, frame_rate: float
 ) -> Iterator[MetricResult]:
     if onsets is not None:
         for preset in PRESETS:
             found = beat_alignment(
-                joint_positions(clip, preset.joints, frame_rate, frozen),
+                select(positions, preset.joints),
                 onsets,
                 frame_rate=frame_rate,
                 settings=preset,
@@ -146,22 +149,18 @@ def _clip_metrics(
             )
             yield from (found.above_chance, found.score, found.chance, found.motion_beats)
     for settings in _JERKS:
-        positions = joint_positions(clip, settings.joints, frame_rate, frozen)
-        yield jerk(positions, frame_rate=frame_rate, settings=settings)
-    yield l1_deviation(
-        joint_positions(clip, UPPER_BODY_JOINTS, frame_rate, frozen),
-        settings=_pose_settings(frame_rate),
-    )
+        measured = select(positions, settings.joints)
+        yield jerk(measured, frame_rate=frame_rate, settings=settings)
+    yield l1_deviation(select(positions, UPPER_BODY_JOINTS), settings=_pose_settings(frame_rate))
 
 
 def _pair_distance(
-    condition: str, clips: list[MotionClip], frame_rate: float, frozen: Collection[str]
+    condition: str, clips: list[FloatArray], frame_rate: float
 ) -> Iterator[ConditionScore]:
     if not clips:
         return
-    positions = [joint_positions(clip, UPPER_BODY_JOINTS, frame_rate, frozen) for clip in clips]
     result = mean_pair_distance(
-        motion_features(positions),
+        motion_features([select(positions, UPPER_BODY_JOINTS) for positions in clips]),
         settings=_pose_settings(frame_rate)
         | {"distance": "root mean square over frames and joints, clips cut to the shortest"},
     )

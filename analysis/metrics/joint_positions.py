@@ -44,16 +44,14 @@ def common_frame_rate(frame_rates: Collection[float]) -> float:
 
 
 def joint_positions(
-    clip: MotionClip, joints: Sequence[str], frame_rate: float, frozen: Collection[str] = ()
+    clip: MotionClip, frame_rate: float, frozen: Collection[str] = ()
 ) -> FloatArray:
-    """Return where `joints` are, on the default body, whatever the clip's own shape.
+    """Return where all joints are, on the default body, whatever the clip's own shape.
 
     Parameters
     ----------
     clip : MotionClip
         Any frame rate.
-    joints : sequence of str
-        Names from `motion.skeleton.JOINT_NAMES`.
     frame_rate : float
         Frames per second of the result.
     frozen : collection of str
@@ -61,10 +59,14 @@ def joint_positions(
 
     Returns
     -------
-    ndarray, shape (T, len(joints), 3)
+    ndarray, shape (T, 55, 3)
         Positions in metres relative to the pelvis, y up.
     """
     seen = freeze(resample(clip, frame_rate), frozen)
     positions = forward_kinematics(seen.poses, np.zeros_like(seen.trans), REST_JOINTS)[0]
-    relative = positions - positions[:, :1]
-    return relative[:, [joint_index(name) for name in joints]]
+    return positions - positions[:, :1]
+
+
+def select(positions: FloatArray, joints: Sequence[str]) -> FloatArray:
+    """Return the positions of the named joints, shape (T, len(joints), 3)."""
+    return positions[:, [joint_index(name) for name in joints]]
