@@ -11,10 +11,10 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
-from typing import Final
+from typing import IO, Final
 
 import httpx
 
@@ -65,16 +65,25 @@ def rehearsal_server(folder: StudyFolder, *, speed: float) -> Iterator[str]:
         try:
             address = f"http://{HOST}:{port}"
             if not _is_up(process, address):
-                words.seek(0)
-                last = words.read().decode(errors="replace").strip().splitlines()[-1:]
+                last = _said(words).splitlines()[-1:]
                 raise InputError(
                     f"the study's server did not start: {' '.join(last) or 'it said nothing'}",
                     where=folder.root,
                     remedy="Try 'motionjury serve' to see all it says",
                 )
             yield address
+        except InputError as error:
+            # Shown with the traceback: what failed in the server is in its words alone.
+            error.add_note(f"The study's server said: {_said(words) or 'nothing'}")
+            raise
         finally:
             _stop(process)
+
+
+def _said(words: IO[bytes]) -> str:
+    """Return all that the server has written so far."""
+    words.seek(0)
+    return words.read().decode(errors="replace").strip()
 
 
 def _free_port() -> int:
@@ -88,11 +97,10 @@ def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:
     """Wait until the server answers; False when it ended or takes too long."""
     deadline = time.monotonic() + START_SECONDS
     while time.monotonic() < deadline and process.poll() is None:
-        try:
+        with suppress(httpx.TransportError):
             if httpx.get(address, trust_env=False).is_success:
                 return True
-        except httpx.TransportError:
-            time.sleep(0.1)
+        time.sleep(0.1)
     return False
 
 

@@ -1,0 +1,34 @@
+from __future__ import annotations
+
+import httpx
+import pytest
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.rehearsal.server import rehearsal_server
+
+
+def test_the_study_is_served_until_the_block_ends(folder: StudyFolder) -> None:
+    with rehearsal_server(folder, speed=100) as address:
+        page = httpx.get(address, trust_env=False)
+        assert "Gestures and speech" in page.text
+    with pytest.raises(httpx.ConnectError):
+        httpx.get(address, trust_env=False)
+
+
+def test_a_server_that_cannot_start_says_why(folder: StudyFolder) -> None:
+    folder.stimuli.write_text("{")
+    with (
+        pytest.raises(InputError, match=r"did not start.*stimuli\.json"),
+        rehearsal_server(folder, speed=100),
+    ):
+        raise AssertionError("it is served")
+
+
+def test_what_the_server_said_comes_with_an_error(folder: StudyFolder) -> None:
+    with (
+        pytest.raises(InputError, match="nothing to see") as caught,
+        rehearsal_server(folder, speed=100),
+    ):
+        raise InputError("nothing to see")
+    assert "server said: nothing" in caught.value.__notes__[0]
