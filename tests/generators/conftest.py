@@ -1,0 +1,71 @@
+"""Speech of known rhythm, and a small study of clips to take motion from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from generators.interface import SpeechSegment
+from generators.rule_based.generator import RuleBased
+from motion.audio import Audio
+from motion.clip import MotionClip
+from motion.segment import EMOTIONS, Segment
+
+RATE = 16000
+
+
+def syllables(seconds: float, seed: int) -> Audio:
+    """Humps of a buzzing voice, some louder and higher, and a pause in the middle."""
+    rng = np.random.default_rng(seed)
+    times = np.arange(round(seconds * RATE)) / RATE
+    gaps = rng.uniform(0.22, 0.5, int(seconds / 0.3))
+    peaks = 0.4 + np.cumsum(gaps)
+    peaks = peaks[(peaks < seconds - 0.2) & (np.abs(peaks - seconds / 2) > 0.3)]
+    envelope, pitch = np.zeros_like(times), np.full_like(times, 120.0)
+    for peak in peaks:
+        hump = np.cos(np.clip((times - peak) / 0.2, -0.5, 0.5) * np.pi) ** 2
+        stress = rng.choice([0.3, 1.0])
+        envelope = np.maximum(envelope, stress * hump)
+        pitch = pitch + 25 * stress * hump
+    phase = 2 * np.pi * np.cumsum(pitch) / RATE
+    voice = sum(np.sin(k * phase) / k for k in range(1, 20))
+    return Audio((0.2 * envelope * voice).astype(np.float32), RATE)
+
+
+def spoken(name: str, seconds: float, emotion: str = "neutral", seed: int = 0) -> SpeechSegment:
+    segment = Segment(
+        name=name, wav=f"{name}.wav", start=0.0, end=seconds, speaker="synthetic", emotion=emotion
+    )
+    return SpeechSegment(segment=segment, audio=syllables(seconds, seed))
+
+
+@dataclass(frozen=True)
+class ClipsInMemory:
+    """The clips of a condition, kept in memory."""
+
+    segments: Sequence[Segment]
+    clips: dict[str, MotionClip]
+
+    def clip(self, segment_name: str) -> MotionClip:
+        return self.clips[segment_name]
+
+
+@pytest.fixture(scope="session")
+def speak() -> Callable[..., SpeechSegment]:
+    return spoken
+
+
+@pytest.fixture(scope="session")
+def study() -> ClipsInMemory:
+    """Three segments of different length whose clips run at 25 fps."""
+    speeches = [
+        spoken(f"segment-{number}", 4.0 + number, EMOTIONS[number], number) for number in range(3)
+    ]
+    clips = {
+        speech.segment.name: RuleBased().generate(speech, seed=number, frame_rate=25)
+        for number, speech in enumerate(speeches)
+    }
+    return ClipsInMemory([speech.segment for speech in speeches], clips)
