@@ -33,6 +33,7 @@ export class Submission {
     }
     this.busy = true;
     this.button.setAttribute("aria-busy", "true");
+    this.needed.textContent = "Saving…";
     this.show(" · saving…", "");
     await this.evidence.report();
     await this.send();
@@ -70,6 +71,7 @@ export class Submission {
     this.busy = false;
     this.button.removeAttribute("aria-busy");
     this.show("", problem);
+    this.answers.dispatchEvent(new Event("change"));
   }
 
   showLost() {

@@ -26,6 +26,7 @@ function watchedText() {
 }
 
 function show() {
+  if (submission.busy) return;
   const parts = missing();
   needed.textContent = parts.length ? `Still needed: ${parts.join(", ")}` : "All done – press Next";
   needed.classList.toggle("complete", parts.length === 0);
@@ -45,7 +46,7 @@ function fetchAhead() {
 }
 
 new Playback(video, document.getElementById("controls"));
-new Submission(answers, evidence, missing);
+const submission = new Submission(answers, evidence, missing);
 evidence.addEventListener("change", show);
 answers.addEventListener("change", show);
 show();

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 from sqlalchemy import select
 
@@ -170,3 +172,13 @@ def test_an_unplayable_video_is_noted_and_left_without_an_answer(
     assert participant.trial().position == 2
     with pytest.raises(ConflictError):
         participant.answer(first)
+
+
+def test_many_requests_at_once_store_one_answer(participant: Participant) -> None:
+    first = ready(participant)
+
+    with ThreadPoolExecutor(8) as pool:
+        for done in [pool.submit(participant.answer, first) for _ in range(16)]:
+            done.result()
+
+    assert stored(participant) == [("rhythm", 1), ("emotion", -2)]
