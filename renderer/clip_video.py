@@ -10,7 +10,7 @@ from typing import Any, Final, Self
 
 import av
 import numpy as np
-from av.video.reformatter import ColorRange, Colorspace, Interpolation
+from av.video.reformatter import ColorRange, Colorspace, Interpolation, VideoReformatter
 from numpy.typing import NDArray
 
 from motion.audio import read_audio
@@ -78,9 +78,11 @@ class Stage:
     def video_frames(self, clip: MotionClip) -> Iterator[Any]:
         """Yield each frame of `clip` as an `av.VideoFrame`, averaged down, in BT.709 yuv420p."""
         size = self.look.size
+        reformatter = VideoReformatter()
         for picture in self.pictures(clip):
             # One call of swscale averages down, converts and subsamples.
-            yield av.VideoFrame.from_ndarray(picture, format="rgba").reformat(
+            yield reformatter.reformat(
+                av.VideoFrame.from_numpy_buffer(picture, format="rgba"),
                 width=size,
                 height=size,
                 format="yuv420p",

@@ -45,7 +45,7 @@ class FrameRenderer:
             normals=self._attributes[:, 3:6],
             color_0=self._attributes[:, 6:],
             indices=faces,
-            material=pyrender.MetallicRoughnessMaterial(alphaMode="OPAQUE", doubleSided=True),
+            material=pyrender.MetallicRoughnessMaterial(alphaMode="OPAQUE", doubleSided=False),
         )
         self._scene = _build_scene(self._primitive, camera)
         self._side = size * SUPERSAMPLING

@@ -29,7 +29,7 @@ AVATARS: Final[Mapping[str, Mapping[str, str]]] = {
     "blue": {
         **_COMMON,
         "skin": "#dfab8e", "lips": "#bd7769", "nails": "#e5b5a0", "iris": "#5b412c",
-        "limbus": "#33241a", "brow": "#3a2a1f", "hair": "#3a2a1f", "sweater": "#3f6690",
+        "limbus": "#33241a", "brow": "#4d392b", "hair": "#3a2a1f", "sweater": "#3f6690",
         "trim": "#37597e", "trousers": "#343841", "shoes": "#4a4542",
     },
     "green": {

@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import sys
 import time
-import traceback
 from contextlib import ExitStack
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any
@@ -64,7 +63,11 @@ class _Stages:
 
 
 def _outcome(job: Job, stages: _Stages) -> Any:
-    """Do `job` and return what became of it."""
+    """Do `job` and return what became of it.
+
+    What neither the person's input nor the machine is to blame for ends the process with its
+    traceback shown; whoever waits for the outcome reports that.
+    """
     from renderer.jobs import ClipJob, Outcome
 
     began = time.perf_counter()
@@ -76,10 +79,7 @@ def _outcome(job: Job, stages: _Stages) -> Any:
             _do_pair(job)
     except InputError as problem:
         error = str(problem)
-    except Exception as problem:  # noqa: BLE001
-        # The seam to another process: an exception may not be picklable, and must not end the
-        # worker; nothing is hidden, its traceback is shown and its text becomes the outcome.
-        traceback.print_exc()
+    except OSError as problem:
         error = f"{type(problem).__name__}: {problem}"
     return Outcome(name=job.name, error=error, seconds=time.perf_counter() - began)
 

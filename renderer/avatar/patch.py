@@ -184,6 +184,11 @@ def hemmed(patch: Patch, edges: Indices, depth: float) -> Patch:
     )
 
 
+def lining(patch: Patch, depth: float) -> Patch:
+    """Return the patch's other side, `depth` metres below it: what shows where cloth ends."""
+    return replace(patch, faces=patch.faces[:, ::-1], lift=depth - patch.lift)
+
+
 def vertex_normals(vertices: Array, faces: Indices) -> Array:
     """Return unit normals, shape (V, 3); faces count by their area."""
     corners = vertices[faces]

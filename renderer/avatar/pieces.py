@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -87,16 +88,40 @@ class Sitter:
         share = (vertices - elbow) @ (wrist - elbow) / ((wrist - elbow) @ (wrist - elbow))
         return np.where(vertices[:, 0] * outward > abs(elbow[0]) * 0.8, share, -1.0)
 
-    def piece(self, material: str, patch: Patch, actions: bool = False) -> Piece:
-        """Return `patch` as a piece; facial actions move it only where `actions` is true."""
+    def piece(self, material: str, patch: Patch, *, actions: bool = False) -> Piece:
+        """Return all of `patch` as one piece; facial actions move it only if `actions` is true."""
+        return self.pieces(patch, {material: np.ones(len(patch.faces), bool)}, actions=actions)[0]
+
+    def pieces(
+        self, patch: Patch, parts: Mapping[str, NDArray[np.bool_]], *, actions: bool = False
+    ) -> list[Piece]:
+        """Return `patch` as one piece per material, which meet without a gap.
+
+        Parameters
+        ----------
+        patch : Patch
+            The whole surface.
+        parts : mapping of str to ndarray, shape (F,)
+            Which faces are of which material.
+        actions : bool
+            Whether facial actions move it.
+        """
         base = patch.take(self.person.vertices)
-        normals = vertex_normals(base, patch.faces)
-        return Piece(
-            material=material,
-            vertices=base + patch.lift[:, None] * normals,
-            faces=patch.faces,
-            weights=patch.take(self.weights),
-            actions=np.stack([patch.take(action) for action in self.actions])
-            if actions
-            else np.zeros((len(self.actions), len(patch), 3)),
-        )
+        raised = base + patch.lift[:, None] * vertex_normals(base, patch.faces)
+        weights = patch.take(self.weights)
+        moves = np.zeros((len(ARKIT_NAMES), len(patch), 3))
+        if actions:
+            moves = np.stack([patch.take(action) for action in self.actions])
+        result = []
+        for material, faces in parts.items():
+            used, flat = np.unique(patch.faces[faces], return_inverse=True)
+            result.append(
+                Piece(
+                    material=material,
+                    vertices=raised[used],
+                    faces=flat.reshape(-1, 3),
+                    weights=weights[used],
+                    actions=moves[:, used],
+                )
+            )
+        return result

@@ -29,7 +29,7 @@ void main()
     gl_Position = P * V * vec4(position, 1.0);
     vec3 n = normalize(normal);
     vec3 to_eye = normalize(cam_pos - position);
-    vec3 albedo = pow(color_0.rgb, vec3(2.2));
+    vec3 albedo = color_0.rgb * color_0.rgb;  // gamma 2: as good to the eye as 2.2, and cheaper
     vec3 light = ambient_light * (0.8 + 0.2 * n.y);
     float gleam = 0.0;
     for (int i = 0; i < n_directional_lights; i++) {
@@ -37,7 +37,9 @@ void main()
         float facing = max((dot(n, l) + WRAP) / (1.0 + WRAP), 0.0);
         light += directional_lights[i].intensity * directional_lights[i].color * facing * facing;
         float mirrored = max(dot(n, normalize(l + to_eye)), 0.0);
-        gleam += directional_lights[i].intensity * pow(mirrored, 24.0);
+        float power4 = mirrored * mirrored * mirrored * mirrored;
+        float power8 = power4 * power4;
+        gleam += directional_lights[i].intensity * power8 * power8 * power8;
     }
-    shade = pow(min(albedo * light + vec3(color_0.a * gleam), vec3(1.0)), vec3(1.0 / 2.2));
+    shade = sqrt(min(albedo * light + vec3(color_0.a * gleam), vec3(1.0)));
 }
