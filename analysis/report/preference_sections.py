@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from analysis.exclusions import Flow
 from analysis.preferences.clustered import LEVEL, TWO_WAY
+from analysis.preferences.segments import SegmentShare
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
 from analysis.report.answer import figure_order, people
@@ -263,7 +264,7 @@ def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Sect
             for p in findings.preferences
             if p.comparison == comparison and p.question == question
         ]
-        single = [s for s in findings.segments if s.comparison == comparison]
+        single = _shared_emotions(findings, comparison)
         within = [p for p in findings.emotions if p.comparison == comparison]
         reference, other = wording.name(overall[0].reference), wording.name(overall[0].other)
         descriptive = (
@@ -276,8 +277,9 @@ def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Sect
             Picture(
                 svg=emotion_figure(within, overall, single, name=f"emotion{number}", mark=mark),
                 caption=f"Win share of {reference} against {other} within each emotion, with "
-                f"{LEVEL:.0%} intervals clustered by participant and segment, and a tick below for "
-                f"each segment; right of the line {reference} is preferred.{descriptive}",
+                f"{LEVEL:.0%} intervals clustered by participant and segment"
+                f"{', and a tick below for each segment' if single else ''}; right of the line "
+                f"{reference} is preferred.{descriptive}",
                 data="emotions.csv",
             )
         )
@@ -290,3 +292,10 @@ def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Sect
         ),
         pictures=tuple(pictures),
     )
+
+
+def _shared_emotions(findings: Findings, comparison: str) -> list[SegmentShare]:
+    """Return the comparison's segments whose emotion has others beside them."""
+    found = [share for share in findings.segments if share.comparison == comparison]
+    places = [(share.question, share.emotion) for share in found]
+    return [share for share in found if places.count((share.question, share.emotion)) > 1]
