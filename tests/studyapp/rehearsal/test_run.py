@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
+from itertools import product
 from pathlib import Path
 
 import pandas as pd
@@ -18,7 +19,11 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import comparison_name
+from studyapp.design.counterbalancing import participant_trials
 from studyapp.models import Place
+from studyapp.rehearsal.population import default_population
+from studyapp.rehearsal.raters import Rater, ShownPair
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
 from studyapp.services.database import Database, sqlite_url
@@ -85,6 +90,29 @@ def test_everybody_gets_a_code_and_every_answer_is_stored(folder: StudyFolder) -
     assert table.groupby("comparison")["study_session"].nunique().tolist() == [3, 3]
     assert (table["watched"] == 1).all()
     assert not servers(folder)
+
+
+def test_what_is_stored_is_what_every_rater_would_say(
+    rendered: Path, answered: list[tuple[object, ...]]
+) -> None:
+    study, segments = StudyFolder(rendered).study(), StudyFolder(rendered).segments()
+    said: list[tuple[object, ...]] = []
+    for other, number in product(study.others, range(study.participants_per_comparison)):
+        place = f"{comparison_name(study.reference, other)} {number}"
+        rater = Rater(population=default_population(study), seed=3, name=place)
+        for trial in participant_trials(study, segments, other=other, number=number):
+            seen = ShownPair(
+                position=trial.position,
+                segment=trial.segment.name,
+                left=trial.left,
+                right=trial.right,
+            )
+            said.extend(
+                (place, trial.position, question.name, trial.left, trial.right, value)
+                for question in study.questions
+                for value in [rater.answer(seen, question.name)]
+            )
+    assert sorted(said) == sorted(answered)
 
 
 @pytest.mark.slow
