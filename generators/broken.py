@@ -8,6 +8,7 @@ a body can do, everything jitters, and at times it freezes and jumps.
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -29,13 +30,15 @@ _FREEZE_SECONDS: Final = (0.25, 0.45)
 _POPS_IN_SLOT: Final = 2
 _POP_DEGREES: Final = (60.0, 110.0)
 _TWIST_DEGREES: Final = (120.0, 165.0)
+_BACKWARD_DEGREES: Final = (70.0, 110.0)
 _JITTER_DEGREES: Final = 5.0
 _FINGER_JITTER_DEGREES: Final = 14.0
 _ROOT_JITTER: Final = 0.008
 _FACE_JITTER: Final = 0.08
 _SIDES: Final = ("left", "right")
 _POPPING: Final = tuple(f"{side}_{part}" for part in ("shoulder", "elbow") for side in _SIDES)
-_TWISTING: Final = ("neck", *(f"{side}_{part}" for part in ("elbow", "wrist") for side in _SIDES))
+_TWISTING: Final = ("neck", "left_wrist", "right_wrist")
+_BENDING_BACK: Final = MappingProxyType({"left_elbow": 1.0, "right_elbow": -1.0})
 _JITTERING: Final = (
     *("spine1", "spine2", "spine3", "neck", "head"),
     *(f"{side}_{part}" for part in ("collar", "shoulder", "elbow", "wrist") for side in _SIDES),
@@ -113,6 +116,10 @@ def _break_body(clip: MotionClip, rng: np.random.Generator) -> NDArray[np.float3
         joint = rng.choice(_TWISTING)
         span = _span(slot, _TWIST_SECONDS, rate, rng)
         poses[span, joint_index(joint)] = _random_turn(_TWIST_DEGREES, rng)
+        elbow = rng.choice(list(_BENDING_BACK))
+        backward = _BENDING_BACK[elbow] * np.radians(rng.uniform(*_BACKWARD_DEGREES))
+        span = _span(slot, _TWIST_SECONDS, rate, rng)
+        poses[span, joint_index(elbow)] = (0.0, backward, 0.0)
     for name in _JITTERING:
         joint = joint_index(name)
         poses[:, joint] += rng.normal(0, np.radians(_JITTER_DEGREES), (len(clip), 3))
