@@ -6,21 +6,15 @@ from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.answer import answer, figure_order, flow_line
 from analysis.report.content import Page, Picture
+from analysis.report.emotion_section import emotion_section
 from analysis.report.findings import Findings
+from analysis.report.flow_section import flow_section
 from analysis.report.inputs import ReportInputs
-from analysis.report.metric_sections import (
-    generality_section,
-    methods_section,
-    metrics_section,
-    truth_section,
-)
+from analysis.report.metric_section import metrics_section
 from analysis.report.preference_figure import preference_figure
-from analysis.report.preference_sections import (
-    counts_section,
-    emotion_section,
-    flow_section,
-    win_share_section,
-)
+from analysis.report.preference_sections import counts_section, win_share_section
+from analysis.report.scope_sections import generality_section, methods_section
+from analysis.report.truth_section import truth_section
 
 _MARKS = {
     "participants": ("", ""),

@@ -9,8 +9,9 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from analysis.report.content import Page
 from analysis.report.findings import find
 from analysis.report.inputs import ReportInputs
+from analysis.report.latex_table import latex_table
 from analysis.report.page import build_page
-from analysis.report.tables import data_tables, latex_table
+from analysis.report.tables import data_tables
 from motion.files import replacing, write_text
 
 

@@ -7,9 +7,9 @@ from bs4 import BeautifulSoup
 from matplotlib.figure import Figure
 
 from analysis.report.emotion_figure import emotion_figure
+from analysis.report.emotion_section import emotion_section
 from analysis.report.findings import find
 from analysis.report.preference_figure import preference_figure
-from analysis.report.preference_sections import emotion_section
 from analysis.report.svg import inline_svg
 
 

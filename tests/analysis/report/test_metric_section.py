@@ -4,7 +4,8 @@ import math
 
 from analysis.metrics.conditions import ConditionScore, StudyMetrics
 from analysis.report.findings import find
-from analysis.report.metric_sections import metrics_section, truth_section
+from analysis.report.metric_section import metrics_section
+from analysis.report.truth_section import truth_section
 
 
 def score(condition, name, value, spread=math.nan, reason="", unit="m/s³"):
