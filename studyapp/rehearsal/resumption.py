@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from typing import Final
 
 from sqlalchemy import select
 
 from motion.errors import InputError
+from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
+from studyapp.definition.stimuli import Stimuli, read_stimuli
+from studyapp.definition.study import Study
 from studyapp.models import StudySession
 from studyapp.rehearsal.population import Population, default_population
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.truth import expected_shares
 from studyapp.services.database import Database
-from studyapp.stages.digest import digest
 
 _SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
 
@@ -59,11 +63,11 @@ def prepare(
     """
     study = folder.study()
     segments = tuple(folder.segments())
-    pairs = read_stimuli(folder.stimuli).pairs
+    stimuli = read_stimuli(folder.stimuli)
     population = population or default_population(study)
     truth = Truth(
         seed=seed,
-        study=digest(study.model_dump_json(), segments, sorted(pair.key for pair in pairs)),
+        study=_digest(study, segments, stimuli),
         population=population,
         expected=expected_shares(
             study, [segment.name for segment in segments], population=population, seed=seed
@@ -79,6 +83,13 @@ def prepare(
         folder.rehearsal.with_name(folder.rehearsal.name + ending).unlink(missing_ok=True)
     write_truth(folder.rehearsal_truth, truth)
     return truth, note
+
+
+def _digest(study: Study, segments: Sequence[Segment], stimuli: Stimuli) -> str:
+    """Return what changes with anything that decides trials, pages or videos of the study."""
+    pairs = sorted(pair.key for pair in stimuli.pairs)
+    state = json.dumps([study.model_dump(), [asdict(segment) for segment in segments], pairs])
+    return hashlib.sha256(state.encode()).hexdigest()
 
 
 def _difference(folder: StudyFolder, truth: Truth) -> str:
