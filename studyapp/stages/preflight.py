@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Final
 
+from motion.formats import read_clip
 from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.definition.study import Study
 from studyapp.design.trial_count import planned_trials
+
+PUBLISHED_PAIRS: Final = 24
+"""Pairs that a participant of AMUSE's study judged (Chhatre et al. 2024, section 5.3)."""
 
 
 class Severity(Enum):
@@ -41,6 +46,7 @@ def check(folder: StudyFolder) -> list[Finding]:
     study = folder.study()
     findings = [
         *_media_findings(folder, study),
+        *_motion_findings(folder, study),
         *_page_findings(study),
         *_design_findings(folder, study),
     ]
@@ -50,13 +56,6 @@ def check(folder: StudyFolder) -> list[Finding]:
 
 def _media_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     segments = folder.segments()
-    for segment in segments:
-        if not (folder.speech / segment.wav).exists():
-            yield Finding(
-                Severity.ERROR,
-                f"segment {segment.name}: speech/{segment.wav} is missing",
-                "Put the file back, or import the take again",
-            )
     stimuli = read_stimuli(folder.stimuli)
     pairs = {(pair.segment, pair.left, pair.right): pair for pair in stimuli.pairs}
     for segment in segments:
@@ -88,14 +87,24 @@ def _page_findings(study: Study) -> Iterator[Finding]:
 
 def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     segments = folder.segments()
-    for sentence in planned_trials(study, segments).sentences:
-        yield Finding(Severity.NOTE, sentence.rstrip("."))
-    missing = [e for e in EMOTIONS if e not in {segment.emotion for segment in segments}]
-    if missing and any("{emotion}" in question.text for question in study.questions):
-        yield Finding(
-            Severity.NOTE,
-            f"no segment has the emotion {', '.join(missing)}: the results say nothing about it",
-        )
+    count = planned_trials(study, segments)
+    emotions = [e for e in EMOTIONS if e in {segment.emotion for segment in segments}]
+    yield Finding(
+        Severity.NOTE,
+        f"{len(segments)} segments of {_listed(emotions)} allow {count.analysed} pairs per "
+        f"participant; the published design has {PUBLISHED_PAIRS}, three for each of "
+        f"{len(EMOTIONS)} emotions",
+    )
+    yield Finding(
+        Severity.NOTE,
+        f"a participant sees {count.presentations} trials: {count.practice} practice (discarded), "
+        f"{count.main} main, {count.repeat} practice ones again (analysed), {count.catch} catch",
+    )
+    for sentence in count.sentences:
+        yield Finding(Severity.NOTE, sentence)
+    silent = [emotion for emotion in EMOTIONS if emotion not in emotions]
+    if silent and any("{emotion}" in question.text for question in study.questions):
+        yield Finding(Severity.NOTE, f"the results will say nothing about {_listed(silent)}")
     for sentence in study_notes(study):
         yield Finding(Severity.NOTE, sentence.rstrip("."))
     if not study.catch.trials:
@@ -104,6 +113,26 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
             "there are no catch trials, so inattentive participants cannot be told apart",
             "Set catch.trials in study.toml",
         )
+
+
+def _motion_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
+    """Say where motion has fewer frames than the videos show: it looks smoother than it was."""
+    for condition in study.shown_conditions:
+        paths = [folder.clip(condition, segment.name) for segment in folder.segments()]
+        rates = {read_clip(path).frame_rate for path in paths if path.exists()}
+        if rates and min(rates) < study.video.frame_rate:
+            yield Finding(
+                Severity.WARNING,
+                f"the motion of {condition!r} has {min(rates):g} frames per second and is shown at "
+                f"{study.video.frame_rate}: what lies between is interpolated, so its fast "
+                "movements look smoother than they were",
+                "Bring in the original at its full rate if there is one",
+            )
+
+
+def _listed(words: Sequence[str]) -> str:
+    """Return ``a, b and c``."""
+    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))
 
 
 def study_notes(study: Study) -> tuple[str, ...]:

@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import tomlkit
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.stages.preflight import Finding, Severity, check, study_notes
+from studyapp.stages.recordings import Take, import_take
+
+
+def pretend_rendered(folder: StudyFolder) -> None:
+    """Put an empty file where each pair video belongs: this stage never opens one."""
+    study = folder.study()
+    pairs = tuple(
+        PairVideo(
+            segment=segment.name,
+            left=left,
+            right=right,
+            file=f"videos/{segment.name}-{left}-{right}.mp4",
+            duration=segment.duration,
+            key="k",
+        )
+        for segment in folder.segments()
+        for left, right in study.pairs
+    )
+    for pair in pairs:
+        path = folder.root / pair.file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    write_stimuli(folder.stimuli, Stimuli(pairs=pairs))
+
+
+@pytest.fixture
+def ready(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
+    import_take(folder, take())
+    pretend_rendered(folder)
+    return folder
+
+
+def findings_of(folder: StudyFolder, severity: Severity) -> list[str]:
+    return [finding.what for finding in check(folder) if finding.severity is severity]
+
+
+def change(folder: StudyFolder, *keys: str, value: object) -> None:
+    document = tomlkit.parse(folder.definition.read_text())
+    table: object = document
+    for key in keys[:-1]:
+        table = table[key]  # type: ignore[index]
+    table[keys[-1]] = value  # type: ignore[index]
+    folder.definition.write_text(tomlkit.dumps(document))
+
+
+def test_a_rendered_study_has_no_errors(ready: StudyFolder) -> None:
+    assert findings_of(ready, Severity.ERROR) == []
+
+
+def test_errors_come_first(ready: StudyFolder) -> None:
+    (ready.root / read_stimuli(ready.stimuli).pairs[0].file).unlink()
+    severities = [finding.severity for finding in check(ready)]
+    assert severities == sorted(severities, key=list(Severity).index)
+    assert severities[0] is Severity.ERROR
+
+
+def test_each_missing_video_is_named_with_its_conditions(ready: StudyFolder) -> None:
+    pair = read_stimuli(ready.stimuli).pairs[3]
+    (ready.root / pair.file).unlink()
+    (error,) = findings_of(ready, Severity.ERROR)
+    assert repr(pair.left) in error
+    assert repr(pair.right) in error
+    assert pair.segment in error
+
+
+def test_missing_speech_is_named(ready: StudyFolder) -> None:
+    (ready.speech / "take.wav").unlink()
+    with pytest.raises(InputError, match=r"segments.csv, line 2.*take.wav"):
+        check(ready)
+
+
+def test_a_video_of_another_length_than_its_speech_is_an_error(ready: StudyFolder) -> None:
+    stimuli = read_stimuli(ready.stimuli)
+    first = stimuli.pairs[0].model_copy(update={"duration": 9.0})
+    write_stimuli(ready.stimuli, Stimuli(pairs=(first, *stimuli.pairs[1:])))
+    (error,) = findings_of(ready, Severity.ERROR)
+    assert "lasts 9 s" in error
+
+
+def test_what_the_segments_allow_is_said_beside_the_published_design(ready: StudyFolder) -> None:
+    change(ready, "trials", value=24)
+    notes = " ".join(findings_of(ready, Severity.NOTE))
+    assert "3 segments of neutral allow 3 pairs" in notes
+    assert "published design has 24" in notes
+    assert "3 pairs instead of 24" in notes
+    assert "say nothing about happiness" in notes
+
+
+def test_motion_with_fewer_frames_than_the_videos_is_warned_of(ready: StudyFolder) -> None:
+    change(ready, "video", "frame_rate", value=60)
+    warnings = " ".join(findings_of(ready, Severity.WARNING))
+    assert "'ground_truth' has 30 frames per second" in warnings
+
+
+def test_an_empty_contact_is_warned_of_until_it_is_filled_in(ready: StudyFolder) -> None:
+    assert "participants have nobody to ask" in findings_of(ready, Severity.WARNING)
+    change(ready, "page", "contact", value="lab@example.org")
+    assert "participants have nobody to ask" not in findings_of(ready, Severity.WARNING)
+
+
+def test_a_study_without_catch_trials_is_warned_of(ready: StudyFolder) -> None:
+    change(ready, "catch", "trials", value=0)
+    assert any("no catch trials" in warning for warning in findings_of(ready, Severity.WARNING))
+
+
+def test_a_study_without_a_recording_says_what_its_catch_trials_show(
+    folder: StudyFolder, ready: StudyFolder, tmp_path: Path
+) -> None:
+    assert study_notes(ready.study()) == ()
+    document = tomlkit.parse(ready.definition.read_text())
+    del document["conditions"]["ground_truth"]  # type: ignore[union-attr]
+    ready.definition.write_text(tomlkit.dumps(document))
+    (note,) = study_notes(ready.study())
+    assert "rule_based against broken" in note
+    pretend_rendered(ready)
+    assert Finding(Severity.NOTE, note.rstrip(".")) in check(ready)

@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import av
+import pytest
+import tomlkit
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import read_stimuli
+from studyapp.stages.generation import generate
+from studyapp.stages.recordings import Take, import_take
+from studyapp.stages.rendering import render
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
+    import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
+    document = tomlkit.parse(folder.definition.read_text())
+    document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
+    folder.definition.write_text(tomlkit.dumps(document))
+    generate(folder)
+    return folder
+
+
+def videos_of(folder: StudyFolder) -> Iterator[Path]:
+    stimuli = read_stimuli(folder.stimuli)
+    return (folder.root / record.file for record in (*stimuli.clips, *stimuli.pairs))
+
+
+def test_every_clip_and_both_orders_of_every_pair_are_rendered(study: StudyFolder) -> None:
+    progress: list[tuple[int, int]] = []
+    count = render(study, processes=1, on_done=lambda *step: progress.append(step))
+    assert count.failures == ()
+    assert (count.made, count.kept) == (8 + 12, 0)
+    assert progress[-1] == (20, 20)
+    stimuli = read_stimuli(study.stimuli)
+    for segment in study.segments():
+        for left, right in study.study().pairs:
+            pair = stimuli.pair(segment.name, left, right)
+            assert pair is not None
+            with av.open(str(study.root / pair.file)) as video:
+                stream = video.streams.video[0]
+                assert (stream.width, stream.height) == (192, 96)
+                assert sum(1 for _ in video.decode(stream)) == 10
+
+
+def test_neither_name_nor_size_of_a_pair_tells_what_it_shows(study: StudyFolder) -> None:
+    render(study, processes=1)
+    stimuli = read_stimuli(study.stimuli)
+    names = [*study.study().conditions, "broken", "take"]
+    for segment in study.segments():
+        files = [study.root / p.file for p in stimuli.pairs if p.segment == segment.name]
+        assert len({file.stat().st_size for file in files}) == 1
+        for file in files:
+            assert not any(name in file.name for name in names)
+            assert not any(name.encode() in file.read_bytes() for name in names)
+
+
+def test_a_second_run_renders_nothing_and_changed_clips_only_what_shows_them(
+    study: StudyFolder,
+) -> None:
+    render(study, processes=1)
+    before = {path: path.stat().st_mtime_ns for path in videos_of(study)}
+    assert render(study, processes=1).made == 0
+    assert {path: path.stat().st_mtime_ns for path in videos_of(study)} == before
+
+    # Exchanged clips leave the framing, which all clips decide together, as it was.
+    one, two = (study.clip("mismatched", segment.name) for segment in study.segments())
+    content = one.read_bytes(), two.read_bytes()
+    two.write_bytes(content[0])
+    one.write_bytes(content[1])
+    count = render(study, processes=1)
+    assert count.made == 2 * (1 + 2)
+    assert count.kept == 14
+
+
+def test_an_interrupted_run_goes_on_where_it_was(study: StudyFolder) -> None:
+    def interrupt(done: int, total: int) -> None:
+        if done == 10:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        render(study, processes=1, on_done=interrupt)
+    count = render(study, processes=1)
+    assert count.kept >= 10
+    assert count.made + count.kept == 20
+
+
+def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder) -> None:
+    study.clip("mismatched", "take_02").unlink()
+    with pytest.raises(InputError, match=r"1 of 8 .*'mismatched' for segment take_02.*generate"):
+        render(study, processes=1)
+    assert not study.videos.exists()
+
+
+def test_a_video_that_cannot_be_made_is_reported_and_the_rest_goes_on(study: StudyFolder) -> None:
+    blocked = study.videos / "clips" / "mismatched" / "take_01.mp4"
+    blocked.mkdir(parents=True)
+    count = render(study, processes=1)
+    assert [failure.split(":")[0] for failure in count.failures] == [
+        "videos/clips/mismatched/take_01.mp4"
+    ]
+    assert not any(
+        clip.file.endswith("mismatched/take_01.mp4") for clip in read_stimuli(study.stimuli).clips
+    )
+    assert len(read_stimuli(study.stimuli).clips) == 7
