@@ -6,7 +6,7 @@ so that the counts add up to a participant flow.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
@@ -100,7 +100,9 @@ class ExclusionResult:
         return sum(flow.analysed for flow in self.flow)
 
 
-def incomplete_sessions(presentations: int, questions: int) -> ExclusionRule:
+def incomplete_sessions(
+    presentations: int, questions: int, completed: Collection[str] = ()
+) -> ExclusionRule:
     """Return the rule that removes study sessions with an unanswered question.
 
     Parameters
@@ -109,6 +111,9 @@ def incomplete_sessions(presentations: int, questions: int) -> ExclusionRule:
         Trials of a whole study session, of all kinds.
     questions : int
         Questions per trial.
+    completed : collection of str
+        Study sessions known to have reached their end, which stay whatever they lack: a trial
+        whose video would not play has no answer, through no fault of the participant.
     """
     needed = presentations * questions
 
@@ -117,6 +122,7 @@ def incomplete_sessions(presentations: int, questions: int) -> ExclusionRule:
         return {
             str(session): f"{count} of {needed} answers given"
             for session, count in answers[answers < needed].items()
+            if session not in completed
         }
 
     return ExclusionRule(

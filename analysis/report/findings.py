@@ -65,7 +65,7 @@ def find(inputs: ReportInputs) -> Findings:
     exclusion = exclude(
         inputs.responses,
         (
-            incomplete_sessions(presentations, len(inputs.questions)),
+            incomplete_sessions(presentations, len(inputs.questions), inputs.completed),
             failed_catch_trials(inputs.max_failed_catch),
         ),
     )

@@ -54,6 +54,9 @@ class ReportInputs:
         Trials of a whole study session, of all kinds; None to take the longest one there is.
     study_sessions : mapping of str to int, or None
         Study sessions opened per comparison, those without any answer included.
+    completed : frozenset of str
+        Study sessions known to have reached their end; they count as complete even if a video
+        that would not play left a question without an answer.
     """
 
     title: str
@@ -73,6 +76,7 @@ class ReportInputs:
     frozen: tuple[str, ...] = ()
     presentations: int | None = None
     study_sessions: Mapping[str, int] | None = None
+    completed: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         if (self.origin == "none") != self.responses.empty:

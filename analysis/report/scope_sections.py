@@ -55,7 +55,12 @@ def methods_section(inputs: ReportInputs, findings: Findings) -> Section:
         f"{findings.presentations * len(inputs.questions)} answers "
         f"({wording.count(findings.presentations, 'trial')} of "
         f"{wording.count(len(inputs.questions), 'question')})."
-        + ("" if inputs.presentations else " This is the longest study session there is."),
+        + ("" if inputs.presentations else " This is the longest study session there is.")
+        + (
+            " One that reached its end although a video would not play counts as complete."
+            if inputs.completed
+            else ""
+        ),
         f"A conclusion in the first sentences needs a Holm-corrected p below {SIGNIFICANCE:g}. "
         "“The answers do not decide” is not evidence that two conditions are equally good: no "
         "equivalence margin was declared.",

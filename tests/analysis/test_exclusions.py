@@ -84,6 +84,13 @@ def test_rules_apply_in_order_and_the_flow_adds_up(simulated_study):
     assert unfinished.reason == "10 of 22 answers given"
 
 
+def test_a_session_known_to_be_finished_stays_though_a_video_would_not_play(answer):
+    rows = [answer(study_session=session, position=1) for session in ("s1", "s2")]
+    result = exclude(responses_frame(rows), [incomplete_sessions(2, 1, completed={"s2"})])
+    assert [e.study_session for e in result.exclusions] == ["s1"]
+    assert result.sessions_analysed == 1
+
+
 def test_practice_and_catch_are_never_analysed_and_repeat_is(simulated_study):
     study = simulated_study(participants=6, segments=6, practice=2)
     result = exclude(study.responses(), [incomplete_sessions(11, 2), failed_catch_trials(1)])
