@@ -1,0 +1,197 @@
+"""The whole rule-based motion: in time with the voice, in an emotion's manner, alive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import find_peaks
+
+from generators.interface import SpeechSegment
+from generators.rule_based.generator import RuleBased
+from motion.audio import Audio, read_audio
+from motion.clip import MotionClip
+from motion.face import arkit_index
+from motion.prosody import prosody
+from motion.rest_pose import REST_JOINTS
+from motion.segment import EMOTIONS, Segment
+from motion.skeleton import forward_kinematics, joint_index
+
+Speak = Callable[..., SpeechSegment]
+RATE = 30
+WRISTS = [joint_index("left_wrist"), joint_index("right_wrist")]
+
+
+def joints_of(clip: MotionClip) -> np.ndarray:
+    return forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0]
+
+
+def wrist_speed(clip: MotionClip) -> np.ndarray:
+    """Speed of the faster wrist in m/s between frames, shape (T - 1,)."""
+    steps = np.linalg.norm(np.diff(joints_of(clip)[:, WRISTS], axis=0), axis=2)
+    return steps.max(axis=1) * clip.frame_rate
+
+
+def stops(clip: MotionClip) -> np.ndarray:
+    """When the hands come to a stop out of a stroke, in seconds."""
+    speed = wrist_speed(clip)
+    minima, _ = find_peaks(-speed)
+    before = [speed[max(0, m - round(0.3 * clip.frame_rate)) : m + 1].max() for m in minima]
+    fast = np.array(before) > np.maximum(0.35, 4 * speed[minima])
+    return (minima[fast] + 0.5) / clip.frame_rate
+
+
+def generate(speech: SpeechSegment, seed: int = 1, frame_rate: float = RATE) -> MotionClip:
+    return RuleBased().generate(speech, seed=seed, frame_rate=frame_rate)
+
+
+def as_segment(audio: Audio, emotion: str) -> SpeechSegment:
+    segment = Segment(
+        name="s", wav="s.wav", start=0, end=audio.duration, speaker="scott", emotion=emotion
+    )
+    return SpeechSegment(segment=segment, audio=audio)
+
+
+def share_near(moments: np.ndarray, accents: np.ndarray) -> float:
+    """Share of `accents` with a moment within 50 ms."""
+    return float((np.abs(accents[:, None] - moments).min(axis=1) <= 0.05).mean())
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_the_strongest_accents_are_met_by_a_stop_of_the_hands(speak: Speak, emotion: str) -> None:
+    met, by_chance = [], []
+    for seed in range(3):
+        speech = speak("a", 12.0, emotion, seed)
+        moments = stops(generate(speech, seed, 60))
+        heard = prosody(speech.audio, RATE)
+        strong = heard.accents[heard.prominence > 0.6]
+        met.append(share_near(moments, strong))
+        shifts = np.random.default_rng(0).uniform(1, 11, 60)
+        by_chance += [share_near((moments + shift) % 12, strong) for shift in shifts]
+    assert np.mean(met) > 1.6 * np.mean(by_chance)
+
+
+def test_a_real_voice_is_met_above_chance(shared_data: Path) -> None:
+    audio = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 30)
+    clip = generate(as_segment(audio, "neutral"), frame_rate=60)
+    heard = prosody(audio, RATE)
+    moments, strong = stops(clip), heard.accents[heard.prominence > 0.4]
+    shifts = np.random.default_rng(0).uniform(1, 29, 100)
+    chance = np.mean([share_near((moments + shift) % 30, strong) for shift in shifts])
+    assert share_near(moments, strong) > 0.6
+    assert share_near(moments, strong) > 2 * chance
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_hands_and_elbows_never_enter_the_trunk(speak: Speak, emotion: str) -> None:
+    for seed in range(3):
+        clip = generate(speak("a", 10.0, emotion, seed), seed)
+        joints, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+        chest = joint_index("spine3")
+        names = ("wrist", "elbow", "middle1", "middle3")
+        for name in [f"{side}_{name}" for side in ("left", "right") for name in names]:
+            offset = joints[:, joint_index(name)] - joints[:, chest]
+            x, y, z = np.einsum("tji,tj->it", turns[:, chest], offset)
+            beside_trunk = (y > -0.35) & (y < 0.1)
+            inside = (x / 0.14) ** 2 + (z / 0.11) ** 2 < 1
+            assert not (beside_trunk & inside).any(), name
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_it_moves_smoothly_and_is_never_quite_still(speak: Speak, emotion: str) -> None:
+    clip = generate(speak("a", 8.0, emotion, 2), 2)
+    joints = joints_of(clip)
+    speed = np.linalg.norm(np.diff(joints, axis=0), axis=2) * RATE
+    assert speed[:, WRISTS].max() < 5
+    assert speed[:, joint_index("head")].max() < 0.6
+    for part in (*WRISTS, joint_index("head"), joint_index("spine3")):
+        slowest_second = np.convolve(speed[:, part], np.ones(RATE) / RATE, "valid").min()
+        assert slowest_second > 0.001
+    turning = np.abs(np.diff(clip.poses, axis=0)).max()
+    assert turning < 0.8
+
+
+def test_anger_and_joy_move_more_than_neutral_and_sadness_less(speak: Speak) -> None:
+    amount = {
+        emotion: np.mean(
+            [
+                wrist_speed(generate(speak("a", 10.0, emotion, seed), seed)).mean()
+                for seed in range(4)
+            ]
+        )
+        for emotion in ("anger", "happiness", "neutral", "sadness")
+    }
+    assert amount["anger"] > 1.2 * amount["neutral"]
+    assert amount["happiness"] > 1.2 * amount["neutral"]
+    assert amount["sadness"] < 0.75 * amount["neutral"]
+
+
+def test_sadness_lets_head_and_shoulders_sink_and_fear_raises_the_shoulders(speak: Speak) -> None:
+    height = {
+        emotion: joints_of(generate(speak("a", 5.0, emotion)))[:, :, 1].mean(axis=0)
+        for emotion in ("neutral", "sadness", "fear")
+    }
+    head, shoulder = joint_index("head"), joint_index("left_shoulder")
+    assert height["sadness"][head] < height["neutral"][head] - 0.01
+    assert height["sadness"][shoulder] < height["neutral"][shoulder] - 0.01
+    assert height["fear"][shoulder] > height["neutral"][shoulder] + 0.01
+
+
+@pytest.mark.parametrize(
+    ("emotion", "action"),
+    [
+        ("happiness", "mouthSmileLeft"),
+        ("anger", "browDownLeft"),
+        ("sadness", "mouthFrownLeft"),
+        ("contempt", "mouthDimpleRight"),
+        ("surprise", "browOuterUpLeft"),
+        ("fear", "mouthStretchLeft"),
+        ("disgust", "noseSneerLeft"),
+    ],
+)
+def test_each_emotion_shows_its_own_face_more_than_any_other_does(
+    speak: Speak, emotion: str, action: str
+) -> None:
+    shown = {
+        other: generate(speak("a", 5.0, other)).arkit[:, arkit_index(action)].mean()
+        for other in EMOTIONS
+    }
+    assert max(shown, key=lambda other: shown[other]) == emotion
+
+
+def test_the_jaw_follows_the_voice(shared_data: Path) -> None:
+    audio = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 10)
+    clip = generate(as_segment(audio, "neutral"))
+    jaw, energy = clip.arkit[:, arkit_index("jawOpen")], prosody(audio, RATE).energy
+    assert np.corrcoef(jaw, energy)[0, 1] > 0.5
+    assert jaw[energy < 0.1].mean() < 0.03
+
+
+def test_the_head_nods_on_strong_accents(speak: Speak) -> None:
+    speech = speak("a", 12.0, "neutral", 3)
+    clip = generate(speech)
+    heard = prosody(speech.audio, RATE)
+    _, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    lowered = -turns[:, joint_index("head"), 1, 2]
+    frames = (heard.accents[heard.prominence > 0.8] * RATE).astype(int)
+    frames = frames[(frames > 6) & (frames < len(lowered) - 1)]
+    assert (lowered[frames] - lowered[frames - 6] > 0.02).mean() > 0.8
+
+
+def test_silence_is_stood_through_without_gestures() -> None:
+    clip = generate(as_segment(Audio(np.zeros(5 * 16000, np.float32), 16000), "anger"))
+    assert wrist_speed(clip).max() < 0.15
+
+
+def test_the_feet_do_not_slide(speak: Speak) -> None:
+    joints = joints_of(generate(speak("a", 10.0, "happiness", 1)))
+    for name in ("left_ankle", "right_ankle"):
+        foot = joints[:, joint_index(name)]
+        assert np.ptp(foot, axis=0).max() < 0.012
+
+
+def test_segments_of_one_study_do_not_move_alike_under_one_seed(speak: Speak) -> None:
+    one, other = (generate(speak(name, 4.0)) for name in ("a", "b"))
+    assert np.abs(one.poses - other.poses).max() > 0.1

@@ -1,0 +1,54 @@
+"""The mouth opens with the voice and closes with silence."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from generators.rule_based.mouth import speaking_mouth
+from motion.audio import Audio
+from motion.prosody import prosody
+
+RATE = 16000
+FRAME_RATE = 30
+
+
+def mouth(samples: np.ndarray) -> dict[str, np.ndarray]:
+    audio = Audio(samples.astype(np.float32), RATE)
+    heard = prosody(audio, FRAME_RATE)
+    times = np.arange(len(heard.energy)) / FRAME_RATE
+    return dict(speaking_mouth(audio, heard, times, 1.0))
+
+
+def vowel(formants: tuple[float, float], seconds: float = 1.0) -> np.ndarray:
+    """A buzz at 120 Hz whose harmonics near the formants are strong."""
+    times = np.arange(round(seconds * RATE)) / RATE
+    wave = np.zeros_like(times)
+    for k in range(1, 30):
+        gain = sum(np.exp(-(((120 * k - formant) / 150) ** 2)) for formant in formants)
+        wave += (0.02 + gain) * np.sin(2 * np.pi * 120 * k * times)
+    return 0.1 * wave
+
+
+def test_silence_keeps_the_mouth_still() -> None:
+    for course in mouth(np.zeros(RATE)).values():
+        assert not course.any()
+
+
+def test_the_jaw_opens_for_the_voice_and_not_for_the_pause() -> None:
+    jaw = mouth(np.concatenate([vowel((700, 1200)), np.zeros(RATE), vowel((700, 1200))]))["jawOpen"]
+    assert jaw[8:22].min() > 0.1
+    assert jaw[38:52].max() < 0.01
+
+
+def test_vowels_shape_the_lips() -> None:
+    shapes = mouth(np.concatenate([vowel((750, 1100)), vowel((300, 2200)), vowel((320, 650))]))
+    open_vowel, spread, rounded = slice(8, 22), slice(38, 52), slice(68, 82)
+    assert shapes["jawOpen"][open_vowel].mean() > 1.5 * shapes["jawOpen"][spread].mean()
+    assert shapes["mouthStretch"][spread].mean() > 2 * shapes["mouthStretch"][rounded].mean()
+    assert shapes["mouthPucker"][rounded].mean() > 2 * shapes["mouthPucker"][spread].mean()
+
+
+def test_hiss_does_not_open_the_jaw() -> None:
+    hiss = np.diff(np.random.default_rng(0).normal(0, 0.05, 2 * RATE + 1))
+    jaw = mouth(np.concatenate([vowel((700, 1200)), hiss[:RATE]]))["jawOpen"]
+    assert jaw[38:52].mean() < 0.4 * jaw[8:22].mean()
