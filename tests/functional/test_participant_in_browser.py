@@ -475,3 +475,21 @@ def test_an_unknown_address_is_a_friendly_page(
     expect(lost.get_by_role("heading", level=1)).to_have_text(re.compile("no participant"))
     lost.screenshot(path=screenshots / "8-unknown-address.png")
     lost.close()
+
+
+def test_a_browser_that_forbids_storage_can_take_part(
+    page: Page, address: str, database: Database
+) -> None:
+    page.add_init_script(
+        "Object.defineProperty(window, 'sessionStorage',"
+        " { get() { throw new DOMException('forbidden', 'SecurityError'); } })"
+    )
+    take_part(page, address)
+    play(page)
+    choose(page, "rhythm", "clearly A")
+    choose(page, "emotion", "clearly A")
+
+    page.get_by_role("button", name="Next").click()
+
+    expect_trial(page, 2)
+    assert len(answers(page, database)) == 2

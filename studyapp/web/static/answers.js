@@ -1,5 +1,7 @@
 // The questions: keys 1-5, and a draft that outlives a reload.
 
+import { forget, recall, remember } from "./storage.js";
+
 export class Answers extends EventTarget {
   constructor(form) {
     super();
@@ -8,7 +10,7 @@ export class Answers extends EventTarget {
     this.draftKey = `draft ${form.elements.trial.value}`;
     this.restore();
     form.addEventListener("change", () => {
-      sessionStorage.setItem(this.draftKey, JSON.stringify(this.values()));
+      remember(this.draftKey, JSON.stringify(this.values()));
       this.dispatchEvent(new Event("change"));
     });
     document.addEventListener("keydown", (event) => this.key(event));
@@ -27,14 +29,14 @@ export class Answers extends EventTarget {
   }
 
   restore() {
-    const draft = JSON.parse(sessionStorage.getItem(this.draftKey) ?? "{}");
+    const draft = JSON.parse(recall(this.draftKey) ?? "{}");
     for (const radio of this.form.querySelectorAll("[type=radio]")) {
       if (draft[radio.name] === radio.value) radio.checked = true;
     }
   }
 
   forget() {
-    sessionStorage.removeItem(this.draftKey);
+    forget(this.draftKey);
   }
 
   // 1-5 answer the question that has the focus, else the first unanswered one.

@@ -1,5 +1,7 @@
 // The buttons under the video. There is no way to skip ahead: only what is played counts.
 
+import { recall, remember } from "./storage.js";
+
 export class Playback {
   constructor(video, controls) {
     this.video = video;
@@ -40,11 +42,11 @@ export class Playback {
   }
 
   keepVolume(slider) {
-    const stored = Number(sessionStorage.getItem("volume") ?? 1);
+    const stored = Number(recall("volume") ?? 1);
     slider.value = this.video.volume = stored;
     slider.addEventListener("input", () => {
       this.video.volume = Number(slider.value);
-      sessionStorage.setItem("volume", slider.value);
+      remember("volume", slider.value);
     });
   }
 }

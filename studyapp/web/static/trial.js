@@ -28,7 +28,9 @@ function watchedText() {
 function show() {
   if (submission.busy) return;
   const parts = missing();
-  needed.textContent = parts.length ? `Still needed: ${parts.join(", ")}` : "All done – press Next";
+  const words = parts.length ? `Still needed: ${parts.join(", ")}` : "All done – press Next";
+  // Only a change is read aloud.
+  if (needed.textContent !== words) needed.textContent = words;
   needed.classList.toggle("complete", parts.length === 0);
   if (!parts.length) needed.classList.remove("asked");
   watched.textContent = watchedText();

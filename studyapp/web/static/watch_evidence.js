@@ -1,6 +1,8 @@
 // Which parts of the video were really played. The server decides whether that is enough; here
 // it is measured, reported in numbered batches, and shown before the server has answered.
 
+import { forget, recall, remember } from "./storage.js";
+
 const REPORT_EVERY_MS = 2000;
 const RETRY_MS = 2000;
 const SLACK = 0.3; // seconds by which a video's clock may run ahead of the computer's
@@ -32,8 +34,8 @@ export class WatchEvidence extends EventTarget {
     this.played = JSON.parse(video.dataset.watched);
     this.batch = Number(video.dataset.nextBatch);
     this.keptKey = `unsent ${video.dataset.watchedUrl}`;
-    this.unsent = JSON.parse(sessionStorage.getItem(this.keptKey) ?? "[]");
-    sessionStorage.removeItem(this.keptKey);
+    this.unsent = JSON.parse(recall(this.keptKey) ?? "[]");
+    forget(this.keptKey);
     this.flying = [];
     this.last = null; // where the playing video was when last looked at, and when that was
     this.sending = null;
@@ -102,7 +104,7 @@ export class WatchEvidence extends EventTarget {
   // again under the same number.
   keep() {
     const kept = merged([...this.flying, ...this.unsent]);
-    if (kept.length) sessionStorage.setItem(this.keptKey, JSON.stringify(kept));
+    if (kept.length) remember(this.keptKey, JSON.stringify(kept));
   }
 
   // Send what is unsent; resolves when nothing is, or when sending failed.
