@@ -25,7 +25,7 @@ class ExclusionRule:
     name : str
         Names the rule in tables.
     description : str
-        What the rule removes, as a clause that a reader of the report understands.
+        What a removed study session is or did, in words that follow its count.
     apply : callable
         Takes the tidy responses, returns the reason for each study session it removes.
     """
@@ -127,7 +127,7 @@ def incomplete_sessions(
 
     return ExclusionRule(
         name="incomplete",
-        description="study session not finished",
+        description="unfinished",
         apply=apply,
     )
 
@@ -148,7 +148,7 @@ def failed_catch_trials(allowed: int) -> ExclusionRule:
 
     return ExclusionRule(
         name="failed catch trials",
-        description=f"more than {allowed} catch {'trial' if allowed == 1 else 'trials'} failed",
+        description=f"failed more than {allowed} catch {'trial' if allowed == 1 else 'trials'}",
         apply=apply,
     )
 

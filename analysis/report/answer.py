@@ -44,14 +44,14 @@ def flow_line(inputs: ReportInputs, findings: Findings) -> str:
     if inputs.origin == "none":
         return "Participant flow: nobody has taken part yet."
     exclusion = findings.exclusion
-    steps = []
+    started = ""
     if inputs.study_sessions is not None:
-        steps.append(f"{sum(inputs.study_sessions.values())} started")
-    steps.append(f"{exclusion.sessions_answered} answered")
-    removed = [f"{o.removed} excluded: {o.description}" for o in exclusion.outcomes if o.removed]
-    steps += removed or ["none excluded"]
-    steps.append(f"{exclusion.sessions_analysed} analysed")
-    return f"{people(inputs).capitalize()}: {' → '.join(steps)}."
+        started = f"{sum(inputs.study_sessions.values())} started, "
+    removed = [f" − {o.removed} {o.description}" for o in exclusion.outcomes if o.removed]
+    return (
+        f"{people(inputs).capitalize()}: {started}{exclusion.sessions_answered} answered"
+        f"{''.join(removed) or ' − 0 excluded'} = {exclusion.sessions_analysed} analysed."
+    )
 
 
 def _about(question: str, inputs: ReportInputs, findings: Findings) -> str:

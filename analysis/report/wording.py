@@ -49,7 +49,7 @@ def p_value(value: float) -> str:
     if math.isnan(value):
         return "–"
     if value < 0.001:
-        return "< .001"
+        return f"<{NO_BREAK}.001"
     if value > 0.995:
         return "1"
     text = f"{value:.3f}" if value < 0.0995 else f"{value:.2f}"
@@ -83,7 +83,8 @@ def fixed(value: float, decimal_places: int) -> str:
         return "–"
     if abs(value) <= _ZERO:
         return "0"
-    return f"{value:.{decimal_places}f}".replace("-", "−")
+    text = f"{abs(value):.{decimal_places}f}"
+    return f"−{text}" if value < 0 and float(text) else text
 
 
 def count(number: int, noun: str, plural: str = "") -> str:

@@ -38,8 +38,10 @@ def test_study_sessions_without_an_answer_stand_in_the_flow(simulated_study):
     study = simulated_study(participants=6, segments=8)
     inputs = study.inputs(study_sessions={"rule_based_vs_static": 9, "rule_based_vs_mismatched": 6})
     line = flow_line(inputs, find(inputs))
-    assert line.startswith("Participants: 15 started → 12 answered → 2 excluded: study session")
-    assert line.endswith("→ 4 analysed.")
+    assert line == (
+        "Participants: 15 started, 12 answered − 2 unfinished − 6 failed more than 1 catch trial "
+        "= 4 analysed."
+    )
 
 
 def test_conclusions_that_hang_on_exclusions_are_named(simulated_study):

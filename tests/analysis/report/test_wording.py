@@ -28,7 +28,7 @@ def test_shares_have_two_digits_and_no_leading_zero(value, text):
 @pytest.mark.parametrize(
     ("value", "text"),
     [
-        (0.0004, "< .001"),
+        (0.0004, f"<{wording.NO_BREAK}.001"),
         (0.0123, ".012"),
         (0.0996, ".10"),
         (0.34, ".34"),
@@ -53,6 +53,11 @@ def test_p_values_have_sensible_digits(value, text):
 )
 def test_quantities_have_three_significant_digits(value, text):
     assert wording.quantity(value) == text
+
+
+def test_a_number_that_rounds_to_zero_has_no_sign():
+    assert wording.fixed(-0.0004, 3) == "0.000"
+    assert wording.fixed(-0.0006, 3) == "−0.001"
 
 
 def test_decimals_follow_the_smallest_value_that_is_none():

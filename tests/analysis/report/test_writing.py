@@ -40,7 +40,7 @@ def test_the_first_screen_answers_with_numbers_worked_by_hand(by_hand, report_pa
         "been excluded, every conclusion would be the same."
     )
     assert text_of(page.find(class_="flow")) == (
-        "Participants: 4 answered → 1 excluded: more than 0 catch trials failed → 3 analysed."
+        "Participants: 4 answered − 1 failed more than 0 catch trials = 3 analysed."
     )
 
 
