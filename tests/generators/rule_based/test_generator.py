@@ -20,7 +20,10 @@ from motion.segment import EMOTIONS, Segment
 from motion.skeleton import forward_kinematics, joint_index
 
 Speak = Callable[..., SpeechSegment]
+Clips = dict[tuple[str, int], tuple[SpeechSegment, MotionClip]]
 RATE = 30
+SEEDS = (0, 1)
+SECONDS = 8.0
 WRISTS = [joint_index("left_wrist"), joint_index("right_wrist")]
 
 
@@ -47,6 +50,17 @@ def generate(speech: SpeechSegment, seed: int = 1, frame_rate: float = RATE) -> 
     return RuleBased().generate(speech, seed=seed, frame_rate=frame_rate)
 
 
+@pytest.fixture(scope="module")
+def clips(speak: Speak) -> Clips:
+    """Speech and motion of each emotion for two seeds, 8 s long."""
+    made = {}
+    for emotion in EMOTIONS:
+        for seed in SEEDS:
+            speech = speak("a", SECONDS, emotion, seed)
+            made[emotion, seed] = speech, generate(speech, seed)
+    return made
+
+
 def as_segment(audio: Audio, emotion: str) -> SpeechSegment:
     segment = Segment(
         name="s", wav="s.wav", start=0, end=audio.duration, speaker="scott", emotion=emotion
@@ -60,22 +74,21 @@ def share_near(moments: np.ndarray, accents: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_the_strongest_accents_are_met_by_a_stop_of_the_hands(speak: Speak, emotion: str) -> None:
+def test_the_strongest_accents_are_met_by_a_stop_of_the_hands(clips: Clips, emotion: str) -> None:
     met, by_chance = [], []
-    for seed in range(3):
-        speech = speak("a", 12.0, emotion, seed)
-        moments = stops(generate(speech, seed, 60))
-        heard = prosody(speech.audio, RATE)
+    for seed in SEEDS:
+        speech, clip = clips[emotion, seed]
+        moments, heard = stops(clip), prosody(speech.audio, RATE)
         strong = heard.accents[heard.prominence > 0.6]
         met.append(share_near(moments, strong))
-        shifts = np.random.default_rng(0).uniform(1, 11, 60)
-        by_chance += [share_near((moments + shift) % 12, strong) for shift in shifts]
+        shifts = np.random.default_rng(0).uniform(1, SECONDS - 1, 100)
+        by_chance += [share_near((moments + shift) % SECONDS, strong) for shift in shifts]
     assert np.mean(met) > 1.6 * np.mean(by_chance)
 
 
 def test_a_real_voice_is_met_above_chance(shared_data: Path) -> None:
     audio = read_audio(shared_data / "2_scott_0_2_2.wav").cut(0, 30)
-    clip = generate(as_segment(audio, "neutral"), frame_rate=60)
+    clip = generate(as_segment(audio, "neutral"))
     heard = prosody(audio, RATE)
     moments, strong = stops(clip), heard.accents[heard.prominence > 0.4]
     shifts = np.random.default_rng(0).uniform(1, 29, 100)
@@ -85,9 +98,9 @@ def test_a_real_voice_is_met_above_chance(shared_data: Path) -> None:
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_hands_and_elbows_never_enter_the_trunk(speak: Speak, emotion: str) -> None:
-    for seed in range(3):
-        clip = generate(speak("a", 10.0, emotion, seed), seed)
+def test_hands_and_elbows_never_enter_the_trunk(clips: Clips, emotion: str) -> None:
+    for seed in SEEDS:
+        _, clip = clips[emotion, seed]
         joints, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
         chest = joint_index("spine3")
         names = ("wrist", "elbow", "middle1", "middle3")
@@ -100,8 +113,8 @@ def test_hands_and_elbows_never_enter_the_trunk(speak: Speak, emotion: str) -> N
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_it_moves_smoothly_and_is_never_quite_still(speak: Speak, emotion: str) -> None:
-    clip = generate(speak("a", 8.0, emotion, 2), 2)
+def test_it_moves_smoothly_and_is_never_quite_still(clips: Clips, emotion: str) -> None:
+    _, clip = clips[emotion, 1]
     joints = joints_of(clip)
     speed = np.linalg.norm(np.diff(joints, axis=0), axis=2) * RATE
     assert speed[:, WRISTS].max() < 5
@@ -113,24 +126,19 @@ def test_it_moves_smoothly_and_is_never_quite_still(speak: Speak, emotion: str) 
     assert turning < 0.8
 
 
-def test_anger_and_joy_move_more_than_neutral_and_sadness_less(speak: Speak) -> None:
+def test_anger_and_joy_move_more_than_neutral_and_sadness_less(clips: Clips) -> None:
     amount = {
-        emotion: np.mean(
-            [
-                wrist_speed(generate(speak("a", 10.0, emotion, seed), seed)).mean()
-                for seed in range(4)
-            ]
-        )
-        for emotion in ("anger", "happiness", "neutral", "sadness")
+        emotion: np.mean([wrist_speed(clips[emotion, seed][1]).mean() for seed in SEEDS])
+        for emotion in EMOTIONS
     }
     assert amount["anger"] > 1.2 * amount["neutral"]
     assert amount["happiness"] > 1.2 * amount["neutral"]
     assert amount["sadness"] < 0.75 * amount["neutral"]
 
 
-def test_sadness_lets_head_and_shoulders_sink_and_fear_raises_the_shoulders(speak: Speak) -> None:
+def test_sadness_lets_head_and_shoulders_sink_and_fear_raises_the_shoulders(clips: Clips) -> None:
     height = {
-        emotion: joints_of(generate(speak("a", 5.0, emotion)))[:, :, 1].mean(axis=0)
+        emotion: joints_of(clips[emotion, 0][1])[:, :, 1].mean(axis=0)
         for emotion in ("neutral", "sadness", "fear")
     }
     head, shoulder = joint_index("head"), joint_index("left_shoulder")
@@ -152,12 +160,9 @@ def test_sadness_lets_head_and_shoulders_sink_and_fear_raises_the_shoulders(spea
     ],
 )
 def test_each_emotion_shows_its_own_face_more_than_any_other_does(
-    speak: Speak, emotion: str, action: str
+    clips: Clips, emotion: str, action: str
 ) -> None:
-    shown = {
-        other: generate(speak("a", 5.0, other)).arkit[:, arkit_index(action)].mean()
-        for other in EMOTIONS
-    }
+    shown = {other: clips[other, 0][1].arkit[:, arkit_index(action)].mean() for other in EMOTIONS}
     assert max(shown, key=lambda other: shown[other]) == emotion
 
 
@@ -169,9 +174,8 @@ def test_the_jaw_follows_the_voice(shared_data: Path) -> None:
     assert jaw[energy < 0.1].mean() < 0.03
 
 
-def test_the_head_nods_on_strong_accents(speak: Speak) -> None:
-    speech = speak("a", 12.0, "neutral", 3)
-    clip = generate(speech)
+def test_the_head_nods_on_strong_accents(clips: Clips) -> None:
+    speech, clip = clips["neutral", 0]
     heard = prosody(speech.audio, RATE)
     _, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     lowered = -turns[:, joint_index("head"), 1, 2]
@@ -185,8 +189,8 @@ def test_silence_is_stood_through_without_gestures() -> None:
     assert wrist_speed(clip).max() < 0.15
 
 
-def test_the_feet_do_not_slide(speak: Speak) -> None:
-    joints = joints_of(generate(speak("a", 10.0, "happiness", 1)))
+def test_the_feet_do_not_slide(clips: Clips) -> None:
+    joints = joints_of(clips["happiness", 1][1])
     for name in ("left_ankle", "right_ankle"):
         foot = joints[:, joint_index(name)]
         assert np.ptp(foot, axis=0).max() < 0.012
