@@ -26,5 +26,5 @@ def command(folder: StudyFolder, participants: int | None, seed: int) -> None:
         click.echo(f"note: {result.note}")
     click.echo(
         f"{result.completed} simulated participants completed the study, {result.kept} of them "
-        f"in an earlier run; {len(result.probes)} bad submissions were tried and refused."
+        f"in an earlier run; {len(result.probes)} improper submissions changed nothing."
     )

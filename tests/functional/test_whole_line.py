@@ -1,0 +1,128 @@
+"""A study from two recordings to its report, command by command, as a researcher types them."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomlkit
+
+from motion.audio import Audio, write_wav
+from motion.clip import MotionClip
+from motion.formats import write_clip
+
+pytestmark = pytest.mark.slow
+
+RATE = 16_000
+SECONDS = 6.0
+PARTICIPANTS = 3
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("researcher")
+
+
+@pytest.fixture(scope="module")
+def motionjury(home: Path) -> Callable[..., str]:
+    def run(*arguments: object) -> str:
+        program = "from studyapp.command.main import main; main()"
+        done = subprocess.run(
+            [sys.executable, "-c", program, *map(str, arguments)],
+            cwd=home,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def study(home: Path, motionjury: Callable[..., str]) -> Path:
+    """Return a study that went through every command up to its report."""
+    times = np.arange(int(SECONDS * RATE)) / RATE
+    loudness = np.maximum(np.sin(2 * np.pi * 1.7 * times), 0)
+    samples = (0.4 * loudness * np.sin(2 * np.pi * 140 * times)).astype(np.float32)
+    write_wav(home / "take.wav", Audio(samples=samples, sample_rate=RATE))
+    frames = int(SECONDS * 30)
+    poses = np.zeros((frames, 55, 3))
+    poses[:, 16, 2] = -1.1 + 0.3 * np.sin(2 * np.pi * 1.7 * np.arange(frames) / 30)
+    poses[:, 17, 2] = 1.1
+    take = MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=30)
+    write_clip(home / "take.npz", take)
+
+    motionjury("init", "lab", "--reference", "rule_based", "--trials", 3)
+    definition = home / "lab" / "study.toml"
+    document = tomlkit.parse(definition.read_text())
+    document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
+    document["participants_per_comparison"] = PARTICIPANTS
+    definition.write_text(tomlkit.dumps(document))
+    motionjury(
+        "import", "take.npz", "--speech", "take.wav", "--segment", 2,
+        "--condition", "ground_truth", "--speaker", "anna", "--emotion", "anger", "lab",
+    )  # fmt: skip
+    motionjury("generate", "lab")
+    motionjury("render", "lab", "--processes", 1)
+    motionjury("rehearse", "lab", "--seed", 1)
+    motionjury("report", "lab")
+    return home / "lab"
+
+
+def test_check_finds_nothing_that_must_be_mended(
+    study: Path, motionjury: Callable[..., str]
+) -> None:
+    said = motionjury("check", "lab")
+    assert "can be served" in said
+    assert "3 segments of anger allow 3 pairs" in said
+    assert "error:" not in said
+
+
+def test_the_report_is_one_file_that_says_rehearsal_and_answers(study: Path) -> None:
+    page = (study / "report" / "report.html").read_text()
+    assert page.lower().count("rehearsal") > 5
+    assert "win share" in page
+    for outside in ('src="http', 'href="http', "@import", "url(http"):
+        assert outside not in page
+
+
+def test_rehearsal_answers_are_exported_apart_from_real_ones(
+    study: Path, motionjury: Callable[..., str]
+) -> None:
+    motionjury("export", "lab", "--rehearsal")
+    with (study / "rehearsal_responses.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    sessions = {row["study_session"] for row in rows}
+    assert len(sessions) == 2 * PARTICIPANTS
+    assert {row["comparison"] for row in rows} == {
+        "rule_based-mismatched",
+        "rule_based-ground_truth",
+    }
+    per_session = [sum(row["study_session"] == name for row in rows) for name in sessions]
+    assert len(set(per_session)) == 1
+    assert "Wrote 0 answers" in motionjury("export", "lab")
+    assert not (study / "responses.db").exists()
+
+
+def test_catch_trials_show_the_ground_truth_beside_the_broken_motion(study: Path) -> None:
+    with (study / "rehearsal_responses.csv").open() as file:
+        catches = [row for row in csv.DictReader(file) if row["kind"] == "catch"]
+    assert catches
+    for row in catches:
+        shown = {row["left_condition"], row["right_condition"]}
+        assert shown == {"ground_truth", "broken"}
+
+
+def test_every_stage_done_again_makes_nothing_new(
+    study: Path, motionjury: Callable[..., str]
+) -> None:
+    assert "Generated 0 clips" in motionjury("generate", "lab")
+    assert "Rendered 0 videos" in motionjury("render", "lab")
+    assert f"{2 * PARTICIPANTS} of them in an earlier run" in motionjury("rehearse", "lab")
