@@ -48,6 +48,13 @@ function fetchAhead() {
 }
 
 new Playback(video, document.getElementById("controls"));
+// A video that fails shows the way on by itself.
+function showTrouble() {
+  document.querySelector(".trouble").open = true;
+}
+if (video.error) showTrouble();
+video.addEventListener("error", showTrouble);
+
 const submission = new Submission(answers, evidence, missing);
 evidence.addEventListener("change", show);
 answers.addEventListener("change", show);
