@@ -98,7 +98,7 @@ BY_THE_SIDE: Final = HandPose(
     shape=RELAXED,
 )  # fmt: skip
 BEFORE_THE_WAIST: Final = HandPose(
-    outward=-0.09, up=-0.60, forward=0.50, elbow_out=0, pronation=30, flexion=-4, deviation=0,
+    outward=-0.04, up=-0.60, forward=0.50, elbow_out=0, pronation=30, flexion=-4, deviation=0,
     shape=RELAXED,
 )  # fmt: skip
 BEFORE_THE_CHEST: Final = HandPose(

@@ -28,6 +28,7 @@ _CENTRE: Final = np.array([-0.10, -0.48, 0.52])
 _PLACE_VARIETY: Final = np.array([0.05, 0.045, 0.04])
 _TURN_VARIETY: Final = 7.0
 _SECOND_HAND: Final = 0.9
+_BOTH_APART: Final = (0.09, 0.0, 0.0)
 _FOLLOW_THROUGH: Final = 0.05
 _HAND_DRIFT: Final = 0.007
 _OVERLAP: Final = 0.2
@@ -108,6 +109,8 @@ def _key_poses(
     apex[PLACE] = _CENTRE + (apex[PLACE] - _CENTRE) * (0.4 + 0.6 * size)
     apex[ELBOW_OUT] += manner.elbows_out
     apex += _variety(rng)
+    if len(gesture.hands) == 2:
+        apex[PLACE] += _BOTH_APART
     upbeat = apex.copy()
     upbeat[PLACE] -= size * np.array(gesture.form.stroke)
     upbeat[[PRONATION, FLEXION]] += np.array(gesture.form.wind_up) * min(size, 1.2)

@@ -199,3 +199,16 @@ def test_the_feet_do_not_slide(clips: Clips) -> None:
 def test_segments_of_one_study_do_not_move_alike_under_one_seed(speak: Speak) -> None:
     one, other = (generate(speak(name, 4.0)) for name in ("a", "b"))
     assert np.abs(one.poses - other.poses).max() > 0.1
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_the_hands_do_not_pass_through_each_other(clips: Clips, emotion: str) -> None:
+    parts = ("wrist", "middle1", "middle3", "index3", "pinky3")
+    for seed in SEEDS:
+        joints = joints_of(clips[emotion, seed][1])
+        left, right = (
+            joints[:, [joint_index(f"{side}_{part}") for part in parts]]
+            for side in ("left", "right")
+        )
+        apart = np.linalg.norm(left[:, :, None] - right[:, None], axis=-1)
+        assert apart.min() > 0.03
