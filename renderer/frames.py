@@ -101,9 +101,9 @@ def _build_scene(primitive: Any, camera: Camera) -> Any:
         yfov=np.radians(camera.field_of_view), aspectRatio=1.0, znear=0.1, zfar=20.0
     )
     scene.add(lens, pose=_looking(np.array(camera.eye), np.array(camera.target)))
-    for light in LIGHTS:
+    for number, light in enumerate(LIGHTS):
         lamp = pyrender.DirectionalLight(color=np.array(light.colour), intensity=light.intensity)
-        scene.add(lamp, pose=_looking(np.array(light.comes_from), np.zeros(3)))
+        scene.add(lamp, name=f"{number}", pose=_looking(np.array(light.comes_from), np.zeros(3)))
     return scene
 
 

@@ -36,6 +36,21 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         gl.glDepthMask(gl.GL_TRUE)
         gl.glDepthFunc(gl.GL_LESS)
 
+    def _bind_lighting(self, scene: Any, program: Any, node: Any, flags: int) -> None:
+        """Hand the lights over in the order of their names.
+
+        pyrender takes them from a set, whose order, and with it the rounding of their sum,
+        differs from run to run.
+        """
+        nodes = sorted(scene.directional_light_nodes, key=lambda light: str(light.name))
+        program.set_uniform("ambient_light", scene.ambient_light)
+        program.set_uniform("n_directional_lights", len(nodes))
+        for number, light in enumerate(nodes):
+            uniform = f"directional_lights[{number}]."
+            program.set_uniform(f"{uniform}direction", -scene.get_pose(light)[:3, 2])
+            program.set_uniform(f"{uniform}color", light.light.color)
+            program.set_uniform(f"{uniform}intensity", light.light.intensity)
+
 
 class OffscreenContext:
     """A current OpenGL context of `side` × `side` pixels; call `close` when done with it."""

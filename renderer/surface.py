@@ -28,7 +28,7 @@ _COMMON: Final = {
 AVATARS: Final[Mapping[str, Mapping[str, str]]] = {
     "blue": {
         **_COMMON,
-        "skin": "#dfab8e", "lips": "#bd7769", "nails": "#e5b5a0", "iris": "#5b412c",
+        "skin": "#dfab8e", "lips": "#c08472", "nails": "#e5b5a0", "iris": "#5b412c",
         "limbus": "#33241a", "brow": "#4d392b", "hair": "#3a2a1f", "sweater": "#3f6690",
         "trim": "#37597e", "trousers": "#343841", "shoes": "#4a4542",
     },

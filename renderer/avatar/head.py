@@ -12,7 +12,7 @@ from PIL import Image
 from scipy.interpolate import PchipInterpolator
 
 from renderer.avatar.garments import collar_height
-from renderer.avatar.patch import Patch
+from renderer.avatar.patch import Patch, boundary_edges, hemmed
 from renderer.avatar.pieces import Piece, Sitter
 
 Array = NDArray[np.float64]
@@ -101,7 +101,8 @@ def _hair(sitter: Sitter, head: Patch) -> Piece:
     strands = np.sin(260 * (at[:, 2] + 0.35 * np.abs(parting)) + 3 * np.sin(50 * at[:, 0]))
     groove = 0.006 * np.exp(-((parting / 0.004) ** 2)) * top * (at[:, 2] > -0.01)
     lift = 0.0012 + rounded * thickness * (1 + 0.05 * strands) - groove * rounded
-    return sitter.piece("hair", scalp.raised(np.maximum(lift, 0.001)), actions=True)
+    hair = scalp.raised(np.maximum(lift, 0.001))
+    return sitter.piece("hair", hemmed(hair, boundary_edges(hair.faces), 0.012), actions=True)
 
 
 def _head_centre(sitter: Sitter) -> Array:

@@ -1,0 +1,207 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from motion.body import BodyModel, expression_note, read_body
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.skeleton import PARENTS, forward_kinematics
+
+Arrays = dict[str, NDArray[Any]]
+VERTICES = 9940  # more than the highest vertex that smplx's landmark table names
+
+
+def _random_arrays(seed: int = 0) -> Arrays:
+    """Return a body with everything a licensed one has, in random numbers."""
+    rng = np.random.default_rng(seed)
+    weights = rng.random((VERTICES, 55)) ** 8
+    regressor = np.zeros((55, VERTICES))
+    regressor[np.arange(55)[:, None], rng.integers(0, VERTICES, (55, 20))] = 1 / 20
+    shapes = np.zeros((VERTICES, 3, 400), np.float32)
+    shapes[:, :, :10] = rng.normal(0, 0.01, (VERTICES, 3, 10))
+    shapes[:, :, 300:310] = rng.normal(0, 0.01, (VERTICES, 3, 10))
+    return {
+        "v_template": rng.normal(0, 0.5, (VERTICES, 3)),
+        "f": rng.integers(0, VERTICES, (100, 3)).astype(np.uint32),
+        "shapedirs": shapes,
+        "posedirs": rng.normal(0, 0.001, (VERTICES, 3, 486)).astype(np.float32),
+        "J_regressor": regressor,
+        "weights": weights / weights.sum(axis=1, keepdims=True),
+        "kintree_table": np.stack([np.array(PARENTS), np.arange(55)]),
+        "hands_componentsl": np.zeros((45, 45)),
+        "hands_componentsr": np.zeros((45, 45)),
+        "hands_meanl": np.zeros(45),
+        "hands_meanr": np.zeros(45),
+        "lmk_faces_idx": np.zeros(51, np.int64),
+        "lmk_bary_coords": np.full((51, 3), 1 / 3),
+    }
+
+
+@pytest.fixture(scope="module")
+def arrays() -> Arrays:
+    return _random_arrays()
+
+
+@pytest.fixture(scope="module")
+def path(arrays: Arrays, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("body") / "smplx_random.npz"
+    np.savez(path, **arrays)
+    return path
+
+
+@pytest.fixture(scope="module")
+def body(path: Path) -> BodyModel:
+    return read_body(path)
+
+
+def _clip(frames: int, seed: int = 0, **more: Any) -> MotionClip:
+    rng = np.random.default_rng(seed)
+    return MotionClip(
+        poses=rng.normal(0, 0.4, (frames, 55, 3)),
+        trans=rng.normal(0, 1, (frames, 3)),
+        frame_rate=30,
+        **more,
+    )
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::UserWarning")
+def test_vertices_are_those_of_smplx(path: Path, body: BodyModel) -> None:
+    smplx = pytest.importorskip("smplx")
+    torch = pytest.importorskip("torch")
+    rng = np.random.default_rng(1)
+    expressions = np.zeros((4, 100), np.float32)
+    expressions[:, :10] = rng.normal(0, 1, (4, 10))
+    clip = _clip(4, betas=rng.normal(0, 1, 10), expressions=expressions)
+    model = smplx.create(
+        str(path), model_type="smplx", ext="npz", use_pca=False, flat_hand_mean=True,
+        num_betas=10, num_expression_coeffs=10, batch_size=4,
+    )  # fmt: skip
+    poses = torch.tensor(clip.poses)
+    output = model(
+        betas=torch.tensor(clip.betas)[None].expand(4, -1),
+        expression=torch.tensor(expressions[:, :10]),
+        global_orient=poses[:, 0],
+        body_pose=poses[:, 1:22].reshape(4, -1),
+        jaw_pose=poses[:, 22],
+        leye_pose=poses[:, 23],
+        reye_pose=poses[:, 24],
+        left_hand_pose=poses[:, 25:40].reshape(4, -1),
+        right_hand_pose=poses[:, 40:].reshape(4, -1),
+        transl=torch.tensor(clip.trans),
+    )
+    np.testing.assert_allclose(body.vertices(clip), output.vertices.detach().numpy(), atol=1e-4)
+    rest = model(betas=torch.tensor(clip.betas)[None]).joints[0, :55].detach().numpy()
+    np.testing.assert_allclose(body.joints(clip.betas), rest, atol=1e-4)
+
+
+@settings(deadline=None, max_examples=10, suppress_health_check=list(HealthCheck))
+@given(start=st.integers(0, 18), length=st.integers(1, 19))
+def test_a_part_of_the_frames_is_the_same_as_that_part_of_all(
+    body: BodyModel, start: int, length: int
+) -> None:
+    clip = _clip(19)
+    part = slice(start, start + length)
+    np.testing.assert_allclose(body.vertices(clip, part), body.vertices(clip)[part], atol=1e-5)
+
+
+def test_vertices_follow_the_joints_of_forward_kinematics(arrays: Arrays, tmp_path: Path) -> None:
+    rigid = arrays | {"posedirs": np.zeros((VERTICES, 3, 486)), "weights": np.eye(VERTICES, 55)}
+    rigid["weights"][55:, 0] = 1
+    np.savez(tmp_path / "smplx.npz", **rigid)
+    body = read_body(tmp_path / "smplx.npz")
+    clip = _clip(3)
+    rest = body.joints(np.zeros(0))
+    positions, turned = forward_kinematics(clip.poses, clip.trans, rest)
+    expected = positions + np.einsum("tjab,jb->tja", turned, body.template[:55] - rest)
+    np.testing.assert_allclose(body.vertices(clip)[:, :55], expected, atol=1e-4)
+
+
+def test_a_clip_without_betas_has_the_mean_shape(body: BodyModel) -> None:
+    mean, shaped = body.joints(np.zeros(0)), body.joints(np.ones(10))
+    np.testing.assert_array_equal(mean, body.joints(np.zeros(10)))
+    assert np.abs(shaped - mean).max() > 1e-3
+
+
+def test_more_betas_than_the_body_has_directions_are_left_out(body: BodyModel) -> None:
+    betas = np.ones(300)
+    np.testing.assert_array_equal(body.joints(betas), body.joints(betas[:10]))
+
+
+def test_expression_of_the_other_kind_is_said_and_not_guessed(body: BodyModel) -> None:
+    arkit = _clip(2, arkit=np.full((2, 52), 0.5))
+    assert not body.has_arkit_slots
+    note = expression_note(arkit, body)
+    assert note is not None
+    assert "ARKit" in note
+    np.testing.assert_array_equal(body.vertices(arkit), body.vertices(_clip(2)))
+
+
+@pytest.mark.parametrize(
+    "face", [{}, {"arkit": np.zeros((2, 52))}, {"expressions": np.ones((2, 100))}]
+)
+def test_nothing_is_said_of_a_face_that_is_shown_or_still(
+    body: BodyModel, face: dict[str, NDArray[np.float64]]
+) -> None:
+    assert expression_note(_clip(2, **face), body) is None
+
+
+def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path: Path) -> None:
+    shapes = arrays["shapedirs"]
+    short = np.concatenate([shapes[:, :, :10], shapes[:, :, 300:310]], axis=2)
+    np.savez(tmp_path / "smplx.npz", **(arrays | {"shapedirs": short}))
+    body = read_body(tmp_path / "smplx.npz")
+    np.testing.assert_array_equal(body.shape_directions, shapes[:, :, :10])
+    np.testing.assert_array_equal(body.expression_directions, shapes[:, :, 300:310])
+
+
+def _without_weights(arrays: Arrays) -> Arrays:
+    return {name: array for name, array in arrays.items() if name != "weights"}
+
+
+def _of_smplh(arrays: Arrays) -> Arrays:
+    return arrays | {"weights": arrays["weights"][:, :52]}
+
+
+def _another_tree(arrays: Arrays) -> Arrays:
+    tree = arrays["kintree_table"].copy()
+    tree[0, 5] = 0
+    return arrays | {"kintree_table": tree}
+
+
+def _pickled(arrays: Arrays) -> Arrays:
+    return arrays | {"f": np.array([{"not": "numbers"}], dtype=object)}
+
+
+@pytest.mark.parametrize(
+    ("broken", "what"),
+    [
+        (_without_weights, "lacks weights"),
+        (_of_smplh, "weights of the body model has shape"),
+        (_another_tree, "joint tree"),
+        (_pickled, "cannot be read"),
+    ],
+)
+def test_a_file_that_is_no_smplx_body_is_refused(
+    arrays: Arrays, tmp_path: Path, broken: Callable[[Arrays], Arrays], what: str
+) -> None:
+    np.savez(tmp_path / "smplx.npz", **broken(arrays))
+    with pytest.raises(InputError, match=what) as caught:
+        read_body(tmp_path / "smplx.npz")
+    assert caught.value.where == str(tmp_path / "smplx.npz")
+    assert caught.value.remedy
+
+
+def test_a_missing_or_garbled_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such body model"):
+        read_body(tmp_path / "nothing.npz")
+    (tmp_path / "text.npz").write_text("hello")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_body(tmp_path / "text.npz")

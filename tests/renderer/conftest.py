@@ -1,0 +1,61 @@
+"""What the renderer's tests share: the default body, a clip, its speech."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.audio import Audio, write_wav
+from motion.body import BodyModel, read_body
+from motion.clip import MotionClip
+from motion.face import arkit_index
+from motion.formats import write_clip
+from renderer.benchmark import gesturing_clip
+from renderer.body_asset import default_body
+from renderer.framing import Camera, frame_clips
+from renderer.look import Look
+
+SECONDS = 0.8
+"""Length of the test clip; no whole number of AAC frames."""
+
+
+@pytest.fixture(scope="session")
+def body_path() -> Path:
+    return default_body()
+
+
+@pytest.fixture(scope="session")
+def body(body_path: Path) -> BodyModel:
+    return read_body(body_path)
+
+
+@pytest.fixture(scope="session")
+def clip() -> MotionClip:
+    """Return a short clip that gestures, speaks and smiles."""
+    plain = gesturing_clip(SECONDS, 30)
+    arkit = np.zeros((len(plain), 52), np.float32)
+    arkit[:, arkit_index("mouthSmileLeft")] = np.linspace(0, 1, len(plain))
+    return MotionClip(poses=plain.poses, trans=plain.trans, frame_rate=30, arkit=arkit)
+
+
+@pytest.fixture(scope="session")
+def small_look() -> Look:
+    return Look(size=160)
+
+
+@pytest.fixture(scope="session")
+def camera(clip: MotionClip, body: BodyModel, small_look: Look) -> Camera:
+    return frame_clips([clip], body, small_look)
+
+
+@pytest.fixture(scope="session")
+def inputs(tmp_path_factory: pytest.TempPathFactory, clip: MotionClip) -> Path:
+    """Return a folder with ``clip.npz`` and ``speech.wav``, which hums one second longer."""
+    folder = tmp_path_factory.mktemp("inputs")
+    write_clip(folder / "clip.npz", clip)
+    moments = np.arange(round((SECONDS + 1) * 16000)) / 16000
+    hum = (0.2 * np.sin(2 * np.pi * 220 * moments)).astype(np.float32)
+    write_wav(folder / "speech.wav", Audio(hum, 16000))
+    return folder

@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+
+from motion.body import BodyModel
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.skeleton import forward_kinematics, joint_index
+from renderer.framing import Camera, frame_clips
+from renderer.look import Look
+
+HANDS = [joint_index(f"{side}_middle3") for side in ("left", "right")]
+
+
+def _in_picture(camera: Camera, points: np.ndarray) -> np.ndarray:
+    """Return where points of a level camera that looks along -z fall: 1 is the picture's edge."""
+    depth = camera.eye[2] - points[..., 2]
+    half = np.tan(np.radians(camera.field_of_view / 2)) * depth
+    return np.stack(
+        [(points[..., 0] - camera.eye[0]) / half, (points[..., 1] - camera.eye[1]) / half], -1
+    )
+
+
+def _points(clip: MotionClip, body: BodyModel, joints: list[int]) -> np.ndarray:
+    positions, _ = forward_kinematics(clip.poses, clip.trans, body.joints(clip.betas))
+    return positions[:, joints]
+
+
+@pytest.fixture
+def arms_wide(clip: MotionClip) -> MotionClip:
+    return replace(clip, poses=np.zeros_like(clip.poses), arkit=None)
+
+
+def test_hands_and_head_of_every_clip_are_in_the_picture(
+    clip: MotionClip, arms_wide: MotionClip, body: BodyModel
+) -> None:
+    camera = frame_clips([clip, arms_wide], body, Look())
+    for shown in (clip, arms_wide):
+        places = _in_picture(camera, _points(shown, body, [*HANDS, joint_index("head")]))
+        assert np.abs(places).max() < 1
+
+
+def test_the_camera_is_the_same_in_whatever_order_clips_come(
+    clip: MotionClip, arms_wide: MotionClip, body: BodyModel
+) -> None:
+    assert frame_clips([clip, arms_wide], body, Look()) == frame_clips(
+        [arms_wide, clip], body, Look()
+    )
+
+
+def test_full_body_shows_the_feet_and_upper_body_comes_closer(
+    clip: MotionClip, body: BodyModel
+) -> None:
+    full = frame_clips([clip], body, Look(framing="full_body"))
+    upper = frame_clips([clip], body, Look(framing="upper_body"))
+    feet = _points(clip, body, [joint_index("left_foot"), joint_index("right_foot")])
+    assert np.abs(_in_picture(full, feet)).max() < 1
+    assert upper.eye[2] < full.eye[2]
+
+
+def test_a_stray_frame_does_not_shrink_everybody(clip: MotionClip, body: BodyModel) -> None:
+    many = clip.frames(np.tile(np.arange(len(clip)), 40))
+    trans = many.trans.copy()
+    trans[0, 0] = 30.0
+    stray = replace(many, trans=trans)
+    assert frame_clips([stray], body, Look()).eye[2] == pytest.approx(
+        frame_clips([many], body, Look()).eye[2], rel=0.1
+    )
+
+
+def test_a_camera_survives_json(clip: MotionClip, body: BodyModel) -> None:
+    camera = frame_clips([clip], body, Look())
+    fields = json.loads(json.dumps(asdict(camera)))
+    back = Camera(**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})
+    assert back == camera
+
+
+def test_no_clip_is_refused(body: BodyModel) -> None:
+    with pytest.raises(InputError, match="no clip"):
+        frame_clips([], body, Look())
+
+
+@pytest.mark.parametrize("bad", [{"size": 721}, {"size": 8}, {"frame_rate": 0}, {"framing": "x"}])
+def test_a_look_that_cannot_be_drawn_is_refused(bad: dict[str, object]) -> None:
+    with pytest.raises(InputError):
+        Look(**bad)

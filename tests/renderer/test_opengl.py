@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from renderer.opengl import PLATFORM
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def _run(code: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, **environment},
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_pyrender_comes_without_a_window_library() -> None:
+    done = _run("import renderer.frames, sys; sys.exit('pyglet' in sys.modules)")
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_machine_without_an_offscreen_library_is_told_which_package_to_install() -> None:
+    code = "import ctypes.util; ctypes.util.find_library = lambda n: None; import renderer.opengl"
+    done = _run(code)
+    assert done.returncode != 0
+    assert "apt-get install libosmesa6" in done.stderr
+
+
+def test_a_platform_asked_for_but_missing_is_named() -> None:
+    done = _run("import renderer.opengl", PYOPENGL_PLATFORM="glx")
+    assert "looked for glx" in done.stderr
+
+
+def test_planning_videos_needs_no_opengl() -> None:
+    code = "import renderer.jobs, renderer.framing, sys; sys.exit('pyrender' in sys.modules)"
+    assert _run(code).returncode == 0
+
+
+_DRAW = """
+import numpy as np
+from renderer.frames import FrameRenderer
+from renderer.framing import Camera
+corners = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32)
+normals = np.tile(np.array([0, 0, 1], np.float32), (3, 1))
+colours = np.tile(np.array([1, 0, 0, 0], np.float32), (3, 1))
+camera = Camera(eye=(0, 0, 6), target=(0, 0, 0), field_of_view=20)
+with FrameRenderer(np.array([[0, 1, 2]]), colours, camera, 32) as renderer:
+    picture = renderer.draw(corners, normals)
+    print(picture[60, 32].tolist(), picture[2, 2].tolist())
+"""
+
+
+@pytest.mark.parametrize("platform", ["osmesa", "egl"])
+def test_both_platforms_draw_the_same_the_right_way_up(platform: str) -> None:
+    done = _run(_DRAW, PYOPENGL_PLATFORM=platform)
+    if "no offscreen OpenGL library" in done.stderr or "could not be started" in done.stderr:
+        pytest.skip(f"{platform} is not on this machine")
+    assert done.returncode == 0, done.stderr
+    colours = done.stdout.strip()
+    middle, corner = colours.split("] [")
+    red, green, _, _ = (int(value) for value in middle.strip("[]").split(","))
+    assert red > 150 > 50 > green
+    assert corner.strip("[]") == "236, 236, 238, 255"
+
+
+def test_a_platform_was_chosen() -> None:
+    assert PLATFORM in ("osmesa", "egl")

@@ -1,0 +1,284 @@
+from __future__ import annotations
+
+import hashlib
+import struct
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pytest
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import write_clip
+from renderer.clip_video import Stage, write_clip_video
+from renderer.framing import Camera
+from renderer.look import BACKGROUND, Look
+from renderer.pair import write_pair
+from tests.renderer.conftest import SECONDS
+from tests.renderer.golden import assert_like_golden
+
+FRAMES = round(SECONDS * 30)
+
+
+def _render(stage: Stage, inputs: Path, out: Path, **changes: Any) -> tuple[Path, Path]:
+    """Render the test clip to `out`, and return its video and its frames."""
+    video, frames = out / "clip.mp4", out / "clip.mkv"
+    arguments: dict[str, Any] = {
+        "motion": inputs / "clip.npz",
+        "speech": inputs / "speech.wav",
+        "start": 0.25,
+        "end": 0.25 + SECONDS,
+        "frozen": (),
+        "frames": frames,
+        "video": video,
+    }
+    write_clip_video(stage, **(arguments | changes))
+    return video, frames
+
+
+@pytest.fixture(scope="module")
+def stage(body_path: Path, camera: Camera, small_look: Look) -> Any:
+    with Stage(body_path, camera, small_look) as stage:
+        yield stage
+
+
+@pytest.fixture(scope="module")
+def rendered(
+    stage: Stage, inputs: Path, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, Path]:
+    return _render(stage, inputs, tmp_path_factory.mktemp("clip"))
+
+
+@pytest.fixture(scope="module")
+def still_frames(stage: Stage, inputs: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    frozen = ("face", "hands", "lower_body", "root")
+    _, frames = _render(stage, inputs, tmp_path_factory.mktemp("still"), frozen=frozen)
+    return frames
+
+
+@pytest.fixture(scope="module")
+def pair(
+    rendered: tuple[Path, Path],
+    still_frames: Path,
+    inputs: Path,
+    small_look: Look,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:
+    video = tmp_path_factory.mktemp("pair") / "pair.mp4"
+    _compose(rendered[1], still_frames, inputs, small_look, video)
+    return video
+
+
+def _compose(left: Path, right: Path, inputs: Path, look: Look, video: Path) -> None:
+    write_pair(
+        left=left,
+        right=right,
+        speech=inputs / "speech.wav",
+        start=0.25,
+        end=0.25 + SECONDS,
+        video=video,
+        look=look,
+    )
+
+
+def _pictures(path: Path) -> np.ndarray:
+    with av.open(str(path)) as container:
+        return np.array([frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)])
+
+
+def _packets(path: Path, kind: str) -> list[str]:
+    """Return a digest of each packet of one kind."""
+    with av.open(str(path)) as container:
+        packets = [packet for packet in container.demux() if packet.stream.type == kind]
+        return [hashlib.sha256(bytes(packet)).hexdigest()[:8] for packet in packets]
+
+
+def _boxes(path: Path) -> list[str]:
+    """Return the types of the file's top-level boxes (ISO/IEC 14496-12, 4.2)."""
+    data, at, boxes = path.read_bytes(), 0, []
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at : at + 8])
+        boxes.append(kind.decode())
+        at += size
+    return boxes
+
+
+@pytest.fixture(params=["clip", "pair"])
+def video(request: pytest.FixtureRequest, rendered: tuple[Path, Path], pair: Path) -> Path:
+    return rendered[0] if request.param == "clip" else pair
+
+
+def test_a_video_has_exactly_the_frames_of_its_speech(video: Path) -> None:
+    with av.open(str(video)) as container:
+        stream = container.streams.video[0]
+        assert stream.average_rate == 30
+        assert sum(1 for _ in container.decode(stream)) == FRAMES
+        assert stream.duration * stream.time_base == Fraction(FRAMES, 30)
+
+
+def test_sound_lasts_as_long_as_the_picture_and_starts_with_it(video: Path) -> None:
+    with av.open(str(video)) as container:
+        stream = container.streams.audio[0]
+        assert (stream.codec_context.name, stream.rate) == ("aac", 48000)
+        assert float(stream.duration * stream.time_base) == pytest.approx(SECONDS, abs=1024 / 48000)
+        sound = np.concatenate([frame.to_ndarray()[0] for frame in container.decode(stream)])
+    loud = np.flatnonzero(np.abs(sound) > 0.1)
+    assert loud[0] < 0.03 * 48000
+    assert sound[4800:-4800].std() == pytest.approx(0.2 / np.sqrt(2), rel=0.05)
+
+
+def test_a_video_plays_while_it_loads(video: Path) -> None:
+    boxes = _boxes(video)
+    assert boxes.index("moov") < boxes.index("mdat")
+
+
+def test_colours_are_tagged_as_bt709(video: Path) -> None:
+    with av.open(str(video)) as container:
+        stream = container.streams.video[0]
+        context = stream.codec_context
+        assert context.pix_fmt == "yuv420p"
+        assert (context.color_primaries, context.color_trc, context.colorspace) == (1, 1, 1)
+        assert context.color_range == 1
+
+
+def test_colours_are_those_that_were_drawn(video: Path) -> None:
+    corner = _pictures(video)[0][0, -1].astype(int)
+    assert np.abs(corner - BACKGROUND).max() <= 2
+
+
+def test_nothing_in_a_video_names_anything(video: Path, inputs: Path) -> None:
+    with av.open(str(video)) as container:
+        facts = dict(container.metadata)
+        for stream in container.streams:
+            facts |= stream.metadata
+    assert set(facts) <= {
+        "major_brand", "minor_version", "compatible_brands", "language", "handler_name",
+        "vendor_id",
+    }  # fmt: skip
+    assert facts["handler_name"] in ("VideoHandler", "SoundHandler")
+    data = video.read_bytes()
+    for name in (b"clip", b"speech", inputs.name.encode(), b"Lavf"):
+        assert name not in data
+
+
+def test_the_same_input_gives_the_same_bytes(
+    rendered: tuple[Path, Path], stage: Stage, inputs: Path, tmp_path: Path
+) -> None:
+    again = _render(stage, inputs, tmp_path)
+    for first, second in zip(rendered, again, strict=True):
+        assert [_packets(first, kind) for kind in ("video", "audio")] == [
+            _packets(second, kind) for kind in ("video", "audio")
+        ]
+        assert first.read_bytes() == second.read_bytes()
+
+
+def test_frames_are_kept_without_loss(rendered: tuple[Path, Path], stage: Stage) -> None:
+    from motion.formats import read_clip
+
+    clip = read_clip(rendered[0].parent.parent / "inputs0" / "clip.npz")
+    drawn = [frame.to_ndarray() for frame in stage.video_frames(clip)]
+    with av.open(str(rendered[1])) as container:
+        kept = [frame.to_ndarray() for frame in container.decode(video=0)]
+    np.testing.assert_array_equal(kept, drawn)
+
+
+def test_frozen_channels_do_not_move(still_frames: Path, rendered: tuple[Path, Path]) -> None:
+    still, moving = _pictures(still_frames), _pictures(rendered[1])
+    face = np.s_[:, 20:60, 60:100]
+    assert np.ptp(moving[face].astype(int), axis=0).max() > 20
+    assert np.abs(still.astype(int) - moving).max() > 20
+
+
+def test_motion_at_another_rate_is_resampled(
+    stage: Stage, inputs: Path, clip: MotionClip, tmp_path: Path
+) -> None:
+    from motion.resample import resample
+
+    write_clip(tmp_path / "fast.npz", resample(clip, 60))
+    video, _ = _render(stage, inputs, tmp_path, motion=tmp_path / "fast.npz")
+    assert len(_pictures(video)) == FRAMES
+
+
+def test_motion_much_shorter_than_its_speech_is_refused_and_leaves_nothing(
+    stage: Stage, inputs: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=r"0\.80 s, its speech 1\.40 s"):
+        _render(stage, inputs, tmp_path, end=1.65)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_pair_is_twice_as_wide_with_the_left_clip_left(
+    pair: Path, rendered: tuple[Path, Path], still_frames: Path
+) -> None:
+    shown = _pictures(pair).astype(int)
+    assert shown.shape[1:3] == (160, 320)
+    below_labels = np.s_[:, 24:, :]
+    left, right = _pictures(rendered[1]), _pictures(still_frames)
+    assert np.abs(shown[:, :, :160] - left)[below_labels].mean() < 2
+    assert np.abs(shown[:, :, 160:] - right)[below_labels].mean() < 2
+
+
+def test_labels_are_the_same_in_both_orders(
+    pair: Path, rendered: tuple[Path, Path], still_frames: Path, inputs: Path, small_look: Look,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    _compose(still_frames, rendered[1], inputs, small_look, tmp_path / "other.mp4")
+    one, other = _pictures(pair)[0].astype(int), _pictures(tmp_path / "other.mp4")[0].astype(int)
+    for corner in (np.s_[:20, :20], np.s_[:20, 160:180]):
+        assert np.abs(one[corner] - other[corner]).max() <= 6
+        assert one[corner].min() < 120
+    assert np.abs(one[:20, :20] - one[:20, 160:180]).max() > 60
+
+
+def test_a_pair_looks_as_kept(pair: Path, tmp_path: Path) -> None:
+    assert_like_golden(_pictures(pair)[12], "pair", tmp_path)
+
+
+def test_a_pair_of_different_lengths_is_refused_and_leaves_nothing(
+    stage: Stage, rendered: tuple[Path, Path], inputs: Path, clip: MotionClip, small_look: Look,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    short = tmp_path / "short"
+    short.mkdir()
+    write_clip(short / "clip.npz", clip.frames(slice(0, 12)))
+    _, frames = _render(stage, inputs, short, motion=short / "clip.npz", end=0.65)
+    with pytest.raises(InputError, match="share 12 frames, 24 are needed"):
+        _compose(rendered[1], frames, inputs, small_look, tmp_path / "pair.mp4")
+    assert [path.name for path in tmp_path.iterdir()] == ["short"]
+
+
+def test_missing_or_broken_frames_are_refused(
+    rendered: tuple[Path, Path], inputs: Path, small_look: Look, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match="missing"):
+        _compose(rendered[1], tmp_path / "no.mkv", inputs, small_look, tmp_path / "pair.mp4")
+    (tmp_path / "bad.mkv").write_bytes(b"not a video" * 50)
+    with pytest.raises(InputError, match="cannot be read"):
+        _compose(rendered[1], tmp_path / "bad.mkv", inputs, small_look, tmp_path / "pair.mp4")
+    with pytest.raises(InputError, match="160 × 160, expected 320 × 320"):
+        _compose(rendered[1], rendered[1], inputs, Look(size=320), tmp_path / "pair.mp4")
+
+
+@pytest.mark.slow
+def test_memory_stays_flat_over_a_long_clip(stage: Stage, clip: MotionClip) -> None:
+    long = clip.frames(np.arange(3000) % len(clip))
+    used = []
+    for number, _ in enumerate(stage.video_frames(long)):
+        if number % 500 == 499:
+            status = Path("/proc/self/status").read_text()
+            used.append(int(status.split("VmRSS:")[1].split()[0]))
+    assert len(used) == 6
+    assert used[-1] - used[1] < 20_000, f"resident kB after each 500 frames: {used}"
+
+
+def test_the_pipeline_runs_at_an_odd_rate(
+    body_path: Path, camera: Camera, inputs: Path, tmp_path: Path
+) -> None:
+    with Stage(body_path, camera, Look(size=64, frame_rate=25)) as stage:
+        video, _ = _render(stage, inputs, tmp_path)
+    with av.open(str(video)) as container:
+        assert container.streams.video[0].average_rate == 25
+        assert sum(1 for _ in container.decode(video=0)) == 20
