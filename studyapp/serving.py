@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from flask import Flask
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
 
-from studyapp.services.database import Database
+from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
-from studyapp.web.app import create_app, database_url_of
+from studyapp.web.app import create_app
 
 THREADS = 8
 """Requests that one worker handles side by side; a slow line must not hold up the others."""
@@ -43,6 +44,7 @@ def run_server(
     *,
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
+    on_ready: Callable[[], None] | None = None,
 ) -> None:
     """Serve the study in `folder` until the process is told to stop (SIGINT or SIGTERM).
 
@@ -56,6 +58,8 @@ def run_server(
         Processes.
     database_url, rehearsal_speed
         See `studyapp.web.app.create_app`.
+    on_ready : callable, optional
+        Called when the server listens.
 
     Raises
     ------
@@ -79,4 +83,6 @@ def run_server(
         "proc_name": "motionjury",
         "control_socket_disable": True,
     }
+    if on_ready is not None:
+        options["when_ready"] = lambda _arbiter: on_ready()
     StudyServer(options, folder, database_url=url, rehearsal_speed=rehearsal_speed).run()

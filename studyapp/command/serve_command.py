@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import click
 
 from studyapp.command.arguments import study_folder
@@ -21,7 +19,12 @@ def command(folder: StudyFolder, host: str, port: int, workers: int) -> None:
 
     Answers go to responses.db in the folder, or to the database that DATABASE_URL names.
     """
-    click.echo(f"Take part at http://{host}:{port}/ (Ctrl-C stops the server).")
     run_server(
-        folder.root, host, port, workers, database_url=os.environ.get("DATABASE_URL") or None
+        folder.root,
+        host,
+        port,
+        workers,
+        on_ready=lambda: click.echo(
+            f"Take part at http://{host}:{port}/ (Ctrl-C stops the server)."
+        ),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,6 +20,7 @@ from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
 
 BUSY_SECONDS: Final = 30
 """How long a writer waits for another one before it gives up."""
@@ -27,6 +29,29 @@ BUSY_SECONDS: Final = 30
 def sqlite_url(path: Path) -> str:
     """Return the database address of an SQLite file."""
     return f"sqlite:///{path.resolve()}"
+
+
+def database_url_of(
+    folder: Path, *, database_url: str | None = None, rehearsal: bool = False
+) -> str:
+    """Return the address of the database that answers go to.
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder.
+    database_url : str, optional
+        Takes precedence over everything else.
+    rehearsal : bool
+        A rehearsal's answers go to a database of their own, whatever the environment says;
+        those of participants to ``DATABASE_URL`` where it is set, else beside the study.
+    """
+    if database_url is not None:
+        return database_url
+    files = StudyFolder(folder)
+    if rehearsal:
+        return sqlite_url(files.rehearsal)
+    return os.environ.get("DATABASE_URL") or sqlite_url(files.responses)
 
 
 @dataclass(frozen=True)

@@ -8,30 +8,11 @@ import pandas as pd
 from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
+from analysis.responses import COLUMNS
 from studyapp.models import StudySession, Trial
 from studyapp.services.database import Database
 from studyapp.services.sitting import state_of
 from studyapp.services.watching import watched_share
-
-RESPONSE_COLUMNS: Final = (
-    "study_session",
-    "comparison",
-    "reference",
-    "other",
-    "segment",
-    "emotion",
-    "speaker",
-    "kind",
-    "position",
-    "question",
-    "left_condition",
-    "right_condition",
-    "value",
-    "expected",
-    "seconds",
-    "watched",
-    "answered_at",
-)
 
 STUDY_SESSION_COLUMNS: Final = (
     "study_session",
@@ -56,7 +37,7 @@ def responses_table(database: Database) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Columns `RESPONSE_COLUMNS`, ordered by study session, position and question.
+        Columns `analysis.responses.COLUMNS`, ordered by study session, position and question.
     """
     rows = []
     with database.reading() as session:
@@ -71,7 +52,7 @@ def responses_table(database: Database) -> pd.DataFrame:
         ):
             for trial in study_session.trials:
                 rows.extend(_rows(study_session, trial))
-    return pd.DataFrame(rows, columns=list(RESPONSE_COLUMNS))
+    return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
 def _rows(study_session: StudySession, trial: Trial) -> list[tuple[object, ...]]:

@@ -55,7 +55,7 @@ class ServedStudy:
         }
         videos: dict[PairKey, ServedVideo] = {}
         for segment in segments:
-            for left, right in shown_pairs(study):
+            for left, right in study.pairs:
                 key = (segment.name, left, right)
                 if key not in files:
                     raise InputError(
@@ -76,11 +76,3 @@ class ServedStudy:
     def video(self, segment: str, left: str, right: str) -> ServedVideo | None:
         """Return the video of a pair, None where the study no longer has it."""
         return self.videos.get((segment, left, right))
-
-
-def shown_pairs(study: Study) -> tuple[tuple[str, str], ...]:
-    """Return the conditions of every pair that may be shown, as (under A, under B)."""
-    pairs = [(study.reference, other) for other in study.others]
-    if study.catch.trials:
-        pairs.append((study.catch_against, study.catch.condition))
-    return tuple(order for a, b in pairs for order in ((a, b), (b, a)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -11,8 +10,8 @@ import pandas as pd
 
 from analysis.responses import responses_frame, write_responses
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.export import responses_table, study_sessions_table
+from studyapp.services.database import Database, database_url_of, sqlite_url
+from studyapp.services.export import STUDY_SESSION_COLUMNS, responses_table, study_sessions_table
 
 Source = Literal["participants", "rehearsal"]
 
@@ -42,6 +41,11 @@ class Answers:
             for comparison, count in self.study_sessions["comparison"].value_counts().items()
         }
 
+    def completed(self) -> frozenset[str]:
+        """Return the study sessions that reached the end, unplayable videos or not."""
+        table = self.study_sessions
+        return frozenset(table.loc[table["state"] == "completed", "study_session"])
+
 
 def export(folder: StudyFolder, path: Path, *, rehearsal: bool) -> int:
     """Write the real responses, or the rehearsal's, as tidy CSV and return their number."""
@@ -64,7 +68,7 @@ def read_answers(folder: StudyFolder, origin: Source) -> Answers:
     """Return the answers of participants or of a rehearsal; reading makes no database."""
     url = _database_url(folder, origin)
     if url is None:
-        return Answers("none", responses_frame([]), pd.DataFrame({"comparison": []}))
+        return Answers("none", responses_frame([]), _nobody())
     database = Database.open(url)
     try:
         responses = responses_table(database)
@@ -78,9 +82,13 @@ def read_answers(folder: StudyFolder, origin: Source) -> Answers:
     return Answers(origin if rows else "none", responses_frame(rows), study_sessions)
 
 
+def _nobody() -> pd.DataFrame:
+    return pd.DataFrame(columns=list(STUDY_SESSION_COLUMNS))
+
+
 def _database_url(folder: StudyFolder, origin: Source) -> str | None:
     """Return the address of the answers, or None where there cannot be any yet."""
-    if origin == "participants" and os.environ.get("DATABASE_URL"):
-        return os.environ["DATABASE_URL"]
-    path = folder.responses if origin == "participants" else folder.rehearsal
-    return sqlite_url(path) if path.exists() else None
+    url = database_url_of(folder.root, rehearsal=origin == "rehearsal")
+    beside_the_study = folder.responses if origin == "participants" else folder.rehearsal
+    is_beside = url == sqlite_url(beside_the_study)
+    return None if is_beside and not beside_the_study.exists() else url

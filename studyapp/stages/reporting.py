@@ -52,5 +52,6 @@ def report(folder: StudyFolder) -> Path:
         frozen=study.freeze,
         presentations=planned_trials(study, segments).presentations,
         study_sessions=answers.opened(),
+        completed=answers.completed(),
     )
     return write_report(inputs, folder.report)

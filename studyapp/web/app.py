@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Final
 
@@ -11,8 +10,7 @@ from jinja2 import StrictUndefined
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, sqlite_url
+from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.web import media, participant
 from studyapp.web.errors import register_error_pages
@@ -22,29 +20,6 @@ from studyapp.web.running import Running, attach
 LARGEST_REQUEST: Final = 64 * 1024
 SCRIPT_SECONDS: Final = 300
 """How long a browser may keep style and scripts without asking again."""
-
-
-def database_url_of(
-    folder: Path, *, database_url: str | None = None, rehearsal: bool = False
-) -> str:
-    """Return the address of the database that answers go to.
-
-    Parameters
-    ----------
-    folder : Path
-        The study folder.
-    database_url : str, optional
-        Takes precedence over everything else.
-    rehearsal : bool
-        A rehearsal's answers go to a database of their own, whatever the environment says;
-        those of participants to ``DATABASE_URL`` where it is set, else beside the study.
-    """
-    if database_url is not None:
-        return database_url
-    files = StudyFolder(folder)
-    if rehearsal:
-        return sqlite_url(files.rehearsal)
-    return os.environ.get("DATABASE_URL") or sqlite_url(files.responses)
 
 
 def create_app(
@@ -57,7 +32,7 @@ def create_app(
     folder : Path
         The study folder; its videos must be complete.
     database_url : str, optional
-        See `database_url_of`.
+        See `studyapp.services.database.database_url_of`.
     rehearsal_speed : float, optional
         Makes a rehearsal: seconds that count as passed for each real one.
 

@@ -9,7 +9,7 @@ from sqlalchemy import select, text
 
 from motion.errors import InputError
 from studyapp.models import Place
-from studyapp.services.database import Database, sqlite_url
+from studyapp.services.database import Database, database_url_of, sqlite_url
 
 
 def place(number: int) -> Place:
@@ -102,3 +102,34 @@ def test_an_error_does_not_show_the_password() -> None:
         Database.open("unknowndatabase://someone:secret@host/name")
 
     assert "secret" not in str(caught.value)
+
+
+POSTGRESQL = "postgresql://host/study"
+
+
+@pytest.mark.parametrize(
+    ("environment", "given", "rehearsal", "expected"),
+    [
+        (None, None, False, "responses.db"),
+        (None, None, True, "rehearsal.db"),
+        (POSTGRESQL, None, False, POSTGRESQL),
+        (POSTGRESQL, None, True, "rehearsal.db"),
+        (POSTGRESQL, "sqlite:////given.db", False, "sqlite:////given.db"),
+        ("", None, False, "responses.db"),
+    ],
+)
+def test_a_rehearsal_never_answers_into_the_real_database(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    environment: str | None,
+    given: str | None,
+    rehearsal: bool,
+    expected: str,
+) -> None:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    if environment is not None:
+        monkeypatch.setenv("DATABASE_URL", environment)
+
+    url = database_url_of(tmp_path, database_url=given, rehearsal=rehearsal)
+
+    assert url == (expected if ":" in expected else sqlite_url(tmp_path / expected))

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.services.served_study import ServedStudy, shown_pairs
+from studyapp.services.served_study import ServedStudy
 from tests.studyapp.made_study import make_study
 
 
@@ -18,7 +18,7 @@ def test_both_orders_of_every_pair_are_served(tiny_study: Path) -> None:
 
 
 def test_a_study_without_catch_trials_needs_no_videos_for_them() -> None:
-    pairs = shown_pairs(make_study(catch={"trials": 0}))
+    pairs = make_study(catch={"trials": 0}).pairs
 
     assert all("broken" not in pair for pair in pairs)
     assert len(pairs) == 4
