@@ -9,6 +9,7 @@ from typing import Final, cast
 
 from generators.interface import Generator
 from motion.errors import InputError
+from motion.source_version import source_version
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,14 @@ def generator_names() -> tuple[str, ...]:
 def needs_source(name: str) -> bool:
     """Tell whether generator `name` starts from another condition's clips."""
     return _entry(name).needs_source
+
+
+def generator_version(name: str) -> str:
+    """Return a text that changes whenever generator `name` might move otherwise."""
+    home = _entry(name).home.partition(":")[0].split(".")
+    own = f"{'/'.join(home[:-1])}/*.py" if len(home) > 2 else f"{'/'.join(home)}.py"
+    shared = ("generators/clip_length.py", "motion/prosody.py", "motion/resample.py")
+    return source_version((own, *shared))
 
 
 def load_generator(name: str) -> Generator:

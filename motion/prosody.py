@@ -9,14 +9,15 @@ energy
 pitch
     Fundamental frequency by probabilistic YIN (Mauch & Dixon 2014), 65 to 500 Hz; a frame that
     it calls unvoiced has none.
+syllable
+    A nucleus: a peak of the energy envelope, at least 0.12 s from any louder one.
 accent
-    A syllable nucleus (peak of the energy envelope, at least 0.12 s from any louder one) that
-    stands out by loudness and by pitch together. Loudness prominence is how far the envelope
-    rises above the average of the speech around it (Gaussian, 0.75 s), pitch prominence how high
-    the pitch within 80 ms lies above the median of 1.5 s to either side, in semitones, both in
-    units of their spread over the segment's syllables. Loudness weighs twice as much: it is the
-    better single cue (Kochanski et al. 2005, "Loudness predicts prominence"). The stronger half
-    of the syllables is accented.
+    A syllable that stands out by loudness and by pitch together. Loudness prominence is how far
+    the envelope rises above the average of the speech around it (Gaussian, 0.75 s), pitch
+    prominence how high the pitch within 80 ms lies above the median of 1.5 s to either side, in
+    semitones, both in units of their spread over the segment's syllables. Loudness weighs twice
+    as much: it is the better single cue (Kochanski et al. 2005, "Loudness predicts prominence").
+    The stronger half of the syllables is accented.
 pause
     A stretch of at least 0.2 s whose energy stays under 0.25.
 """
@@ -70,6 +71,8 @@ class Prosody:
         Fundamental frequency in Hz; NaN where unvoiced.
     voiced : ndarray, shape (T,), bool
         Whether the frame is voiced.
+    syllables : ndarray, shape (S,)
+        Times of all syllable nuclei in seconds, ascending.
     accents : ndarray, shape (A,)
         Times of the accented syllables in seconds, ascending.
     prominence : ndarray, shape (A,)
@@ -82,6 +85,7 @@ class Prosody:
     energy: FloatArray
     pitch: FloatArray
     voiced: NDArray[np.bool_]
+    syllables: FloatArray
     accents: FloatArray
     prominence: FloatArray
     pauses: FloatArray
@@ -119,7 +123,8 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
     samples = _at_analysis_rate(audio)
     energy = _energy(samples)
     pitch = _pitch(samples, energy)
-    accents, prominence = _accents(energy, pitch)
+    nuclei = _nuclei(energy)
+    accents, prominence = _accents(energy, pitch, nuclei)
     steps = np.arange(len(energy)) / _STEPS_PER_SECOND
     times = np.arange(frames) / frame_rate
     nearest = np.clip(np.round(times * _STEPS_PER_SECOND).astype(int), 0, len(energy) - 1)
@@ -128,6 +133,7 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
         energy=np.clip(np.interp(times, steps, energy), 0, 1),
         pitch=pitch[nearest],
         voiced=np.isfinite(pitch[nearest]),
+        syllables=nuclei / _STEPS_PER_SECOND,
         accents=accents,
         prominence=prominence,
         pauses=_pauses(energy),
@@ -182,14 +188,21 @@ def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
     return pitch
 
 
-def _accents(energy: FloatArray, pitch: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the times of the accented syllables and how much each stands out."""
+def _nuclei(energy: FloatArray) -> NDArray[np.intp]:
+    """Return the steps at which syllables are loudest."""
     nuclei, _ = find_peaks(
         energy,
         height=_PAUSE_ENERGY,
         prominence=_LEAST_RISE,
         distance=round(_SHORTEST_SYLLABLE * _STEPS_PER_SECOND),
     )
+    return nuclei
+
+
+def _accents(
+    energy: FloatArray, pitch: FloatArray, nuclei: NDArray[np.intp]
+) -> tuple[FloatArray, FloatArray]:
+    """Return the times of the accented syllables and how much each stands out."""
     if not len(nuclei):
         return np.zeros(0), np.zeros(0)
     loudness = _rise_of_energy(energy)[nuclei]

@@ -31,6 +31,7 @@ _AHEAD_OF_PEAK: Final = 0.03
 _RETRACTION: Final = 0.85
 _WORTH_RETRACTING: Final = 1.1
 _QUICKEST_START: Final = 0.3
+_SYLLABLE_REACH: Final = 0.12
 _UNIT_GAP: Final = 1.6
 _LONGEST_UNIT: Final = 3
 _FORM_CHANGES: Final = 0.4
@@ -116,6 +117,7 @@ def plan_gestures(
             earlier = _latest_of(gestures, hands)
             free = 0.0 if earlier is None else earlier.apex + _SHORTEST_HOLD
             begin, stroke = _approach(apex, free, bool(place), manner.tempo, rng)
+            stroke = _on_syllable(stroke, begin, apex, prosody.syllables)
             gestures.append(
                 Gesture(
                     form=form,
@@ -128,6 +130,18 @@ def plan_gestures(
                 )
             )
     return tuple(gestures)
+
+
+def _on_syllable(stroke: float, begin: float, apex: float, syllables: FloatArray) -> float:
+    """Return the stroke's beginning moved onto a syllable near it, where there is one.
+
+    Hands turn with the voice at the top of a beat too, not only at its end.
+    """
+    earliest = max(stroke - _SYLLABLE_REACH, begin + (stroke - begin) / 2)
+    latest = min(stroke + _SYLLABLE_REACH, apex - (apex - stroke) / 2)
+    moments = syllables - _AHEAD_OF_PEAK
+    near = moments[(moments >= earliest) & (moments <= latest)]
+    return float(near[np.argmin(np.abs(near - stroke))]) if len(near) else stroke
 
 
 def endings(gestures: Sequence[Gesture], tempo: float) -> tuple[Ending, ...]:

@@ -72,6 +72,7 @@ def test_accents_are_the_louder_syllables_at_their_peaks() -> None:
     at = [0.4, 0.8, 1.2, 1.6, 2.0, 2.4]
     loud = [1.0, 0.35, 1.0, 0.35, 1.0, 0.35]
     heard = prosody(audio(syllables(2.8, at, loud)), 30)
+    np.testing.assert_allclose(heard.syllables, at, atol=0.03)
     np.testing.assert_allclose(heard.accents, [0.4, 1.2, 2.0], atol=0.03)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -20,6 +22,7 @@ def heard(accents: np.ndarray, prominence: np.ndarray) -> Prosody:
         energy=np.zeros(frames),
         pitch=np.full(frames, np.nan),
         voiced=np.zeros(frames, bool),
+        syllables=accents,
         accents=accents,
         prominence=prominence,
         pauses=np.zeros((0, 2)),
@@ -74,6 +77,16 @@ def test_the_most_prominent_accents_are_taken() -> None:
         heard(accents, prominence), STYLES["neutral"].gestures, np.random.default_rng(0)
     )
     np.testing.assert_allclose([g.apex for g in gestures], accents[1::2] - 0.03)
+
+
+def test_a_stroke_begins_on_a_syllable_where_one_is_near() -> None:
+    manner, accents = STYLES["neutral"].gestures, np.arange(1, 9) * 1.2
+    plain = plan_gestures(heard(accents, np.ones(8)), manner, np.random.default_rng(0))
+    near = np.array([gesture.stroke for gesture in plain]) + 0.03 + 0.04
+    syllables = np.sort(np.concatenate([accents, near]))
+    prosody = replace(heard(accents, np.ones(8)), syllables=syllables)
+    snapped = plan_gestures(prosody, manner, np.random.default_rng(0))
+    np.testing.assert_allclose([gesture.stroke for gesture in snapped], near - 0.03)
 
 
 def test_without_accents_there_is_no_gesture() -> None:
