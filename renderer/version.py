@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterable
-from importlib import metadata
-from pathlib import Path
 from typing import Final
 
-_ROOT: Final = Path(__file__).resolve().parent.parent
+from motion.source_version import source_version
 
-
-def digest_of_sources(patterns: Iterable[str], packages: Iterable[str]) -> str:
-    """Return a digest of source files, given as patterns from the root, and package versions."""
-    digest = hashlib.sha256()
-    for pattern in patterns:
-        for path in sorted(_ROOT.glob(pattern)):
-            digest.update(path.relative_to(_ROOT).as_posix().encode())
-            digest.update(path.read_bytes())
-    for package in packages:
-        digest.update(f"{package}=={metadata.version(package)}".encode())
-    return digest.hexdigest()[:12]
-
-
-BODY_VERSION: Final = digest_of_sources(
+BODY_VERSION: Final = source_version(
     ("renderer/avatar/*.py", "motion/skeleton.py", "motion/face.py"), ("anny",)
 )
 """Changes whenever the default body would."""
 
-RENDERER_VERSION: Final = digest_of_sources(
+RENDERER_VERSION: Final = source_version(
     (
         "renderer/*.py",
         "renderer/avatar/*.py",
