@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from generators.interface import Generator, SpeechSegment
-from generators.registry import load_generator
+from generators.registry import generator_version, load_generator
 from motion.audio import read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -106,7 +106,7 @@ class _ConditionMaker:
             study_seed=study.seed,
             frame_rate=study.video.frame_rate,
             inputs=digest(
-                condition.generator,
+                generator_version(str(condition.generator)),
                 study.seed,
                 study.video.frame_rate,
                 source.paths_digest() if source else "",
