@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser demo serve test check format bench clean
+.PHONY: help setup setup-browser demo serve test check format bench pictures clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -19,7 +19,7 @@ setup-browser: setup
 $(VENV)/.installed: pyproject.toml constraints.txt
 	@scripts/debian-packages --for-python $(PYTHON)
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[dev]'
 	@touch $@
 
 demo: setup  ## Run the whole line on synthetic speech and write a report.
@@ -45,6 +45,9 @@ format: $(VENV)/.installed  ## Format the code.
 bench: setup  ## Measure rendering speed and the validity of the statistics.
 	$(BIN)/python -m renderer.benchmark
 	$(BIN)/python -m analysis.validity
+
+pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/pictures.py demo-study
 
 clean:  ## Remove what was installed and made here (studies of yours stay).
 	rm -rf $(VENV) demo-study build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,100 @@
+"""Take the pictures in docs/ from a study: ``python scripts/pictures.py demo-study``.
+
+A participant's page with its video playing, the first screen of the report, and one rendered
+frame of every condition.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import av
+import httpx
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+from studyapp.definition.folder import StudyFolder
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+CHROMIUM_FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+SEGMENT = "happiness"
+MOMENT = 2.6
+
+
+@contextmanager
+def served(folder: StudyFolder) -> Iterator[str]:
+    """Serve a study with a database that is thrown away."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address = f"http://127.0.0.1:{port}/"
+    with tempfile.TemporaryDirectory() as scratch:
+        server = subprocess.Popen(
+            ["motionjury", "serve", str(folder.root), "--port", str(port), "--workers", "1"],
+            env={**os.environ, "DATABASE_URL": f"sqlite:///{scratch}/pictures.db"},
+        )
+        try:
+            for _ in range(100):
+                try:
+                    httpx.get(address)
+                    break
+                except httpx.ConnectError:
+                    time.sleep(0.1)
+            yield address
+        finally:
+            server.terminate()
+            server.wait()
+
+
+def picture_participant(page: Page, address: str) -> None:
+    """Go to the first trial, play it, and take the page."""
+    page.goto(address)
+    while page.query_selector("#answers") is None:
+        page.click("form[method=post] button[type=submit], form[method=post] button")
+        page.wait_for_load_state()
+    page.evaluate("document.querySelector('#pair').play()")
+    page.wait_for_timeout(MOMENT * 1000)
+    page.screenshot(path=DOCS / "participant.png")
+
+
+def picture_frames(folder: StudyFolder) -> None:
+    """Set one frame of every condition side by side."""
+    frames = []
+    for condition in folder.study().shown_conditions:
+        with av.open(str(folder.videos / "clips" / condition / f"{SEGMENT}.mp4")) as video:
+            frames.append(
+                next(f.to_image() for f in video.decode(video=0) if (f.time or 0) >= MOMENT)
+            )
+    sheet = Image.new("RGB", (sum(frame.width for frame in frames), frames[0].height))
+    for k, frame in enumerate(frames):
+        sheet.paste(frame, (k * frame.width, 0))
+    sheet.thumbnail((1600, 1600))
+    sheet.save(DOCS / "frames.png", optimize=True)
+
+
+def main() -> None:
+    """Take all pictures of the study named on the command line."""
+    folder = StudyFolder(Path(sys.argv[1]))
+    chromium = shutil.which("chromium")
+    with served(folder) as address, sync_playwright() as browsers:
+        browser = browsers.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
+        page = browser.new_page(viewport={"width": 1366, "height": 768})
+        picture_participant(page, address)
+        page.set_viewport_size({"width": 1280, "height": 800})
+        page.goto((folder.report / "report.html").resolve().as_uri())
+        page.screenshot(path=DOCS / "report.png")
+        browser.close()
+    picture_frames(folder)
+
+
+if __name__ == "__main__":
+    main()
