@@ -21,13 +21,14 @@ Array = NDArray[np.float64]
 TRIM: Final = 0.035
 """Metres: how wide the bands at collar, cuffs and hem are."""
 
+_TIGHTS: Final = "helper-tights"
 _CUFF: Final = 0.99
 _SMOOTHING_ROUNDS: Final = 6
 
 
 def garments(sitter: Sitter) -> list[Piece]:
     """Return sweater, trousers and shoes."""
-    tights = _smoothed(sitter.patch("helper-tights"))
+    tights = _smoothed(sitter.patch(_TIGHTS))
     hem = sitter.joint("left_hip")[1] + 0.015
     ankle = sitter.joint("left_ankle")[1]
     return [
@@ -63,7 +64,7 @@ def _sweater(sitter: Sitter, tights: Patch, hem: float) -> list[Piece]:
     rimmed = joined(hemmed(cloth, boundary_edges(cloth.faces), 0.004), inside)
     band = np.ones(len(rimmed.faces), bool)
     band[: len(cloth.faces)] = in_band
-    return sitter.pieces(rimmed, {"sweater": ~band, "trim": band})
+    return sitter.pieces(rimmed, {"sweater": ~band, "trim": band}, part=_TIGHTS)
 
 
 def _from_edge(sitter: Sitter, cloth: Patch) -> Array:
@@ -87,7 +88,7 @@ def _trousers(sitter: Sitter, tights: Patch, top: float, bottom: float) -> Piece
     cloth = cloth.raised(flare)
     edges = boundary_edges(cloth.faces)
     low = at[edges, 1].max(axis=1) < bottom + 0.01
-    return sitter.piece("trousers", hemmed(cloth, edges[low], 0.006))
+    return sitter.piece("trousers", hemmed(cloth, edges[low], 0.006), part=_TIGHTS)
 
 
 def _shoes(sitter: Sitter, tights: Patch, top: float) -> list[Piece]:
@@ -97,7 +98,7 @@ def _shoes(sitter: Sitter, tights: Patch, top: float) -> list[Piece]:
     shoes, above = shoes.split(shoes.take(sitter.person.vertices)[:, 1] - floor - 0.018)
     sole = above[shoes.faces].sum(axis=1) < 0
     shoes = shoes.raised(np.where(above <= 0, 0.003, 0.0))
-    return sitter.pieces(shoes, {"shoes": ~sole, "soles": sole})
+    return sitter.pieces(shoes, {"shoes": ~sole, "soles": sole}, part=_TIGHTS)
 
 
 def _smoothed(patch: Patch) -> Patch:

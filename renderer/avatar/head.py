@@ -29,6 +29,9 @@ _BROW: Final = (
     (0.0, 0.0200, 0.0022), (0.25, 0.0215, 0.0031), (0.6, 0.0240, 0.0027), (0.85, 0.0225, 0.0018),
     (1.0, 0.0195, 0.0008),
 )  # fmt: skip
+_SLEEVED_FROM: Final = 0.65
+"""How far along the forearm its skin begins: deep in the sleeve, wherever one looks in from."""
+
 _TUCKED_IN: Final = 0.015
 """Metres by which skin under the sweater lies deeper than it should, so as not to poke through."""
 
@@ -41,7 +44,8 @@ def bare_parts(sitter: Sitter) -> list[Piece]:
     body = sitter.patch("body")
     at = body.take(sitter.person.vertices)
     near_neck = (collar_height(sitter, at) < 0.07) & (np.abs(at[:, 0]) < 0.16)
-    hands = (sitter.along_forearm(at, "left") > 0.85) | (sitter.along_forearm(at, "right") > 0.85)
+    forearms = np.maximum(*(sitter.along_forearm(at, side) for side in ("left", "right")))
+    hands = forearms > _SLEEVED_FROM
     head = body.keeping(near_neck[body.faces].min(axis=1))
     below = collar_height(sitter, head.take(sitter.person.vertices))
     head = head.raised(-_TUCKED_IN * np.clip(below / 0.03, 0, 1))

@@ -186,7 +186,7 @@ def hemmed(patch: Patch, edges: Indices, depth: float) -> Patch:
 
 def lining(patch: Patch, depth: float) -> Patch:
     """Return the patch's other side, `depth` metres below it: what shows where cloth ends."""
-    return replace(patch, faces=patch.faces[:, ::-1], lift=depth - patch.lift)
+    return replace(patch, faces=patch.faces[:, ::-1], lift=patch.lift - depth)
 
 
 def vertex_normals(vertices: Array, faces: Indices) -> Array:

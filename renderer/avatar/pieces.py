@@ -88,12 +88,26 @@ class Sitter:
         share = (vertices - elbow) @ (wrist - elbow) / ((wrist - elbow) @ (wrist - elbow))
         return np.where(vertices[:, 0] * outward > abs(elbow[0]) * 0.8, share, -1.0)
 
-    def piece(self, material: str, patch: Patch, *, actions: bool = False) -> Piece:
-        """Return all of `patch` as one piece; facial actions move it only if `actions` is true."""
-        return self.pieces(patch, {material: np.ones(len(patch.faces), bool)}, actions=actions)[0]
+    def outwards(self, part: str) -> Array:
+        """Return unit normals of mesh part `part` at the source vertices, shape (V, 3)."""
+        quads = self.person.parts[part]
+        faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        return vertex_normals(self.person.vertices, faces)
+
+    def piece(
+        self, material: str, patch: Patch, *, part: str = "body", actions: bool = False
+    ) -> Piece:
+        """Return all of `patch` as one piece; see `pieces`."""
+        whole = {material: np.ones(len(patch.faces), bool)}
+        return self.pieces(patch, whole, part=part, actions=actions)[0]
 
     def pieces(
-        self, patch: Patch, parts: Mapping[str, NDArray[np.bool_]], *, actions: bool = False
+        self,
+        patch: Patch,
+        materials: Mapping[str, NDArray[np.bool_]],
+        *,
+        part: str = "body",
+        actions: bool = False,
     ) -> list[Piece]:
         """Return `patch` as one piece per material, which meet without a gap.
 
@@ -101,19 +115,23 @@ class Sitter:
         ----------
         patch : Patch
             The whole surface.
-        parts : mapping of str to ndarray, shape (F,)
+        materials : mapping of str to ndarray, shape (F,)
             Which faces are of which material.
+        part : str
+            The mesh part over which the patch is lifted. Its normals know nothing of where the
+            patch was cut, so that hems stay straight.
         actions : bool
             Whether facial actions move it.
         """
-        base = patch.take(self.person.vertices)
-        raised = base + patch.lift[:, None] * vertex_normals(base, patch.faces)
+        normals = patch.take(self.outwards(part))
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        raised = patch.take(self.person.vertices) + patch.lift[:, None] * normals
         weights = patch.take(self.weights)
         moves = np.zeros((len(ARKIT_NAMES), len(patch), 3))
         if actions:
             moves = np.stack([patch.take(action) for action in self.actions])
         result = []
-        for material, faces in parts.items():
+        for material, faces in materials.items():
             used, flat = np.unique(patch.faces[faces], return_inverse=True)
             result.append(
                 Piece(
