@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 
 _DIRECTIONS: Final = 96
 _CELL: Final = 0.004
-_TOLERANCE: Final = 0.006
+_TOLERANCE: Final = 0.003
+_MOST_SLANT: Final = 4.0
 _CORNERS: Final = (
     np.array([(a, b, 4 - a - b) for a in range(5) for b in range(5 - a)], dtype=float) / 4
 )  # barycentric points that cover a triangle
@@ -51,8 +52,13 @@ def open_sky(vertices: Array, faces: NDArray[np.int64]) -> Array:
         np.maximum.at(depth, cells[:, 1] * width + cells[:, 0], samples @ direction)
         mine = np.round((vertices @ axes - low) / _CELL - 0.5).astype(int)
         mine = np.maximum(mine, 0)
-        free = depth[mine[:, 1] * width + mine[:, 0]] < vertices @ direction + _TOLERANCE
         facing = np.maximum(normals @ direction, 0.0)
+        # Seen at a slant, one cell of the surface itself spans a range of depths.
+        slant = np.minimum(
+            np.sqrt(np.maximum(1 - facing**2, 0)) / np.maximum(facing, 1e-3), _MOST_SLANT
+        )
+        allowed = _TOLERANCE + 1.5 * _CELL * slant
+        free = depth[mine[:, 1] * width + mine[:, 0]] < vertices @ direction + allowed
         seen += facing * free
         possible += facing
     return np.asarray(seen / possible)
