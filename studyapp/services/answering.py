@@ -14,7 +14,7 @@ from studyapp.models import Response, StudySession, Trial
 from studyapp.services.database import Database
 from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError, UnacceptableError
-from studyapp.services.sitting import current_trial, find, require_started, trial_of
+from studyapp.services.sitting import current_trial, find, require_present, trial_of
 from studyapp.services.watching import watched_so_far
 
 CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
@@ -57,7 +57,7 @@ def answer(
             _require_same(trial, values)
             return
         regain_place(session, study, study_session)
-        _require_present(study_session, trial)
+        require_present(study_session, trial)
         missing = watched_so_far(trial, study.watching.coverage).missing
         if missing > 0:
             raise UnacceptableError(
@@ -90,7 +90,7 @@ def skip_unplayable(
         if trial.unplayable_at is not None:
             return
         regain_place(session, study, study_session)
-        _require_present(study_session, trial)
+        require_present(study_session, trial)
         now = clock.now()
         trial.unplayable_at = now
         _move_on(study_session, now)
@@ -126,15 +126,6 @@ def _require_same(trial: Trial, values: Mapping[str, int]) -> None:
         raise ConflictError(
             "You have already answered this pair, and your first answer is stored.",
             "An answer cannot be changed once it is sent. Please go on with the next pair.",
-        )
-
-
-def _require_present(study_session: StudySession, trial: Trial) -> None:
-    require_started(study_session)
-    if trial is not current_trial(study_session) or trial.shown_at is None:
-        raise ConflictError(
-            "This pair is not the one you are at.",
-            "Perhaps the study is open in two windows. Please go on here; nothing is lost.",
         )
 
 

@@ -47,8 +47,13 @@ def state_of(study_session: StudySession) -> State:
     return "instructed" if study_session.started_at is None else "started"
 
 
-def require_started(study_session: StudySession) -> None:
-    """Raise `ConflictError` unless `study_session` is in the middle of its trials."""
+def current_trial(study_session: StudySession) -> Trial | None:
+    """Return the trial to be shown, None when there is none left."""
+    return next((trial for trial in study_session.trials if not trial.settled), None)
+
+
+def require_present(study_session: StudySession, trial: Trial) -> None:
+    """Raise `ConflictError` unless `trial` is the one that `study_session` is shown right now."""
     state = state_of(study_session)
     if state != "started":
         raise ConflictError(
@@ -60,11 +65,11 @@ def require_started(study_session: StudySession) -> None:
             }[state],
             "The page you come to next shows how to go on.",
         )
-
-
-def current_trial(study_session: StudySession) -> Trial | None:
-    """Return the trial to be shown, None when there is none left."""
-    return next((trial for trial in study_session.trials if not trial.settled), None)
+    if trial is not current_trial(study_session) or trial.shown_at is None:
+        raise ConflictError(
+            "This pair is not the one you are at.",
+            "Perhaps the study is open in two windows. Please go on here; nothing is lost.",
+        )
 
 
 def trial_of(study_session: StudySession, media_token: str) -> Trial:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from studyapp.clock import Clock
+from studyapp.definition.study import Study
 from studyapp.models import Trial, WatchBatch
 from studyapp.services.database import Database
-from studyapp.services.refusal import ConflictError, UnacceptableError
-from studyapp.services.sitting import current_trial, find, trial_of
+from studyapp.services.places import regain_place
+from studyapp.services.refusal import UnacceptableError
+from studyapp.services.sitting import find, require_present, trial_of
 
 Interval = tuple[float, float]
 
@@ -85,7 +87,7 @@ def record_watched(
     *,
     batch: int,
     intervals: Sequence[Interval],
-    coverage: float,
+    study: Study,
     clock: Clock,
 ) -> Watched:
     """Store one numbered report of played intervals and return what is known now.
@@ -104,14 +106,15 @@ def record_watched(
     Raises
     ------
     RefusalError
-        If the trial is not the one being shown, or more is claimed to be played than time has
+        If the trial is not theirs or not the present one, or more is claimed to be played than time has
         passed since the video was first shown.
     """
     with database.writing() as session:
         study_session = find(session, token)
         trial = trial_of(study_session, media_token)
-        if trial is not current_trial(study_session) or trial.shown_at is None:
-            raise ConflictError("This video is not the one being shown.", "Please reload the page.")
+        regain_place(session, study, study_session)
+        require_present(study_session, trial)
+        coverage = study.watching.coverage
         inside = [
             (max(0.0, start), min(trial.duration, end))
             for start, end in intervals

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from flask import Flask
+from flask import Flask, request
 from jinja2 import StrictUndefined
 
 from motion.errors import InputError
@@ -20,6 +20,14 @@ from studyapp.web.running import Running, attach
 LARGEST_REQUEST: Final = 64 * 1024
 SCRIPT_SECONDS: Final = 300
 """How long a browser may keep style and scripts without asking again."""
+
+
+class StudyWeb(Flask):
+    """Flask with a log that holds no address: addresses hold participants' tokens."""
+
+    def log_exception(self, exc_info: Any) -> None:
+        """Log a failure under the name of the page, with its traceback."""
+        self.logger.error("Failed at %s %s", request.method, request.endpoint, exc_info=exc_info)
 
 
 def create_app(
@@ -45,7 +53,7 @@ def create_app(
         raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
     served = ServedStudy.read(folder)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal_speed is not None)
-    app = Flask("studyapp.web")
+    app = StudyWeb("studyapp.web")
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
     app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
     app.jinja_env.undefined = StrictUndefined

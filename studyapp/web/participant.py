@@ -105,7 +105,7 @@ def watched(token: str, media_token: str) -> ResponseReturnValue:
     """Store a report of played intervals."""
     here = running()
     try:
-        report = WatchReport.model_validate(request.get_json(force=True, silent=True))
+        report = WatchReport.model_validate_json(request.get_data())
     except ValidationError:
         return jsonify(problem="This is not a report of played intervals."), 422
     known = record_watched(
@@ -114,7 +114,7 @@ def watched(token: str, media_token: str) -> ResponseReturnValue:
         media_token,
         batch=report.batch,
         intervals=report.intervals,
-        coverage=here.study.watching.coverage,
+        study=here.study,
         clock=here.clock,
     )
     return jsonify(asdict(known))

@@ -62,7 +62,7 @@ class Participant:
             self.trial().media_token,
             batch=batch,
             intervals=intervals,
-            coverage=self.served.study.watching.coverage,
+            study=self.served.study,
             clock=self.clock,
         )
         return known.missing

@@ -5,8 +5,11 @@ import itertools
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sqlalchemy import select
 
+from studyapp.models import WatchBatch
 from studyapp.services.refusal import ConflictError, NotTheirsError, UnacceptableError
+from studyapp.services.taking_part import withdraw
 from studyapp.services.watching import length, merged, record_watched
 from tests.studyapp.taking_part_steps import Participant
 
@@ -93,7 +96,7 @@ def test_a_trial_that_is_not_shown_cannot_be_watched(participant: Participant) -
             following or "",
             batch=0,
             intervals=[(0.0, 2.0)],
-            coverage=0.95,
+            study=participant.served.study,
             clock=participant.clock,
         )
 
@@ -109,6 +112,25 @@ def test_somebody_elses_trial_cannot_be_watched(participant: Participant) -> Non
             theirs,
             batch=0,
             intervals=[],
-            coverage=0.95,
+            study=participant.served.study,
             clock=participant.clock,
         )
+
+
+def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) -> None:
+    media_token = participant.trial().media_token
+    participant.clock.advance(seconds=5)
+    withdraw(participant.database, participant.token, participant.clock)
+
+    with pytest.raises(ConflictError, match="withdrawn"):
+        record_watched(
+            participant.database,
+            participant.token,
+            media_token,
+            batch=0,
+            intervals=[(0.0, 2.0)],
+            study=participant.served.study,
+            clock=participant.clock,
+        )
+    with participant.database.reading() as session:
+        assert session.scalars(select(WatchBatch)).all() == []

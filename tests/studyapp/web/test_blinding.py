@@ -107,6 +107,15 @@ def test_a_range_is_named_alike_for_every_video(app: Flask, two_videos: list[Tri
     assert kinds[0] == kinds[1]
 
 
+def test_nobody_can_ask_when_a_video_was_made(app: Flask, two_videos: list[Trial]) -> None:
+    client = app.test_client()
+    dates = [f"Thu, 01 Jan {year} 00:00:00 GMT" for year in (1971, 2000, 2100)]
+
+    statuses = [fetch(client, two_videos[0], **{"If-Modified-Since": d}).status_code for d in dates]
+
+    assert len(set(statuses)) == 1
+
+
 def test_tokens_tell_nothing_and_never_repeat(app: Flask, clock: SetClock) -> None:
     for _ in range(2):
         Visitor(app, clock).enrol().begin()

@@ -51,13 +51,17 @@ def test_a_request_that_is_too_large_is_refused(app: Flask) -> None:
     assert "too much" in answer.text
 
 
-def test_a_failure_of_ours_is_a_friendly_page(app: Flask, tmp_path: Path) -> None:
-    @app.get("/fails")
-    def fails() -> str:
+def test_a_failure_of_ours_is_a_friendly_page_and_logged_without_the_address(
+    app: Flask, caplog: pytest.LogCaptureFixture
+) -> None:
+    @app.get("/fails/<token>")
+    def fails(token: str) -> str:
         raise ZeroDivisionError
 
-    answer = app.test_client().get("/fails")
+    answer = app.test_client().get("/fails/s3cret")
 
     assert answer.status_code == 500
     assert "went wrong on our side" in answer.text
     assert "ZeroDivisionError" not in answer.text
+    assert "ZeroDivisionError" in caplog.text
+    assert "s3cret" not in caplog.text

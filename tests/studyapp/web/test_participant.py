@@ -217,6 +217,15 @@ def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor, report: 
     assert visitor.client.post(address, json=report).status_code == 422
 
 
+@pytest.mark.parametrize(
+    "body", [b"", b"\xff\xfe", b"[" * 30_000, b'{"batch": 9' + b"9" * 5000 + b"}", b'"\\ud800"']
+)
+def test_a_report_that_is_no_json_is_refused(visitor: Visitor, body: bytes) -> None:
+    address = visitor.page().value("#pair", "data-watched-url")
+
+    assert visitor.client.post(address, data=body).status_code == 422
+
+
 def test_more_watched_than_time_has_passed_is_refused(visitor: Visitor) -> None:
     address = visitor.page().value("#pair", "data-watched-url")
 
