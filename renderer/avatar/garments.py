@@ -21,9 +21,6 @@ Array = NDArray[np.float64]
 TRIM: Final = 0.035
 """Metres: how wide the bands at collar, cuffs and hem are."""
 
-_LINED: Final = 0.12
-"""Metres: how far beyond its bands one can look into the sweater."""
-
 _TIGHTS: Final = "helper-tights"
 _CUFF: Final = 0.99
 _SMOOTHING_ROUNDS: Final = 6
@@ -63,7 +60,7 @@ def _sweater(sitter: Sitter, tights: Patch, hem: float) -> list[Piece]:
     on_arm = np.abs(at[:, 0]) > 0.2
     cloth = cloth.raised(np.where(on_arm, 0.007, slack))
     in_band = from_edge[cloth.faces].sum(axis=1) < 0
-    inside = lining(cloth.keeping(from_edge[cloth.faces].min(axis=1) < _LINED), 0.004)
+    inside = lining(cloth, 0.004)
     rimmed = joined(hemmed(cloth, boundary_edges(cloth.faces), 0.004), inside)
     band = np.ones(len(rimmed.faces), bool)
     band[: len(cloth.faces)] = in_band
