@@ -57,7 +57,7 @@ def answer(
             _require_same(trial, values)
             return
         regain_place(session, study, study_session)
-        require_present(study_session, trial)
+        shown_at = require_present(study_session, trial)
         missing = watched_so_far(trial, study.watching.coverage).missing
         if missing > 0:
             raise UnacceptableError(
@@ -70,7 +70,7 @@ def answer(
             for question, value in values.items()
         ]
         trial.answered_at = now
-        trial.seconds = clock.seconds_since(trial.shown_at or now)
+        trial.seconds = clock.seconds_since(shown_at)
         _move_on(study_session, now)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -74,27 +74,46 @@ class Database:
             If the address is unusable, the file is no database or damaged, or a newer version
             of Motion Jury made it.
         """
-        shown = _shown(url)
-        try:
-            engine = _engine(url)
+        with _explained(url):
+            engine = _engine(url, _set_up_sqlite)
             with engine.connect() as connection:
                 is_current = _revision(connection) == _head()
             if not is_current:
-                _migrate(engine, shown)
-        except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
+                _migrate(engine, url)
+        return cls(engine)
+
+    @classmethod
+    def open_for_reading(cls, url: str) -> Self | None:
+        """Open the database at `url` as it is: it is neither made nor changed.
+
+        Returns
+        -------
+        Database or None
+            None where there is none yet, or an empty one.
+
+        Raises
+        ------
+        InputError
+            As in `open`, and if an older version of Motion Jury made it.
+        """
+        with _explained(url):
+            file = _sqlite_file(url)
+            if file is not None and not file.exists():
+                return None
+            engine = _engine(url, _forbid_sqlite_changes)
+            with engine.connect() as connection:
+                revision = _revision(connection)
+            # Only a closed database leaves no working files beside it.
+            engine.dispose()
+        if revision is None:
+            return None
+        _require_known(revision, url)
+        if revision != _head():
             raise InputError(
-                f"the database address cannot be used: {error}",
-                where=shown,
-                remedy="Give an address such as sqlite:////folder/responses.db, and install the "
-                "driver it needs",
-            ) from error
-        except DatabaseError as error:
-            raise InputError(
-                f"the database cannot be opened: {error.orig}",
-                where=shown,
-                remedy="Check that the path is right and writable; if the file is damaged, put a "
-                "backup in its place",
-            ) from error
+                f"an older version of Motion Jury made the database (schema {revision})",
+                where=_shown(url),
+                remedy="Run 'motionjury serve' once: it brings the database to the newest schema",
+            )
         return cls(engine)
 
     @contextmanager
@@ -119,25 +138,28 @@ class Database:
 
 def migration_config(connection: Connection) -> Config:
     """Return the configuration with which Alembic works on `connection`."""
-    config = Config()
-    config.set_main_option("script_location", "studyapp:migrations")
+    config = _config()
     config.attributes["connection"] = connection
     return config
 
 
-def _migrate(engine: Engine, shown: str) -> None:
+def _migrate(engine: Engine, url: str) -> None:
     """Bring the database to the newest schema; several processes may try at once."""
     with engine.execution_options(writes=True).begin() as connection:
-        config = migration_config(connection)
-        known = {step.revision for step in ScriptDirectory.from_config(config).walk_revisions()}
         revision = _revision(connection)
-        if revision is not None and revision not in known:
-            raise InputError(
-                f"the database has a schema ({revision}) that this version does not know",
-                where=shown,
-                remedy="Update Motion Jury to the version that made it, or choose another database",
-            )
-        command.upgrade(config, "head")
+        if revision is not None:
+            _require_known(revision, url)
+        command.upgrade(migration_config(connection), "head")
+
+
+def _require_known(revision: str, url: str) -> None:
+    """Raise `InputError` unless this version knows the schema `revision`."""
+    if revision not in {step.revision for step in _schemas().walk_revisions()}:
+        raise InputError(
+            f"the database has a schema ({revision}) that this version does not know",
+            where=_shown(url),
+            remedy="Update Motion Jury to the version that made it, or choose another database",
+        )
 
 
 def _revision(connection: Connection) -> str | None:
@@ -145,9 +167,38 @@ def _revision(connection: Connection) -> str | None:
 
 
 def _head() -> str | None:
+    return _schemas().get_current_head()
+
+
+def _schemas() -> ScriptDirectory:
+    return ScriptDirectory.from_config(_config())
+
+
+def _config() -> Config:
     config = Config()
     config.set_main_option("script_location", "studyapp:migrations")
-    return ScriptDirectory.from_config(config).get_current_head()
+    return config
+
+
+@contextmanager
+def _explained(url: str) -> Iterator[None]:
+    """Turn failures of opening the database at `url` into `InputError`."""
+    try:
+        yield
+    except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
+        raise InputError(
+            f"the database address cannot be used: {error}",
+            where=_shown(url),
+            remedy="Give an address such as sqlite:////folder/responses.db, and install the "
+            "driver it needs",
+        ) from error
+    except DatabaseError as error:
+        raise InputError(
+            f"the database cannot be opened: {error.orig}",
+            where=_shown(url),
+            remedy="Check that the path is right and writable; if the file is damaged, put a "
+            "backup in its place",
+        ) from error
 
 
 def _shown(url: str) -> str:
@@ -158,12 +209,21 @@ def _shown(url: str) -> str:
         return "DATABASE_URL"
 
 
-def _engine(url: str) -> Engine:
+def _sqlite_file(url: str) -> Path | None:
+    """Return the file of an SQLite database, None for every other database."""
     address = make_url(url)
+    if address.get_backend_name() != "sqlite" or not address.database:
+        return None
+    return Path(address.database)
+
+
+def _engine(url: str, set_up_sqlite: Callable[[sqlite3.Connection, Any], None]) -> Engine:
+    # Among the parameters of a failed statement may be a participant's token.
+    address, hidden = make_url(url), {"hide_parameters": True}
     if address.get_backend_name() != "sqlite":
-        return create_engine(address, pool_pre_ping=True)
-    engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS})
-    event.listen(engine, "connect", _set_up_sqlite)
+        return create_engine(address, pool_pre_ping=True, **hidden)
+    engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **hidden)
+    event.listen(engine, "connect", set_up_sqlite)
     event.listen(engine, "begin", _begin_sqlite)
     return engine
 
@@ -173,6 +233,11 @@ def _set_up_sqlite(connection: sqlite3.Connection, _record: Any) -> None:
     connection.isolation_level = None
     for pragma in ("journal_mode = WAL", "foreign_keys = ON", "synchronous = FULL"):
         connection.execute(f"PRAGMA {pragma}")
+
+
+def _forbid_sqlite_changes(connection: sqlite3.Connection, _record: Any) -> None:
+    connection.isolation_level = None
+    connection.execute("PRAGMA query_only = ON")
 
 
 def _begin_sqlite(connection: Connection) -> None:

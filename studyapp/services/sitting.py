@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import Literal
 
 from sqlalchemy import select
@@ -52,8 +53,14 @@ def current_trial(study_session: StudySession) -> Trial | None:
     return next((trial for trial in study_session.trials if not trial.settled), None)
 
 
-def require_present(study_session: StudySession, trial: Trial) -> None:
-    """Raise `ConflictError` unless `trial` is the one that `study_session` is shown right now."""
+def require_present(study_session: StudySession, trial: Trial) -> datetime:
+    """Return when `trial` was first shown, if it is what `study_session` stands at.
+
+    Raises
+    ------
+    ConflictError
+        If it is not the present trial, or none is being shown.
+    """
     state = state_of(study_session)
     if state != "started":
         raise ConflictError(
@@ -70,6 +77,7 @@ def require_present(study_session: StudySession, trial: Trial) -> None:
             "This pair is not the one you are at.",
             "Perhaps the study is open in two windows. Please go on here; nothing is lost.",
         )
+    return trial.shown_at
 
 
 def trial_of(study_session: StudySession, media_token: str) -> Trial:

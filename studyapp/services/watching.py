@@ -106,14 +106,14 @@ def record_watched(
     Raises
     ------
     RefusalError
-        If the trial is not theirs or not the present one, or more is claimed to be played than time has
-        passed since the video was first shown.
+        If the trial is not theirs or not the present one, or more is claimed to be played than
+        time has passed since the video was first shown.
     """
     with database.writing() as session:
         study_session = find(session, token)
         trial = trial_of(study_session, media_token)
         regain_place(session, study, study_session)
-        require_present(study_session, trial)
+        shown_at = require_present(study_session, trial)
         coverage = study.watching.coverage
         inside = [
             (max(0.0, start), min(trial.duration, end))
@@ -122,7 +122,7 @@ def record_watched(
         ]
         if batch in {known.batch for known in trial.watch_batches}:
             return watched_so_far(trial, coverage)
-        passed = clock.seconds_since(trial.shown_at)
+        passed = clock.seconds_since(shown_at)
         before = watched_so_far(trial, coverage).intervals
         if length(merged([*before, *inside])) > passed + TOLERANCE:
             raise UnacceptableError(

@@ -10,7 +10,7 @@ import pandas as pd
 
 from analysis.responses import responses_frame, write_responses
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, database_url_of, sqlite_url
+from studyapp.services.database import Database, database_url_of
 from studyapp.services.export import STUDY_SESSION_COLUMNS, responses_table, study_sessions_table
 
 Source = Literal["participants", "rehearsal"]
@@ -65,11 +65,11 @@ def answers_to_report(folder: StudyFolder) -> Answers:
 
 
 def read_answers(folder: StudyFolder, origin: Source) -> Answers:
-    """Return the answers of participants or of a rehearsal; reading makes no database."""
-    url = _database_url(folder, origin)
-    if url is None:
+    """Return the answers of participants or of a rehearsal; the database is left as it is."""
+    url = database_url_of(folder.root, rehearsal=origin == "rehearsal")
+    database = Database.open_for_reading(url)
+    if database is None:
         return Answers("none", responses_frame([]), _nobody())
-    database = Database.open(url)
     try:
         responses = responses_table(database)
         study_sessions = study_sessions_table(database)
@@ -84,11 +84,3 @@ def read_answers(folder: StudyFolder, origin: Source) -> Answers:
 
 def _nobody() -> pd.DataFrame:
     return pd.DataFrame(columns=list(STUDY_SESSION_COLUMNS))
-
-
-def _database_url(folder: StudyFolder, origin: Source) -> str | None:
-    """Return the address of the answers, or None where there cannot be any yet."""
-    url = database_url_of(folder.root, rehearsal=origin == "rehearsal")
-    beside_the_study = folder.responses if origin == "participants" else folder.rehearsal
-    is_beside = url == sqlite_url(beside_the_study)
-    return None if is_beside and not beside_the_study.exists() else url

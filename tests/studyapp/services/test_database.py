@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import select, text
+from sqlalchemy.exc import OperationalError
 
 from motion.errors import InputError
 from studyapp.models import Place
@@ -69,8 +70,9 @@ def test_a_database_of_a_newer_schema_is_refused_and_stays_as_it_is(tmp_path: Pa
         connection.execute("UPDATE alembic_version SET version_num = '9999'")
     connection.close()
 
-    with pytest.raises(InputError, match=r"newer\.db.*schema \(9999\).*Update Motion Jury"):
-        Database.open(sqlite_url(path))
+    for opening in (Database.open, Database.open_for_reading):
+        with pytest.raises(InputError, match=r"newer\.db.*schema \(9999\).*Update Motion Jury"):
+            opening(sqlite_url(path))
 
     with sqlite3.connect(path) as connection:
         versions = connection.execute("SELECT version_num FROM alembic_version").fetchall()
@@ -84,6 +86,8 @@ def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
 
     with pytest.raises(InputError, match=r"damaged\.db.*not a database.*backup"):
         Database.open(sqlite_url(path))
+    with pytest.raises(InputError, match=r"damaged\.db.*not a database.*backup"):
+        Database.open_for_reading(sqlite_url(path))
 
 
 def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
@@ -102,6 +106,80 @@ def test_an_error_does_not_show_the_password() -> None:
         Database.open("unknowndatabase://someone:secret@host/name")
 
     assert "secret" not in str(caught.value)
+
+
+def files(folder: Path) -> dict[str, tuple[bytes, int]]:
+    return {f.name: (f.read_bytes(), f.stat().st_mtime_ns) for f in folder.iterdir()}
+
+
+def test_reading_finds_what_was_written_and_leaves_the_file_as_it_is(tmp_path: Path) -> None:
+    url = sqlite_url(tmp_path / "answered.db")
+    writer = Database.open(url)
+    with writer.writing() as session:
+        session.add(place(0))
+    writer.close()
+    before = files(tmp_path)
+
+    reader = Database.open_for_reading(url)
+    assert reader is not None
+    with reader.reading() as session:
+        assert session.scalars(select(Place.number)).all() == [0]
+    reader.close()
+
+    assert files(tmp_path) == before
+
+
+def test_reading_sees_what_a_running_server_has_just_stored(database: Database) -> None:
+    reader = Database.open_for_reading(database.engine.url.render_as_string())
+    assert reader is not None
+    with database.writing() as session:
+        session.add(place(0))
+
+    with reader.reading() as session:
+        assert session.scalars(select(Place.number)).all() == [0]
+    reader.close()
+
+
+def test_nothing_can_be_stored_in_a_database_opened_for_reading(database: Database) -> None:
+    reader = Database.open_for_reading(database.engine.url.render_as_string())
+    assert reader is not None
+
+    with pytest.raises(OperationalError, match="readonly"), reader.writing() as session:
+        session.add(place(0))
+    reader.close()
+
+
+@pytest.mark.parametrize("content", [None, b""])
+def test_reading_makes_no_database_where_there_is_none(
+    tmp_path: Path, content: bytes | None
+) -> None:
+    path = tmp_path / "none.db"
+    if content is not None:
+        path.write_bytes(content)
+    before = files(tmp_path)
+
+    assert Database.open_for_reading(sqlite_url(path)) is None
+    assert files(tmp_path) == before
+
+
+def test_reading_brings_an_older_schema_to_nothing_newer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "older.db"
+    Database.open(sqlite_url(path)).close()
+    before = files(tmp_path)
+    monkeypatch.setattr("studyapp.services.database._head", lambda: "0002")
+
+    with pytest.raises(InputError, match=r"older\.db.*schema 0001.*motionjury serve"):
+        Database.open_for_reading(sqlite_url(path))
+    assert files(tmp_path) == before
+
+
+def test_a_failed_statement_does_not_show_what_it_was_given(database: Database) -> None:
+    with pytest.raises(OperationalError) as caught, database.reading() as session:
+        session.execute(text("SELECT * FROM nowhere WHERE token = :token"), {"token": "s3cret"})
+
+    assert "s3cret" not in str(caught.value)
 
 
 POSTGRESQL = "postgresql://host/study"

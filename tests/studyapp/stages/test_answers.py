@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.served_study import ServedStudy
+from studyapp.stages.answers import answers_to_report, export, read_answers
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+@pytest.fixture
+def folder(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> StudyFolder:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    return StudyFolder(tiny_study)
+
+
+def answer_once(folder: StudyFolder, database_file: Path) -> None:
+    """Let somebody answer the first trial and stop."""
+    database = Database.open(sqlite_url(database_file))
+    participant = Participant(database, ServedStudy.read(folder.root), SetClock())
+    participant.enrol().begin().take_trial()
+    database.close()
+
+
+def names(folder: StudyFolder) -> set[str]:
+    return {path.name for path in folder.root.iterdir()}
+
+
+def test_looking_for_answers_makes_no_database(folder: StudyFolder) -> None:
+    before = names(folder)
+
+    assert answers_to_report(folder).origin == "none"
+    assert names(folder) == before
+
+
+def test_looking_for_answers_makes_no_database_elsewhere(
+    folder: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    elsewhere = tmp_path / "elsewhere.db"
+    monkeypatch.setenv("DATABASE_URL", sqlite_url(elsewhere))
+
+    assert read_answers(folder, "participants").origin == "none"
+    assert not elsewhere.exists()
+
+
+def test_real_answers_come_before_those_of_a_rehearsal(folder: StudyFolder) -> None:
+    answer_once(folder, folder.rehearsal)
+    assert answers_to_report(folder).origin == "rehearsal"
+
+    answer_once(folder, folder.responses)
+    assert answers_to_report(folder).origin == "participants"
+
+
+def test_export_writes_either_the_real_answers_or_the_rehearsals(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    answer_once(folder, folder.rehearsal)
+
+    assert export(folder, tmp_path / "real.csv", rehearsal=False) == 0
+    assert export(folder, tmp_path / "rehearsed.csv", rehearsal=True) == 2
+    assert len((tmp_path / "rehearsed.csv").read_text("utf-8").splitlines()) == 3
+
+
+def test_the_answers_of_an_unfinished_study_session_do_not_count_as_completed(
+    folder: StudyFolder,
+) -> None:
+    answer_once(folder, folder.responses)
+
+    answers = answers_to_report(folder)
+
+    assert answers.opened() == {"rule_based-mismatched": 1}
+    assert answers.completed() == frozenset()
