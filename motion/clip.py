@@ -18,7 +18,19 @@ FloatArray = NDArray[np.float32]
 ARKIT_COUNT: Final = 52
 EXPRESSION_COUNT: Final = 100
 GENDERS: Final = ("neutral", "female", "male")
+MIN_FRAME_RATE: Final = 1.0
 MAX_FRAME_RATE: Final = 1000.0
+LARGEST_VALUE: Final = 1e6
+"""Far beyond any radian, metre or coefficient of a body; larger numbers are damage."""
+
+
+def check_frame_rate(frame_rate: float) -> None:
+    """Raise `InputError` where `frame_rate` is not from 1 to 1000 frames per second."""
+    if not MIN_FRAME_RATE <= frame_rate <= MAX_FRAME_RATE:
+        raise InputError(
+            f"frame rate {frame_rate:g} is not usable",
+            remedy=f"Give frames per second from {MIN_FRAME_RATE:.0f} to {MAX_FRAME_RATE:.0f}",
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +45,7 @@ class MotionClip:
     trans : ndarray, shape (T, 3), float32
         Translation of the body in metres; y is up.
     frame_rate : float
-        Frames per second, ``0 < frame_rate <= 1000``.
+        Frames per second, ``1 <= frame_rate <= 1000``.
     betas : ndarray, shape (B,), float32
         SMPL-X shape coefficients; empty for the model's mean shape.
     expressions : ndarray, shape (T, 100), float32, or None
@@ -62,6 +74,9 @@ class MotionClip:
 
     def __post_init__(self) -> None:
         frames = len(self.poses)
+        if frames == 0:
+            raise InputError("the motion has no frame", remedy="Give at least one frame")
+        check_frame_rate(self.frame_rate)
         self._adopt("poses", (frames, JOINT_COUNT, 3))
         self._adopt("trans", (frames, 3))
         self._adopt("betas", (np.size(self.betas),))
@@ -74,13 +89,6 @@ class MotionClip:
                     f"arkit weights lie in [{self.arkit.min():.3g}, {self.arkit.max():.3g}]",
                     remedy="Scale the blendshape weights to [0, 1]",
                 )
-        if frames == 0:
-            raise InputError("the motion has no frame", remedy="Give at least one frame")
-        if not 0 < self.frame_rate <= MAX_FRAME_RATE:
-            raise InputError(
-                f"frame rate {self.frame_rate} is not usable",
-                remedy=f"Give frames per second above 0 and up to {MAX_FRAME_RATE:.0f}",
-            )
         if self.gender not in GENDERS:
             raise InputError(
                 f"unknown gender {self.gender!r}", remedy=f"Use one of {', '.join(GENDERS)}"
@@ -96,13 +104,19 @@ class MotionClip:
                 f"{name} has shape {given.shape}, expected {shape}",
                 remedy="Check that all arrays of the clip have the same number of frames",
             )
-        array = np.array(given, dtype=np.float32)
-        if not np.isfinite(array).all():
-            bad = np.argwhere(~np.isfinite(array))[0]
+        usable = np.abs(given) <= LARGEST_VALUE
+        if not usable.all():
+            bad = tuple(map(int, np.argwhere(~usable)[0]))
+            if np.isfinite(given[bad]):
+                raise InputError(
+                    f"{name} holds {given[bad]:.3g} at index {bad}",
+                    remedy="Give radians, metres and coefficients; repair damaged frames",
+                )
             raise InputError(
-                f"{name} holds a value that is not a number at index {tuple(map(int, bad))}",
+                f"{name} holds a value that is not a number at index {bad}",
                 remedy="Repair or cut the frames that hold NaN or infinity",
             )
+        array = np.array(given, dtype=np.float32)
         array.setflags(write=False)
         object.__setattr__(self, name, array)
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from motion.clip import MotionClip
-from motion.errors import InputError
+from motion.clip import MotionClip, check_frame_rate
 from motion.excerpt import excerpt_bounds
 
 FloatArray = NDArray[np.float32]
@@ -27,17 +26,19 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
     clip : MotionClip
         The motion.
     frame_rate : float
-        Frames per second wanted, above 0.
+        Frames per second wanted, from 1 to 1000.
 
     Returns
     -------
     MotionClip
         ``round(clip.duration * frame_rate)`` frames, at least one.
+
+    Raises
+    ------
+    InputError
+        If `frame_rate` is out of range.
     """
-    if not frame_rate > 0:
-        raise InputError(
-            f"frame rate {frame_rate} is not usable", remedy="Give frames per second above 0"
-        )
+    check_frame_rate(frame_rate)
     if frame_rate == clip.frame_rate:
         return clip
     count = max(1, round(clip.duration * frame_rate))

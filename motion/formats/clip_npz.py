@@ -28,6 +28,8 @@ _RATE_KEYS: Final = ("mocap_frame_rate", "mocap_framerate", "fps")
 _TRANS_KEYS: Final = ("trans", "transl")
 _EXPRESSION_KEYS: Final = ("expressions", "expression")
 _PROVENANCE: Final = TypeAdapter(dict[str, str])
+_LARGEST: Final = 2**30
+"""Bytes of all arrays unpacked, about an hour of motion at 120 fps; a small file may hold more."""
 _SMPLH_JOINT_COUNT: Final = 52
 """SMPL+H has SMPL-X's joints except the three of the face."""
 
@@ -107,17 +109,28 @@ def _load(path: Path) -> Arrays:
     arrays: dict[str, NDArray[Any]] = {}
     try:
         with np.load(path, allow_pickle=False) as archive:
+            _check_size(archive.zip)
             for key in archive.files:
                 arrays[key] = _array(archive, key)
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, MemoryError) as error:
         raise InputError("the archive is damaged", remedy="Copy or export it again") from error
     return arrays
+
+
+def _check_size(archive: zipfile.ZipFile | None) -> None:
+    """Raise where the arrays would unpack to more than a motion can be."""
+    size = sum(member.file_size for member in archive.infolist()) if archive else 0
+    if size > _LARGEST:
+        raise InputError(
+            f"the archive unpacks to {size / 2**20:.0f} MiB, more than {_LARGEST / 2**20:.0f}",
+            remedy="Cut the motion into shorter files",
+        )
 
 
 def _array(archive: Mapping[str, NDArray[Any]], key: str) -> NDArray[Any]:
     try:
         return np.asarray(archive[key])
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:
         raise InputError(
             f"array {key!r} cannot be read without running code from the file",
             remedy="Save it as plain numbers or text instead of Python objects",
@@ -128,7 +141,7 @@ def _first(arrays: Arrays, keys: tuple[str, ...], default: NDArray[Any]) -> NDAr
     return next((arrays[key] for key in keys if key in arrays), default)
 
 
-def _poses(arrays: Arrays) -> NDArray[np.float32]:
+def _poses(arrays: Arrays) -> NDArray[Any]:
     """Return the poses as (T, 55, 3), whichever of the known layouts the file has."""
     if "poses" not in arrays:
         raise InputError(
@@ -152,10 +165,10 @@ def _poses(arrays: Arrays) -> NDArray[np.float32]:
     return np.concatenate([body, face, hands], axis=1)
 
 
-def _numbers(array: NDArray[Any], key: str) -> NDArray[np.float32]:
+def _numbers(array: NDArray[Any], key: str) -> NDArray[Any]:
     if array.dtype.kind not in "fiu":
         raise InputError(f"{key!r} holds no numbers", remedy=f"Give {key} as floating point")
-    return array.astype(np.float32)
+    return array
 
 
 def _frame_rate(arrays: Arrays) -> float:
@@ -170,7 +183,7 @@ def _frame_rate(arrays: Arrays) -> float:
     )
 
 
-def _betas(arrays: Arrays) -> NDArray[np.float32]:
+def _betas(arrays: Arrays) -> NDArray[Any]:
     """Return one set of betas; a file that repeats it in every frame is fine."""
     betas = _numbers(arrays.get("betas", np.zeros(0, np.float32)), "betas")
     if betas.ndim == 2 and len(betas):
@@ -182,7 +195,7 @@ def _betas(arrays: Arrays) -> NDArray[np.float32]:
     return betas
 
 
-def _expressions(arrays: Arrays) -> NDArray[np.float32] | None:
+def _expressions(arrays: Arrays) -> NDArray[Any] | None:
     """Return the expressions with the coefficients that the file leaves out set to zero."""
     given = _first(arrays, _EXPRESSION_KEYS, np.zeros(0, np.float32))
     if not given.size:

@@ -38,7 +38,7 @@ def read_talkshow(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     """
     try:
         rows = np.load(path, allow_pickle=False)
-    except (OSError, EOFError, ValueError) as error:
+    except (OSError, EOFError, ValueError, OverflowError, MemoryError) as error:
         raise InputError(
             "the file cannot be read as a plain array", where=path, remedy="Save it with numpy.save"
         ) from error

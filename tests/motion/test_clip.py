@@ -42,7 +42,10 @@ def test_duration_counts_each_frame_as_one_interval() -> None:
         ({"arkit": np.full((4, 52), 100.0)}, "arkit weights"),
         ({"poses": np.full((4, 55, 3), np.nan)}, r"poses holds .* index \(0, 0, 0\)"),
         ({"trans": np.full((4, 3), np.inf)}, "trans holds"),
+        ({"trans": np.full((4, 3), 1e300)}, r"trans holds 1e\+300 at index \(0, 0\)"),
         ({"frame_rate": 0}, "frame rate"),
+        ({"frame_rate": 1e-6}, "frame rate"),
+        ({"frame_rate": 1001}, "frame rate"),
         ({"frame_rate": float("nan")}, "frame rate"),
         ({"gender": "robot"}, "gender"),
     ],
@@ -54,7 +57,7 @@ def test_a_clip_refuses_what_it_cannot_be(changes: dict[str, Any], said: str) ->
 
 def test_a_clip_without_frames_is_refused() -> None:
     with pytest.raises(InputError, match="no frame"):
-        clip(frames=0)
+        clip(frames=0, arkit=np.zeros((0, 52)))
 
 
 def test_picking_frames_keeps_all_channels_together() -> None:

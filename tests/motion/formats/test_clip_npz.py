@@ -179,6 +179,34 @@ def test_damaged_archive_is_refused(tmp_path: Path) -> None:
         read_clip(path)
 
 
+def archive_of(path: Path, shape: tuple[int, int], content: int) -> Path:
+    """Write an archive whose poses promise `shape` and hold `content` zero bytes."""
+    with (
+        zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("poses.npy", "w", force_zip64=True) as member,
+    ):
+        header = {"descr": "<f4", "fortran_order": False, "shape": shape}
+        np.lib.format.write_array_header_1_0(member, header)
+        member.write(bytes(content))
+    return path
+
+
+def test_a_small_file_that_unpacks_to_more_than_a_motion_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("motion.formats.clip_npz._LARGEST", 2**21)
+    path = archive_of(tmp_path / "bomb.npz", (2**21, 1), 2**23)
+    assert path.stat().st_size < 2**16
+    with pytest.raises(InputError, match=r"bomb\.npz: the archive unpacks to 8 MiB, more than 2"):
+        read_clip(path)
+
+
+@pytest.mark.parametrize("frames", [10**12, 10**30])
+def test_a_header_that_promises_more_than_memory_is_refused(tmp_path: Path, frames: int) -> None:
+    with pytest.raises(InputError, match=r"bad\.npz"):
+        read_clip(archive_of(tmp_path / "bad.npz", (frames, 165), 0))
+
+
 def test_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"gone\.npz: there is no such motion file"):
         read_clip(tmp_path / "gone.npz")

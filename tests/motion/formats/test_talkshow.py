@@ -60,6 +60,16 @@ def test_what_is_no_talkshow_motion_is_refused_by_name(
     assert "bad.npy" in caught.value.where
 
 
+@pytest.mark.parametrize("frames", [10**12, 10**30])
+def test_a_header_that_promises_more_than_memory_is_refused(tmp_path: Path, frames: int) -> None:
+    path = tmp_path / "bad.npy"
+    with path.open("wb") as file:
+        header = {"descr": "<f4", "fortran_order": False, "shape": (frames, 265)}
+        np.lib.format.write_array_header_1_0(file, header)
+    with pytest.raises(InputError, match="plain array"):
+        read_talkshow(path)
+
+
 def test_missing_and_damaged_files_are_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "bad.npy").write_bytes(b"\x93NUMPY")
     for name in ("bad.npy", "gone.npy"):
