@@ -17,6 +17,10 @@ _OVERSHOOT: Final = 0.05
 """How far a weight may lie outside [0, 1], as trackers' weights sometimes do; it is clipped."""
 
 
+_LONGEST_FRAME: Final = 1.0
+"""Mean seconds between frames above which the times are in another unit."""
+
+
 class _Frame(BaseModel):
     weights: list[FiniteFloat]
     time: FiniteFloat
@@ -47,8 +51,8 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
     Raises
     ------
     InputError
-        If the file is no such JSON, names an unknown action, its times do not rise, or its
-        weights lie outside [0, 1].
+        If the file is no such JSON, names an unknown action, its times do not rise or are not
+        in seconds, or its weights lie outside [0, 1].
     """
     face = _parse(Path(path))
     columns = _columns(face.names, path)
@@ -66,6 +70,12 @@ def read_arkit_json(path: Path, frame_rate: float) -> NDArray[np.float32]:
             f"the time of frame {late} does not lie after the one before",
             where=path,
             remedy="Sort the frames by time and remove doubles",
+        )
+    if np.diff(times).mean() > _LONGEST_FRAME:
+        raise InputError(
+            f"{len(times)} frames are spread over {np.ptp(times):.4g} s",
+            where=path,
+            remedy="Give the times of the frames in seconds",
         )
     weights = np.array([frame.weights for frame in face.frames])
     if weights.min() < -_OVERSHOOT or weights.max() > 1 + _OVERSHOOT:

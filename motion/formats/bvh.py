@@ -19,6 +19,8 @@ FloatArray = NDArray[np.float64]
 
 _ROUNDING: Final = 0.015
 """Share by which the rounding of a frame time may change the frame rate."""
+_SHORTEST_FRAME, _LONGEST_FRAME = Decimal("1e-6"), Decimal("1e6")
+"""Seconds between which a frame time is a number that somebody may have meant."""
 _STILL: Final = 1e-3
 """Change of a channel, in degrees or length units, below which it does not move."""
 
@@ -166,7 +168,7 @@ def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:
         )
     joints = parse_hierarchy(lines[1:motion_at], path)
     header, rows = lines[motion_at + 1 : motion_at + 3], lines[motion_at + 3 :]
-    frames = _header_value(header, 0, r"Frames:\s*(\d+)", "'Frames: <number>'", path)
+    frames = _header_value(header, 0, r"Frames:\s*(\d{1,12})", "'Frames: <number>'", path)
     frame_time = _header_value(header, 1, r"Frame Time:\s*(\S+)", "'Frame Time: <seconds>'", path)
     header_rate = _rate_of(frame_time, f"{path}, line {header[1][0]}")
     values = _parse_rows(rows, sum(len(joint.channels) for joint in joints), path)
@@ -206,7 +208,7 @@ def _rate_of(frame_time: str, where: str) -> float:
         raise InputError(
             f"frame time {frame_time!r} is no number", where=where, remedy="Give seconds"
         ) from error
-    if not seconds.is_finite() or seconds <= 0:
+    if not seconds.is_finite() or not _SHORTEST_FRAME <= seconds <= _LONGEST_FRAME:
         raise InputError(f"frame time {frame_time} is not usable", where=where, remedy="Repair it")
     last_digit = Decimal(1).scaleb(int(seconds.as_tuple().exponent))
     whole = max(1, round(1 / seconds))

@@ -76,6 +76,11 @@ GOOD = np.full((3, 2), 0.5)
             {"frames": [{"weights": [0, 0], "time": t} for t in (0, 0.1, 0.1)]},
             "time of frame 2",
         ),
+        (
+            GOOD,
+            {"frames": [{"weights": [0, 0], "time": t} for t in (0, 17, 1e15)]},
+            "3 frames are spread over 1e",
+        ),
     ],
 )
 def test_unusable_content_is_refused_by_name(
