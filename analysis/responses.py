@@ -132,6 +132,10 @@ def read_responses(path: Path) -> pd.DataFrame:
         raise InputError(
             "there is no such file", where=path, remedy="Run 'motionjury export' first"
         ) from None
+    except OSError as error:
+        raise InputError(
+            f"the file cannot be read: {error.strerror}", where=path, remedy="Check the path"
+        ) from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(
             f"this is not a CSV file in UTF-8: {error}",

@@ -22,6 +22,9 @@ from motion.files import replacing
 SPEECH_RATE: Final = 16000
 """Samples per second that speech is analysed at."""
 
+LONGEST: Final = 3 * 3600
+"""Seconds that a recording may last; a small file may unpack to more than memory holds."""
+
 _RIFF_TOLERANCE: Final = 4096
 _RIFF_SIZES_OF_STREAMS: Final = frozenset({0, 0xFFFFFFFF})
 _FORMAT_OF_ENDING: Final = MappingProxyType(
@@ -128,7 +131,8 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
     Raises
     ------
     InputError
-        If the file is missing, holds no readable audio, or ends before its header says.
+        If the file is missing, holds no readable audio, ends before its header says, or lasts
+        longer than `LONGEST`.
     """
     path = Path(path)
     if not path.is_file():
@@ -145,7 +149,7 @@ def read_audio(path: Path, *, sample_rate: int | None = SPEECH_RATE) -> Audio:
                     remedy="Give a file with speech in it",
                 )
             format_names = tuple(container.format.name.split(","))
-            samples, rate = _decode(container, sample_rate)
+            samples, rate = _decode(container, sample_rate, path)
     except (av.FFmpegError, ValueError) as error:
         raise InputError(
             f"the file is damaged or cannot be read as audio ({error.__class__.__name__})",
@@ -183,13 +187,23 @@ def _check_whole_wav(path: Path) -> None:
         )
 
 
-def _decode(container: InputContainer, sample_rate: int | None) -> tuple[NDArray[np.float32], int]:
+def _decode(
+    container: InputContainer, sample_rate: int | None, path: Path
+) -> tuple[NDArray[np.float32], int]:
     """Return the channel-averaged samples of the first audio stream, and their rate."""
     stream = container.streams.audio[0]
     rate = sample_rate or stream.rate
     resampler = AudioResampler(format="fltp", rate=rate)
     chunks: list[NDArray[np.float32]] = []
+    seconds = 0.0
     for frame in container.decode(stream):
+        seconds += frame.samples / frame.sample_rate
+        if seconds > LONGEST:
+            raise InputError(
+                f"the recording lasts longer than {LONGEST / 3600:.0f} hours",
+                where=path,
+                remedy="Cut it into shorter files",
+            )
         chunks.extend(_mono(part) for part in resampler.resample(frame))
     if chunks:
         chunks.extend(_mono(part) for part in resampler.resample(None))

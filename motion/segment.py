@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -70,7 +71,7 @@ class Segment:
                 f"segment {self.name}: wav {self.wav!r} must be a plain file name",
                 remedy="Put the file into the study's speech folder and give its name alone",
             )
-        if not 0 <= self.start < self.end:
+        if not 0 <= self.start < self.end < math.inf:
             raise InputError(
                 f"segment {self.name}: start {self.start} and end {self.end} make no excerpt",
                 remedy="Give 0 <= start < end in seconds",

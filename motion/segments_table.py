@@ -76,6 +76,15 @@ def _rows(table: Path) -> list[tuple[int, Mapping[str, str]]]:
         raise InputError(
             "the table is not UTF-8 text", where=table, remedy="Save it as CSV in UTF-8"
         ) from error
+    try:
+        return _parse(text, table)
+    except csv.Error as error:
+        raise InputError(
+            f"the table is no CSV: {error}", where=table, remedy="Save it as CSV in UTF-8"
+        ) from error
+
+
+def _parse(text: str, table: Path) -> list[tuple[int, Mapping[str, str]]]:
     reader = csv.reader(io.StringIO(text, newline=""))
     header = [cell.strip() for cell in next(reader, [])]
     if sorted(header) != sorted(COLUMNS):

@@ -107,5 +107,7 @@ def test_a_file_that_is_no_csv_is_refused_with_its_name(tmp_path):
     (tmp_path / "r.csv").write_bytes(b"\xff\xfe\x00binary")
     with pytest.raises(InputError, match=r"r\.csv"):
         read_responses(tmp_path / "r.csv")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_responses(tmp_path)
     with pytest.raises(InputError, match="no such file"):
         read_responses(tmp_path / "none.csv")

@@ -9,7 +9,7 @@ import soundfile
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motion.audio import Audio, read_audio, write_wav
+from motion.audio import LONGEST, Audio, read_audio, write_wav
 from motion.errors import InputError
 
 
@@ -171,6 +171,13 @@ def test_not_a_number_in_float_wav_is_refused_by_name(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "nan.wav", samples, 16000, subtype="FLOAT")
     with pytest.raises(InputError, match=r"nan\.wav.*not a number"):
         read_audio(tmp_path / "nan.wav")
+
+
+def test_recording_that_unpacks_to_more_than_a_study_needs_is_refused(tmp_path: Path) -> None:
+    # A header may claim one sample a second, which resampling would blow up 16000 times.
+    soundfile.write(tmp_path / "slow.wav", np.zeros(LONGEST + 8192, np.int16), 1)
+    with pytest.raises(InputError, match=r"slow\.wav: the recording lasts longer than 3 hours"):
+        read_audio(tmp_path / "slow.wav")
 
 
 def test_picture_is_refused(tmp_path: Path) -> None:

@@ -37,6 +37,7 @@ def test_duration_is_the_length_of_the_excerpt() -> None:
         ({"start": 3.0, "end": 3.0}, "no excerpt"),
         ({"start": -1.0}, "no excerpt"),
         ({"end": float("nan")}, "no excerpt"),
+        ({"end": float("inf")}, "no excerpt"),
         ({"emotion": "boredom"}, "unknown emotion 'boredom'"),
     ],
 )

@@ -105,6 +105,11 @@ def test_table_without_rows_is_refused(speech: Path) -> None:
         read_segments(table(speech, ""))
 
 
+def test_table_with_a_cell_beyond_measure_is_refused(speech: Path) -> None:
+    with pytest.raises(InputError, match=r"segments\.csv: the table is no CSV"):
+        read_segments(table(speech, f's1,a.wav,0,5,x,neutral,"{"x" * 200_000}"\n'))
+
+
 def test_table_in_another_encoding_is_refused(speech: Path) -> None:
     (speech / "segments.csv").write_bytes(
         HEADER.encode() + "s1,a.wav,0,5,jörg,neutral,".encode("latin-1")
