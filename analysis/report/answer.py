@@ -26,7 +26,8 @@ def answer(inputs: ReportInputs, findings: Findings) -> tuple[str, ...]:
     if not findings.exclusion.sessions_analysed:
         return (
             f"None of the {findings.exclusion.sessions_answered} study sessions passed the "
-            "exclusion rules, so there is no result; the tables show what is there without them.",
+            "exclusion rules, so there is no result; the table of win shares also shows what they "
+            "answered.",
         )
     return (
         *(_about(question, inputs, findings) for question in figure_order(inputs)),
@@ -60,17 +61,23 @@ def _about(question: str, inputs: ReportInputs, findings: Findings) -> str:
     sides = {side: [p for p in found if verdict(p) == side] for side in get_args(Verdict)}
     first = next(p for side in sides.values() for p in side)
     named = {
-        side: wording.listing([_with_numbers(p, full=p is first) for p in preferences])
+        side: [_with_numbers(p, full=p is first) for p in preferences]
         for side, preferences in sides.items()
     }
     clauses = []
     if named["reference"]:
-        clauses.append(f"{people(inputs)} preferred {reference} to {named['reference']}")
+        clauses.append(
+            f"{people(inputs)} preferred {reference} to {wording.listing(named['reference'])}"
+        )
     if named["other"]:
         subject = "they" if clauses else people(inputs)
-        clauses.append(f"{subject} preferred {named['other']} to {reference}")
+        clauses.append(f"{subject} preferred {wording.listing(named['other'])} to {reference}")
     if named["undecided"]:
-        clauses.append(f"the answers do not decide between {reference} and {named['undecided']}")
+        pairs = [f"between {reference} and {other}" for other in named["undecided"]]
+        clauses.append(f"the answers do not decide {', nor '.join(pairs)}")
+    if named["untested"]:
+        listed = wording.listing(named["untested"])
+        clauses.append(f"there is no test of {reference} against {listed}")
     return f"On {wording.name(question)}, {'; '.join(clauses)}."
 
 
@@ -80,14 +87,14 @@ def _with_numbers(preference: Preference, *, full: bool) -> str:
     other = wording.name(preference.other)
     if not mean.answers:
         return f"{other} (no answers)"
+    share = wording.share(mean.estimate)
+    if full:
+        share = f"win share of {wording.name(preference.reference)} {share}"
     if mean.reason:
-        return f"{other} ({wording.share(mean.estimate)}, {wording.interval(mean)})"
+        return f"{other} ({share}, {mean.reason})"
     if not full:
         return f"{other} ({wording.estimate(mean)})"
-    return (
-        f"{other} (win share of {wording.name(preference.reference)} "
-        f"{wording.share(mean.estimate)}, {LEVEL:.0%} interval {wording.interval(mean)})"
-    )
+    return f"{other} ({share}, {LEVEL:.0%} interval {wording.interval(mean)})"
 
 
 def _basis(inputs: ReportInputs, findings: Findings) -> str:

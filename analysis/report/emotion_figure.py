@@ -89,7 +89,7 @@ def emotion_figure(
             axes.set_yticks(range(rows), labels=[*labels, "all emotions"])
             axes.tick_params(axis="y", length=0)
             axes.set_title(
-                wording.name(whole.question).capitalize(),
+                wording.heading(whole.question),
                 loc="left",
                 fontsize=11.5,
                 fontweight="bold",

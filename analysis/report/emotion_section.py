@@ -15,6 +15,7 @@ from analysis.report.inputs import ReportInputs
 def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Section:
     """Return one forest plot per comparison."""
     pictures = []
+    labels = {p.emotion for p in findings.emotions}
     few = any(p.win_share.segments < FEW_SEGMENTS for p in findings.emotions)
     for number, comparison in enumerate(dict.fromkeys(p.comparison for p in findings.preferences)):
         overall = [
@@ -42,13 +43,19 @@ def emotion_section(inputs: ReportInputs, findings: Findings, mark: str) -> Sect
                 data="emotions.csv",
             )
         )
+    reading = (
+        "No single emotion is tested: these estimates show where a difference comes from, "
+        "not whether there is one."
+    )
+    if len(labels) == 1:
+        reading = (
+            f"All segments carry one emotion, {labels.pop()}, so both rows of a panel show the "
+            "same answers. No single segment is tested."
+        )
     return Section(
         anchor="emotions",
         heading="Emotion by emotion (descriptive)" if few else "Emotion by emotion",
-        paragraphs=(
-            "No single emotion is tested: these estimates show where a difference comes from, "
-            "not whether there is one.",
-        ),
+        paragraphs=(reading,),
         pictures=tuple(pictures),
     )
 

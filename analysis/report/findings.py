@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,7 +23,7 @@ from analysis.report.inputs import ReportInputs
 SIGNIFICANCE = 0.05
 """Holm-corrected p values below this decide for one side."""
 
-Verdict = Literal["reference", "other", "undecided"]
+Verdict = Literal["reference", "other", "undecided", "untested"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,7 +85,9 @@ def find(inputs: ReportInputs) -> Findings:
 
 
 def verdict(preference: Preference) -> Verdict:
-    """Return which side the corrected test decides for, if any."""
+    """Return which side the corrected test decides for, if any, or that there is no test."""
+    if math.isnan(preference.holm_p):
+        return "untested"
     if not preference.holm_p < SIGNIFICANCE:
         return "undecided"
     return "reference" if preference.win_share.estimate > 0.5 else "other"

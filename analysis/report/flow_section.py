@@ -77,5 +77,5 @@ def _quality(inputs: ReportInputs, findings: Findings) -> str:
         f"The {len(analysed):,} analysed answers were given on {span}; the median trial took "
         f"{wording.quantity(float(analysed['seconds'].median()))} s, the least share of a trial's "
         f"videos watched was {wording.percent(100 * float(analysed['watched'].min()))}%, and "
-        f"{wording.percent(ties)}% of the answers were 'no difference'."
+        f"{wording.percent(ties)}% of the answers were “no difference”."
     )

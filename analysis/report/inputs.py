@@ -16,6 +16,22 @@ from motion.segment import Segment
 Origin = Literal["participants", "rehearsal", "none"]
 
 
+@dataclass(frozen=True, kw_only=True)
+class KnownShare:
+    """The win share that simulated raters were given, towards the reference, in [0, 1].
+
+    Attributes
+    ----------
+    share : float
+        Over all raters and all segments such as these: what the interval is an interval for.
+    on_these_segments : float
+        Over all raters, for the study's own segments, whose luck the estimate shares.
+    """
+
+    share: float
+    on_these_segments: float
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReportInputs:
     """Everything that the report of one pairwise study needs.
@@ -44,7 +60,7 @@ class ReportInputs:
         What each segment says.
     segments : tuple of Segment
         The study's segments.
-    truth : mapping of (comparison, question) to float, or None
+    truth : mapping of (comparison, question) to KnownShare, or None
         Of a rehearsal: the win share that the simulated raters were given.
     notes : tuple of str
         What else a reader must know about this study.
@@ -71,7 +87,7 @@ class ReportInputs:
     clips: Mapping[str, Mapping[str, Path]] = field(default_factory=dict)
     speech: Mapping[str, Excerpt] = field(default_factory=dict)
     segments: tuple[Segment, ...] = ()
-    truth: Mapping[tuple[str, str], float] | None = None
+    truth: Mapping[tuple[str, str], KnownShare] | None = None
     notes: tuple[str, ...] = ()
     frozen: tuple[str, ...] = ()
     presentations: int | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.answer import figure_order
 from analysis.report.findings import Findings
@@ -36,7 +37,7 @@ def latex_table(inputs: ReportInputs, findings: Findings) -> str:
     by_place = {(p.other, p.question): p for p in findings.preferences}
     columns = "l" + "rrl" * len(questions)
     heads = " & ".join(
-        rf"\multicolumn{{3}}{{c}}{{{_latex(wording.name(q).capitalize())}}}" for q in questions
+        rf"\multicolumn{{3}}{{c}}{{{_latex(wording.heading(q))}}}" for q in questions
     )
     rules = "".join(rf"\cmidrule(lr){{{2 + 3 * k}-{4 + 3 * k}}}" for k in range(len(questions)))
     lines = [
@@ -71,7 +72,8 @@ def _caption(inputs: ReportInputs) -> str:
     return (
         f"{start}Ours: clear and slight preferences for {reference}, others: for the condition of "
         "the row, in % of all answers. Win share: preferences for "
-        f"{reference} plus half the ties, with 95% interval clustered by participant and segment."
+        f"{reference} plus half the ties, with its {LEVEL:.0%} interval clustered by participant "
+        "and segment."
     )
 
 

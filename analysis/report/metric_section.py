@@ -54,8 +54,8 @@ def metrics_section(inputs: ReportInputs, findings: Findings) -> Section:
     )
     compared = wording.count(len(set(conditions) - {inputs.catch_condition}), "condition")
     caution = (
-        f"With {compared} compared, no correlation between metrics and answers can be estimated; "
-        "the numbers stand side by side for reading."
+        f"With {compared}, a correlation between metrics and answers would be too uncertain to "
+        "report; the numbers stand side by side for reading."
     )
     return Section(
         anchor="metrics",

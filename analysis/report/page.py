@@ -54,8 +54,8 @@ def _picture(inputs: ReportInputs, findings: Findings, mark: str) -> Picture:
     reference = wording.name(inputs.reference)
     return Picture(
         svg=preference_figure(findings.preferences, figure_order(inputs), mark=mark),
-        caption=f"Answers comparing {reference} with each other condition, in %, around 'no "
-        f"difference', after exclusions; n analysed. Right: win share of {reference} (wins plus "
+        caption=f"Answers comparing {reference} with each other condition, in %, around “no "
+        f"difference”, after exclusions; n analysed. Right: win share of {reference} (wins plus "
         f"half the ties) with its {LEVEL:.0%} interval, clustered by participant and segment; "
         ".5 means that neither is preferred.",
         data="counts.csv",

@@ -178,9 +178,7 @@ def _dress_bars(
     axes: Axes, found: Sequence[Preference], question: str, reach: int, *, labelled: bool
 ) -> None:
     reference = textwrap.shorten(wording.name(found[0].reference), 22, placeholder=" …")
-    axes.set_title(
-        wording.name(question).capitalize(), loc="left", fontsize=11.5, fontweight="bold", pad=9
-    )
+    axes.set_title(wording.heading(question), loc="left", fontsize=11.5, fontweight="bold", pad=9)
     axes.axvline(0, color="#5f6670", linewidth=0.8, zorder=0)
     axes.set_xlim(-reach, reach)
     axes.set_xticks([-50, 0, 50], labels=["50", "0", "50"])
@@ -195,10 +193,6 @@ def _dress_bars(
     axes.tick_params(axis="y", length=0, labelsize=9.5)
     axes.tick_params(axis="x", labelsize=8.5)
     axes.set_xlabel(f"← prefer {reference}, % · prefer the other, % →", fontsize=9)
-
-
-def _wrapped(condition: str) -> str:
-    return "\n".join(textwrap.wrap(wording.name(condition), 14, max_lines=2, placeholder=" …"))
 
 
 def _dress_forest(axes: Axes, rows: int) -> None:

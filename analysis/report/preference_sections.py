@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from analysis.preferences.clustered import LEVEL, TWO_WAY
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
-from analysis.report.answer import figure_order
+from analysis.report.answer import figure_order, people
 from analysis.report.content import Cell, Section, Table, cells
 from analysis.report.findings import Findings
 from analysis.report.inputs import ReportInputs
@@ -110,9 +110,10 @@ def win_share_section(inputs: ReportInputs, findings: Findings) -> Section:
                 )
             )
     reference = wording.name(inputs.reference)
+    basis = f"{people(inputs)} × segments"
     shares = Table(
-        caption=f"Win share of {reference}: preferences for it plus half of the answers 'no "
-        "difference', as a share of all answers, tested against .5; after exclusions, and with "
+        caption=f"Win share of {reference}: preferences for it plus half of the answers “no "
+        "difference”, as a share of all answers, tested against .5; after exclusions, and with "
         "everybody.",
         groups=(("", 2), ("after exclusions", 4), ("nobody excluded", 3)),
         header=(
@@ -121,10 +122,10 @@ def win_share_section(inputs: ReportInputs, findings: Findings) -> Section:
             "win share",
             "p",
             "p (Holm)",
-            "people × segments",
+            basis,
             "win share",
             "p (Holm)",
-            "people × segments",
+            basis,
         ),
         rows=tuple(rows),
         text_columns=2,
@@ -132,14 +133,14 @@ def win_share_section(inputs: ReportInputs, findings: Findings) -> Section:
             INTERVAL_NOTE,
             f"Holm over the declared family of {len(findings.preferences)} tests: every "
             "comparison on every question.",
-            *_methods(findings.preferences),
+            *_methods(inputs, findings),
         ),
         data="preferences.csv",
     )
     return Section(
         anchor="win-shares",
         heading="Win shares with their uncertainty",
-        tables=(shares, _side_table(findings)),
+        tables=(shares, _side_table(inputs, findings)),
     )
 
 
@@ -147,19 +148,21 @@ def _basis(preference: Preference) -> str:
     return f"{preference.win_share.participants} × {preference.win_share.segments}"
 
 
-def _methods(preferences: tuple[Preference, ...]) -> Iterator[str]:
-    """Name every estimate whose variance is not the two-way one."""
-    for p in preferences:
-        if p.win_share.method not in {"", TWO_WAY}:
-            yield (
-                f"{wording.name(p.other)}, {wording.name(p.question)}: variance "
-                f"{p.win_share.method}."
-            )
+def _methods(inputs: ReportInputs, findings: Findings) -> Iterator[str]:
+    """Name every estimate after exclusions whose variance is not the two-way one."""
+    for question in figure_order(inputs):
+        for p in findings.preferences:
+            if p.question == question and p.win_share.method not in {"", TWO_WAY}:
+                yield (
+                    f"{wording.name(p.question)}, {wording.name(p.other)}, after exclusions: "
+                    f"variance {p.win_share.method}."
+                )
 
 
-def _side_table(findings: Findings) -> Table:
+def _side_table(inputs: ReportInputs, findings: Findings) -> Table:
+    by_question = {bias.question: bias for bias in findings.side_bias}
     return Table(
-        caption="Side bias: share of analysed answers for the left video, half of 'no difference' "
+        caption="Side bias: share of analysed answers for the left video, half of “no difference” "
         "included, over all comparisons, tested against .5.",
         header=("question", "left share", "p", "reference shown on the left"),
         rows=tuple(
@@ -169,11 +172,12 @@ def _side_table(findings: Findings) -> Table:
                 wording.p_value(bias.left_share.p_value),
                 wording.share(bias.reference_on_left),
             )
-            for bias in findings.side_bias
+            for bias in (by_question[question] for question in figure_order(inputs))
         ),
         notes=(
-            "Sides are random: a bias to one side widens the intervals and pulls win shares "
-            "towards .5, but favours no condition. Intervals as for the win shares.",
+            "A bias to one side pulls win shares towards .5; it favours a condition only as far "
+            "as the reference is not shown on the left half of the time. Intervals as for the "
+            "win shares.",
         ),
         data="side_bias.csv",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.metadata import version
 
 from analysis.report import wording
-from analysis.report.answer import people
+from analysis.report.answer import figure_order, people
 from analysis.report.content import Section
 from analysis.report.findings import SIGNIFICANCE, Findings
 from analysis.report.inputs import ReportInputs
@@ -17,13 +17,19 @@ def generality_section(inputs: ReportInputs, findings: Findings) -> Section:
     speakers = sorted({segment.speaker for segment in inputs.segments})
     emotions = list(dict.fromkeys(segment.emotion for segment in inputs.segments))
     seconds = sum(segment.duration for segment in inputs.segments)
+    answered = inputs.origin != "none"
     bullets = [
         f"Speech: {wording.count(len(inputs.segments), 'segment')}, "
         f"{wording.quantity(seconds)} s in all, by "
         f"{wording.count(len(speakers), 'speaker')} ({wording.listing(speakers)}), "
-        f"{wording.count(len(emotions), 'emotion')} ({wording.listing(emotions)}). Segments are "
-        "treated as a sample, so the intervals speak about further segments like these"
-        + ("; one speaker tells nothing about other speakers." if len(speakers) == 1 else ".")
+        f"{wording.count(len(emotions), 'emotion')} ({wording.listing(emotions)})."
+        + (
+            " Segments are treated as a sample, so the intervals speak about further segments "
+            "like these."
+            if answered
+            else ""
+        )
+        + (" One speaker tells nothing about other speakers." if len(speakers) == 1 else "")
     ]
     if inputs.origin == "rehearsal":
         bullets.append(
@@ -45,12 +51,26 @@ def generality_section(inputs: ReportInputs, findings: Findings) -> Section:
 
 def methods_section(inputs: ReportInputs, findings: Findings) -> Section:
     """Return settings and limits."""
+    answered = inputs.origin != "none"
+    asked = f"{people(inputs)} {'were' if answered else 'will be'} asked"
     bullets = [
-        f"{wording.name(name).capitalize()}: {people(inputs)} were asked “"
-        f"{text.replace('{emotion}', '[emotion]')}”"
-        for name, text in inputs.questions.items()
+        f"{wording.heading(name)}: {asked} “"
+        f"{inputs.questions[name].replace('{emotion}', '[emotion]')}”"
+        for name in figure_order(inputs)
     ]
-    bullets += [
+    if answered:
+        bullets += _statistics(inputs, findings)
+    if inputs.frozen:
+        held = wording.listing([wording.name(channel) for channel in inputs.frozen])
+        bullets.append(f"The videos hold {held} still; metrics look at the motion as shown.")
+    bullets += inputs.notes
+    bullets.append(f"Made with Motion Jury {version('motionjury')}.")
+    return Section(anchor="methods", heading="Methods, settings and limits", bullets=tuple(bullets))
+
+
+def _statistics(inputs: ReportInputs, findings: Findings) -> list[str]:
+    """Return how answers become conclusions, and what these do not say."""
+    return [
         "A study session is complete with "
         f"{findings.presentations * len(inputs.questions)} answers "
         f"({wording.count(findings.presentations, 'trial')} of "
@@ -65,16 +85,10 @@ def methods_section(inputs: ReportInputs, findings: Findings) -> Section:
         "“The answers do not decide” is not evidence that two conditions are equally good: no "
         "equivalence margin was declared.",
         "Tests are two-sided. With few segments the intervals are wide, because two or three "
-        "segments say little about all others; more participants do not cure that.",
+        "segments say little about all others; more participants cannot make up for that.",
         "Where a one-way variance is larger than the two-way one, it takes its place, and a "
         "footnote says where. Where all answers are alike, or only one participant or segment "
-        "answers, no interval is given.",
+        "answers, there is neither interval nor test.",
         "Intervals treat the five levels as win, tie and loss; how strong a preference is shows "
         "only in the counts.",
     ]
-    if inputs.frozen:
-        held = wording.listing([wording.name(channel) for channel in inputs.frozen])
-        bullets.append(f"The videos hold {held} still; metrics look at the motion as shown.")
-    bullets += inputs.notes
-    bullets.append(f"Made with Motion Jury {version('motionjury')}.")
-    return Section(anchor="methods", heading="Methods, settings and limits", bullets=tuple(bullets))

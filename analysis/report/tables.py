@@ -99,7 +99,9 @@ def _estimates(
     for p in found:
         row = _place(p) | {"exclusions": exclusions} | _mean(p.win_share) | {"p_holm": p.holm_p}
         if inputs.truth:
-            row["true_win_share"] = inputs.truth.get((p.comparison, p.question))
+            known = inputs.truth.get((p.comparison, p.question))
+            row["true_win_share"] = known.share if known else None
+            row["true_win_share_on_these_segments"] = known.on_these_segments if known else None
         yield row
 
 

@@ -19,15 +19,16 @@ def truth_section(inputs: ReportInputs, findings: Findings) -> Section:
         if known is None:
             continue
         mean = p.win_share
-        covered = mean.low <= known <= mean.high
+        covered = mean.low <= known.share <= mean.high
         inside += covered
         rows.append(
             cells(
                 wording.name(p.question),
                 wording.name(p.other),
-                wording.share(known),
+                wording.share(known.share),
                 wording.estimate(mean),
                 "no interval" if mean.reason else "inside" if covered else "outside",
+                wording.share(known.on_these_segments),
             )
         )
     return Section(
@@ -35,13 +36,23 @@ def truth_section(inputs: ReportInputs, findings: Findings) -> Section:
         heading="Known truth against estimate",
         paragraphs=(
             f"Simulated raters prefer by rule, so the true win share is known. "
-            f"{inside} of {len(rows)} intervals contain it; in the long run 95% do.",
+            f"{inside} of {len(rows)} intervals contain it. In the long run 95% do, so that one or "
+            f"more of {len(rows)} miss it in about {100 * (1 - 0.95 ** len(rows)):.0f} of 100 "
+            "rehearsals.",
         ),
         tables=(
             Table(
                 caption=f"True win share of {wording.name(inputs.reference)} among the simulated "
-                "raters, and its estimate after exclusions.",
-                header=("question", "against", "truth", "estimate", "truth is"),
+                "raters, and its estimate after exclusions. The interval speaks of all segments "
+                "such as these; which ones were drawn moves the estimate towards the last column.",
+                header=(
+                    "question",
+                    "against",
+                    "truth",
+                    "estimate",
+                    "truth is",
+                    "truth for these segments",
+                ),
                 rows=tuple(rows),
                 text_columns=2,
                 data="preferences.csv",

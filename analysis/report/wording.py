@@ -19,6 +19,12 @@ def name(condition: str) -> str:
     return condition.replace("_", " ")
 
 
+def heading(question: str) -> str:
+    """Return a name as a heading: its first letter large, the others as they are."""
+    text = name(question)
+    return text[:1].upper() + text[1:]
+
+
 def share(value: float) -> str:
     """Return a share with two digits, '.63'; a dash for NaN."""
     if math.isnan(value):

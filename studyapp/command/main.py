@@ -48,6 +48,13 @@ class _LazyCommands(click.Group):
             if ctx.params["debug"]:
                 raise
             raise click.ClickException(str(error)) from error
+        except OSError as error:
+            if ctx.params["debug"] or error.filename is None:
+                raise
+            raise click.ClickException(
+                f"{error.filename}: {error.strerror}. Check that this is the right path, and that "
+                "it may be read and written."
+            ) from error
 
 
 @click.group(cls=_LazyCommands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -19,10 +19,12 @@ def progress(title: str, unit: str) -> Iterator[Callable[[int, int], None]]:
     unit : str
         What is counted, in the singular.
     """
-    with tqdm(desc=title, unit=f" {unit}", dynamic_ncols=True, mininterval=0.5) as bar:
+    # A bar that an error stopped is wiped away: the error says what happened.
+    with tqdm(desc=title, unit=f" {unit}", dynamic_ncols=True, mininterval=0.5, leave=False) as bar:
 
         def show(done: int, total: int) -> None:
             bar.total = total
             bar.update(done - bar.n)
 
         yield show
+        bar.leave = True

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -59,10 +58,6 @@ class Truth(BaseModel):
     study: str
     population: Population
     expected: tuple[ExpectedShare, ...]
-
-    def shares(self) -> Mapping[tuple[str, str], float]:
-        """Return the expected share of every (comparison, question), as the report wants it."""
-        return {(entry.comparison, entry.question): entry.share for entry in self.expected}
 
 
 def write_truth(path: Path, truth: Truth) -> None:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from motion.audio import Audio, read_audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -16,11 +18,14 @@ from motion.segment import Segment, check_name
 from motion.segments_table import read_segments, write_segments
 from studyapp.definition.creation import add_condition
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
 
 SEGMENT_TOLERANCE: Final = 0.1
 """Seconds by which motion and speech of one segment may differ."""
 TAKE_TOLERANCE: Final = 1.0
 """Seconds by which the ends of a take's motion and speech may differ; it is cut to the shorter."""
+ROUNDING: Final = 1e-3
+"""Share of full scale by which storing a recording as 16-bit WAV may change it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,15 +68,15 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
     Raises
     ------
     InputError
-        If a file cannot be used, the two do not belong together, or a segment of the same name
-        but another place exists.
+        If a file cannot be used, the two do not belong together, the condition's motion is
+        generated, or a segment of the same name but another place or other speech exists.
     """
     study = folder.study()
-    check_name(take.condition, "condition")
+    _check_condition(study, take.condition, folder)
+    check_name(take.speech.stem, "segment", take.speech)
     audio = read_audio(take.speech, sample_rate=None)
     clip = read_motion(take.motion, frame_rate=take.frame_rate)
-    notes = [f"{take.speech.name}: {note}" for note in audio.notes]
-    notes += _notes_of(clip, take.motion)
+    notes = [*audio.notes, *_notes_of(clip, take.motion)]
     seconds, note = _common_length(take, audio, clip)
     notes += note
     segments = _cut_points(take, seconds)
@@ -82,6 +87,7 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
         )
     known = _known_segments(folder)
     _check_no_clash(known, segments, folder)
+    _check_same_speech(folder.speech / segments[0].wav, audio)
     clips = [cut(clip, segment.start, segment.end) for segment in segments]
 
     write_wav(folder.speech / segments[0].wav, replace(audio, notes=()))
@@ -89,10 +95,7 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
         write_clip(folder.clip(take.condition, segment.name), piece)
     merged = {segment.name: segment for segment in (*known, *segments)}
     write_segments(folder.speech, tuple(merged.values()))
-    if take.condition not in (*study.conditions, study.catch.condition):
-        add_condition(folder.definition, take.condition)
-        notes.append(f"{folder.definition.name}: condition {take.condition!r} added")
-    return segments, notes
+    return segments, notes + _add_if_new(folder, study, take.condition)
 
 
 def import_clips(
@@ -119,10 +122,11 @@ def import_clips(
     Raises
     ------
     InputError
-        If a file belongs to no segment or is more than 0.1 s longer or shorter than its speech.
+        If a file belongs to no segment or is more than 0.1 s longer or shorter than its speech,
+        or the condition's motion is generated.
     """
     study = folder.study()
-    check_name(condition, "condition")
+    _check_condition(study, condition, folder)
     segments = {segment.name: segment for segment in folder.segments()}
     clips, notes = {}, []
     for path in motions:
@@ -141,10 +145,7 @@ def import_clips(
         clips[segment.name] = cut(clip, 0.0, min(clip.duration, segment.duration))
     for name, clip in clips.items():
         write_clip(folder.clip(condition, name), clip)
-    if condition not in (*study.conditions, study.catch.condition):
-        add_condition(folder.definition, condition)
-        notes.append(f"{folder.definition.name}: condition {condition!r} added")
-    return notes
+    return notes + _add_if_new(folder, study, condition)
 
 
 def check_same_length(clip: MotionClip, segment: Segment, where: Path) -> None:
@@ -185,13 +186,13 @@ def _common_length(take: Take, audio: Audio, clip: MotionClip) -> tuple[float, l
 def _cut_points(take: Take, seconds: float) -> list[Segment]:
     """Return the segments of a take whose first `seconds` can be used."""
     length = take.segment_seconds if take.segment_seconds is not None else seconds
-    count = int(seconds / length + 1e-6)
-    if count == 0:
+    if not length <= seconds + 1e-6:
         raise InputError(
             f"the take has {seconds:.1f} s, too short for a segment of {length:g} s",
             where=take.motion,
             remedy="Give a shorter --segment",
         )
+    count = int(seconds / length + 1e-6)
     stem = take.speech.stem
     names = [f"{stem}_{n + 1:02d}" for n in range(count)] if take.segment_seconds else [stem]
     return [
@@ -211,6 +212,43 @@ def _known_segments(folder: StudyFolder) -> tuple[Segment, ...]:
     if not (folder.speech / "segments.csv").exists():
         return ()
     return read_segments(folder.speech)
+
+
+def _check_condition(study: Study, condition: str, folder: StudyFolder) -> None:
+    """Raise if motion files cannot be brought in for `condition`."""
+    check_name(condition, "condition")
+    generated = study.generated().get(condition)
+    if generated is not None:
+        raise InputError(
+            f"the motion of {condition!r} is made by the generator {generated.generator!r}",
+            where=folder.definition,
+            remedy="Bring the files in under another condition, or remove the generator of this "
+            "one first",
+        )
+
+
+def _add_if_new(folder: StudyFolder, study: Study, condition: str) -> list[str]:
+    """Add `condition` to the study file if it is not there yet, and say so."""
+    if condition in (*study.conditions, study.catch.condition):
+        return []
+    add_condition(folder.definition, condition)
+    return [f"{folder.definition.name}: condition {condition!r} added"]
+
+
+def _check_same_speech(stored: Path, audio: Audio) -> None:
+    """Raise if another recording is stored under the name that `audio` would get."""
+    if not stored.exists():
+        return
+    known = read_audio(stored, sample_rate=None)
+    if known.sample_rate != audio.sample_rate or not (
+        known.samples.shape == audio.samples.shape
+        and np.allclose(known.samples, audio.samples, atol=ROUNDING)
+    ):
+        raise InputError(
+            "another recording is stored under this name",
+            where=stored,
+            remedy="Rename the new recording: its segments are named after it",
+        )
 
 
 def _check_no_clash(known: Sequence[Segment], new: Sequence[Segment], folder: StudyFolder) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from analysis.report import ReportInputs, write_report
+from analysis.report import KnownShare, ReportInputs, write_report
 from studyapp.definition.folder import StudyFolder
 from studyapp.design.trial_count import planned_trials
 from studyapp.rehearsal.record import read_truth
@@ -45,9 +45,7 @@ def report(folder: StudyFolder) -> Path:
             for segment in segments
         },
         segments=segments,
-        truth=read_truth(folder.rehearsal_truth).shares()
-        if answers.origin == "rehearsal"
-        else None,
+        truth=_known_shares(folder) if answers.origin == "rehearsal" else None,
         notes=study_notes(study),
         frozen=study.freeze,
         presentations=planned_trials(study, segments).presentations,
@@ -55,3 +53,13 @@ def report(folder: StudyFolder) -> Path:
         completed=answers.completed(),
     )
     return write_report(inputs, folder.report)
+
+
+def _known_shares(folder: StudyFolder) -> dict[tuple[str, str], KnownShare]:
+    """Return what the rehearsal's participants were given to prefer."""
+    return {
+        (known.comparison, known.question): KnownShare(
+            share=known.share, on_these_segments=known.share_on_these_segments
+        )
+        for known in read_truth(folder.rehearsal_truth).expected
+    }

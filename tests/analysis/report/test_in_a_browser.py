@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.report import write_report
+from analysis.report import KnownShare, write_report
 
 CHROMIUM = Path("/usr/bin/chromium")
 
@@ -28,7 +28,7 @@ def browser():
 @pytest.fixture
 def rehearsal_report(simulated_study, tmp_path):
     study = simulated_study(participants=5, segments=8)
-    truth = {("rule_based_vs_static", "emotion"): 0.8}
+    truth = {("rule_based_vs_static", "emotion"): KnownShare(share=0.8, on_these_segments=0.8)}
     return write_report(study.inputs(origin="rehearsal", truth=truth), tmp_path)
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 
 from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from analysis.report import KnownShare
 from analysis.report.findings import find
 from analysis.report.metric_section import metrics_section
 from analysis.report.truth_section import truth_section
@@ -84,7 +85,7 @@ def test_raw_beat_alignment_is_left_to_the_data_file(simulated_study):
 
 def test_a_truth_outside_its_interval_is_called_outside(simulated_study):
     study = simulated_study(participants=12, segments=12, effects={"static": 1.6})
-    truth = {("rule_based_vs_static", "emotion"): 0.05}
+    truth = {("rule_based_vs_static", "emotion"): KnownShare(share=0.05, on_these_segments=0.05)}
     inputs = study.inputs(origin="rehearsal", truth=truth)
     section = truth_section(inputs, find(inputs))
     assert [row[4].text for row in section.tables[0].rows] == ["outside"]

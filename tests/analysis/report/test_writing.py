@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from analysis.report import write_report
+from analysis.report import KnownShare, write_report
 from analysis.report.inputs import ReportInputs
 from analysis.responses import responses_frame
 from motion.errors import InputError
@@ -136,7 +136,7 @@ def test_tables_and_figures_speak_to_those_who_cannot_see_them(simulated_study, 
 
 def test_a_rehearsal_says_so_in_every_part(simulated_study, report_page):
     truth = {
-        (f"rule_based_vs_{other}", question): 0.6
+        (f"rule_based_vs_{other}", question): KnownShare(share=0.6, on_these_segments=0.7)
         for other in ("mismatched", "static")
         for question in ("emotion", "synchronisation")
     }
@@ -155,6 +155,7 @@ def test_a_rehearsal_says_so_in_every_part(simulated_study, report_page):
     assert len(rows) == 4
     assert {row[2] for row in rows} == {".60"}
     assert {row[4] for row in rows} <= {"inside", "outside"}
+    assert {row[5] for row in rows} == {".70"}
 
 
 def test_real_answers_are_not_called_a_rehearsal(simulated_study, report_page):
