@@ -25,7 +25,6 @@ Direction = Literal["motion to audio", "audio to motion"]
 SHIFTS: Final = 200
 """Circular shifts over which the chance level is averaged."""
 
-
 SHALLOWEST: Final = 0.01
 """Metres per second by which a motion beat must lie below its surroundings."""
 
@@ -241,13 +240,15 @@ def beat_alignment(
             np.mean([chance_score(b, onsets, duration, sigma, direction) for b in moving])
         )
     rate = sum(len(beats) for beats in series) / len(series) / duration
+    to_audio = settings.direction == "motion to audio"
+    scored = sum(len(beats) for beats in moving) if to_audio else len(onsets) * len(moving)
 
     def result(name: str, value: float) -> MetricResult:
         return MetricResult(
             name=f"{name} ({settings.name})",
             value=value,
             unit="",
-            n=sum(len(beats) for beats in moving),
+            n=0 if reason else scored,
             settings=described,
             reason=reason,
         )

@@ -161,3 +161,18 @@ times = st.lists(st.floats(0, 10), min_size=1, max_size=20).map(np.array)
 def test_scores_lie_between_zero_and_one(queries, targets, sigma):
     assert 0 <= alignment_score(queries, targets, sigma) <= 1
     assert 0 <= chance_score(queries, targets, 10.0, sigma, "audio to motion") <= 1
+
+
+def test_a_score_counts_what_it_is_a_mean_over():
+    time = np.arange(0, 10, 1 / 30)
+    swing = np.sin(2 * np.pi * 0.5 * time)[:, None, None] * np.array([0.1, 0, 0])
+    positions = np.repeat(swing, 6, axis=1)
+    onsets = np.array([1.0, 4.0, 7.0])
+    found = {
+        preset.name: beat_alignment(
+            positions, onsets, frame_rate=30, settings=preset, detector="given"
+        )
+        for preset in (AMUSE, BEAT)
+    }
+    assert found["amuse"].score.n == round(found["amuse"].motion_beats.value * 10)
+    assert found["beat"].score.n == 3 * 6
