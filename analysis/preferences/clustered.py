@@ -64,7 +64,7 @@ def clustered_mean(
 ) -> ClusteredMean:
     """Return the mean of `values` with an interval clustered by participant and segment.
 
-    The variance is the two-way cluster-robust one of Cameron, Gelbach & Miller (2011, eq. 2.11)
+    The variance is the two-way cluster-robust one of Cameron, Gelbach & Miller (2011)
     with the CR1 factor G/(G-1) of each clustering; the quantiles are those of t with
     min(participants, segments) - 1 degrees of freedom. That variance is a difference and may
     come out too small, even negative; where a one-way variance is larger, the larger one takes

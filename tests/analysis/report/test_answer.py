@@ -1,5 +1,10 @@
 from __future__ import annotations
 
+import re
+
+import numpy as np
+import pytest
+
 from analysis.report.answer import answer, figure_order, flow_line
 from analysis.report.findings import find, verdict
 
@@ -26,6 +31,34 @@ def test_clear_differences_are_stated_with_their_direction(simulated_study):
     analysed = findings.exclusion.sessions_analysed
     assert 60 <= analysed < 75
     assert f"{analysed} of 75 participants about 24 segments of 2 speakers" in basis
+
+
+def test_several_undecided_comparisons_are_named_pair_by_pair(simulated_study):
+    study = simulated_study(participants=8, segments=8, effects={"twin": 0.0, "double": 0.0})
+    inputs = study.inputs()
+    assert re.fullmatch(
+        r"On emotion, the answers do not decide between rule based and twin \(win share of rule "
+        r"based \S+, 95% interval [^)]+\), nor between rule based and double \([^)]+\)\.",
+        answer(inputs, find(inputs))[0],
+    )
+
+
+@pytest.mark.parametrize(("value", "share"), [(-1, "1.00"), (0, ".50"), (2, ".00")])
+def test_what_cannot_be_tested_is_not_called_undecided(simulated_study, value, share):
+    study = simulated_study(
+        participants=3, segments=4, effects={"static": 1.0}, inattentive=0, unfinished=0
+    )
+    responses = study.responses()
+    main = responses["kind"] != "catch"
+    on_left = responses["left_condition"] == responses["reference"]
+    responses.loc[main, "value"] = np.where(on_left, value, -value)[main]
+    inputs = study.inputs(responses=responses)
+    findings = find(inputs)
+    assert {verdict(p) for p in findings.preferences} == {"untested"}
+    assert answer(inputs, findings)[0] == (
+        f"On emotion, there is no test of rule based against static (win share of rule based "
+        f"{share}, all answers alike)."
+    )
 
 
 def test_emotion_comes_first_as_in_the_figure_it_follows(simulated_study):

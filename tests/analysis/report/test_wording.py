@@ -55,6 +55,10 @@ def test_quantities_have_three_significant_digits(value, text):
     assert wording.quantity(value) == text
 
 
+def test_a_heading_keeps_capitals_of_its_own():
+    assert wording.heading("fit_to_GT") == "Fit to GT"
+
+
 def test_a_number_that_rounds_to_zero_has_no_sign():
     assert wording.fixed(-0.0004, 3) == "0.000"
     assert wording.fixed(-0.0006, 3) == "−0.001"
