@@ -18,7 +18,6 @@ from studyapp.command.arguments import processes as processes_option
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.demonstration import prepare_demo
 
-
 SEED: Final = 2
 """Of the rehearsal. In about one of five, as with seed 1, one of the four intervals misses what the
 raters were given, as 95 % intervals do; a first report shows the usual case."""
