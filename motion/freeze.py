@@ -66,6 +66,19 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
     return frozen
 
 
+def moving_channels(clip: MotionClip) -> frozenset[str]:
+    """Return the channels of `clip` in which anything changes from frame to frame."""
+    values = {
+        name: [clip.poses[:, [joint_index(joint) for joint in joints]].reshape(len(clip), -1)]
+        for name, joints in _JOINTS_OF_CHANNEL.items()
+    }
+    values["root"].append(clip.trans)
+    values["face"].extend(v for v in (clip.expressions, clip.arkit) if v is not None)
+    return frozenset(
+        name for name, parts in values.items() if any(np.ptp(part, axis=0).any() for part in parts)
+    )
+
+
 def _neutral(joint: str) -> tuple[float, float, float]:
     """Return the neutral rotation of `joint`, axis-angle in radians."""
     # With the arms out and the palms down, fingers bend about z: left ones turn downwards

@@ -20,7 +20,8 @@ def command(folder: StudyFolder) -> None:
         click.echo(f"{finding.severity.value + ':':9}{finding.what}.{remedy}")
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if errors:
+        things = "1 thing" if errors == 1 else f"{errors} things"
         raise InputError(
-            f"{errors} things must be mended before participants can take part", where=folder.root
+            f"{things} must be mended before participants can take part", where=folder.root
         )
     click.echo(f"{folder.root} can be served.")

@@ -19,6 +19,8 @@ def command(folder: StudyFolder, processes: int) -> None:
     """Render the clips and side-by-side pairs of the study FOLDER."""
     with progress("render", "video") as show:
         count = render(folder, processes=processes, on_done=show)
+    for note in count.notes:
+        click.echo(f"note: {note}")
     for failure in count.failures:
         click.echo(f"failed: {failure}", err=True)
     click.echo(f"Rendered {count.made} videos, kept {count.kept} that still fit.")

@@ -92,7 +92,9 @@ def _follow_reference(document: tomlkit.TOMLDocument, reference: str) -> None:
 def add_condition(path: Path, name: str) -> Study:
     """Add a condition whose motion comes from files to a study file, keeping its comments."""
     document = tomlkit.parse(path.read_text(encoding="utf-8"))
-    document["conditions"][check_name(name, "condition", path)] = tomlkit.table()
+    table = tomlkit.table()
+    table.add(tomlkit.nl())
+    document["conditions"][check_name(name, "condition", path)] = table
     return _write(path, document)
 
 

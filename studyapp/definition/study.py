@@ -82,12 +82,22 @@ class Question(_Section):
 
 
 class Video(_Section):
-    """How all stimuli of the study look."""
+    """How all stimuli of the study look.
+
+    Attributes
+    ----------
+    size : int
+        Pixels along each side of one clip; a pair is twice as wide.
+    avatar : str
+        The colours in which the default body is dressed.
+    body : str or None
+        A licensed SMPL-X model file (``.npz``) to show instead of the default body.
+    """
 
     framing: Literal["upper_body", "full_body"] = "upper_body"
     size: int = Field(720, ge=64, le=1440, multiple_of=2)
     frame_rate: int = Field(30, ge=10, le=60)
-    avatar: str | None = None
+    avatar: Literal["blue", "green"] = "blue"
     body: str | None = None
 
 

@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
+from typing import Any, Final
+
 from pydantic import ValidationError
+
+WORDS: Final = {
+    "extra_forbidden": "unknown key",
+    "missing": "is missing",
+    "string_pattern_mismatch": "may hold only letters, digits, '_', '-' and '.', and must start "
+    "with a letter or digit",
+    "string_type": "must be a text in quotes",
+    "int_type": "must be a whole number",
+    "bool_type": "must be true or false",
+}
+"""What the kinds of finding mean in a study file; pydantic's own words serve for the rest."""
 
 
 def explain(error: ValidationError) -> str:
     """Return every finding of `error` as ``key: what is wrong``, joined into one sentence."""
+    found = error.errors(include_url=False)
     findings = []
-    for finding in error.errors(include_url=False):
+    for finding in found:
+        if finding["type"] == "too_short" and any(_lies_within(f, finding) for f in found):
+            # Too few entries are left because others were wrong, which is said already.
+            continue
         key = ".".join(str(part) for part in finding["loc"] if part != "[key]")
-        message = finding["msg"].removeprefix("Value error, ")
-        if finding["type"] == "extra_forbidden":
-            message = "unknown key"
-        elif finding["type"] == "missing":
-            message = "is missing"
+        message = WORDS.get(finding["type"], finding["msg"].removeprefix("Value error, "))
         findings.append(f"{key}: {message}" if key else message)
     return "; ".join(findings)
+
+
+def _lies_within(finding: Any, outer: Any) -> bool:
+    """Tell whether `finding` is about a part of what `outer` is about."""
+    depth = len(outer["loc"])
+    return len(finding["loc"]) > depth and finding["loc"][:depth] == outer["loc"]

@@ -10,6 +10,7 @@ from typing import Final
 
 from studyapp.clock import Clock
 from studyapp.definition.study import Study
+from studyapp.listing import listed
 from studyapp.models import Response, StudySession, Trial
 from studyapp.services.database import Database
 from studyapp.services.places import regain_place
@@ -110,11 +111,13 @@ def _values(questions: Sequence[str], answers: Mapping[str, str]) -> dict[str, i
                 "An answer is not one of the five choices.",
                 "Please choose one of the five for every question.",
             )
-    missing = [number for number, name in enumerate(questions, start=1) if name not in answers]
+    missing = [str(at) for at, name in enumerate(questions, start=1) if name not in answers]
     if missing:
+        who = (
+            f"Question {missing[0]} is" if len(missing) == 1 else f"Questions {listed(missing)} are"
+        )
         raise UnacceptableError(
-            f"Question {' and '.join(map(str, missing))} "
-            f"{'is' if len(missing) == 1 else 'are'} not answered yet.",
+            f"{who} not answered yet.",
             "Please choose one of the five answers; the others you gave are kept.",
         )
     return {question: int(answers[question]) for question in questions}

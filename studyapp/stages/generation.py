@@ -129,7 +129,12 @@ class _ConditionMaker:
                     remedy="Remove the condition's generator from study.toml to use the file, or "
                     "move the file away to generate the motion",
                 )
-        audio = read_audio(speech_file).cut(segment.start, segment.end)
+        speech = read_audio(speech_file)
+        try:
+            audio = speech.cut(segment.start, segment.end)
+        except InputError as error:
+            where = f"{speech_file}, segment {segment.name}"
+            raise InputError(error.what, where=where, remedy=error.remedy) from error
         clip = self.generator.generate(
             SpeechSegment(segment=segment, audio=audio),
             seed=zlib.crc32(f"{self.study_seed}/{self.condition}/{segment.name}".encode()),

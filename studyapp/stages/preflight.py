@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
+import numpy as np
+
 from motion.formats import read_clip
+from motion.freeze import CHANNELS, moving_channels
 from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.definition.study import Study
 from studyapp.design.trial_count import planned_trials
+from studyapp.listing import listed
 
 PUBLISHED_PAIRS: Final = 24
 """Pairs that a participant of AMUSE's study judged (Chhatre et al. 2024, section 5.3)."""
@@ -55,6 +59,9 @@ def check(folder: StudyFolder) -> list[Finding]:
 
 
 def _media_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
+    if not folder.stimuli.exists():
+        yield Finding(Severity.ERROR, "the study has no videos yet", "Run 'motionjury render'")
+        return
     segments = folder.segments()
     stimuli = read_stimuli(folder.stimuli)
     pairs = {(pair.segment, pair.left, pair.right): pair for pair in stimuli.pairs}
@@ -91,7 +98,7 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     emotions = [e for e in EMOTIONS if e in {segment.emotion for segment in segments}]
     yield Finding(
         Severity.NOTE,
-        f"{len(segments)} segments of {_listed(emotions)} allow {count.analysed} pairs per "
+        f"{len(segments)} segments of {listed(emotions)} allow {count.analysed} pairs per "
         f"participant; the published design has {PUBLISHED_PAIRS}, three for each of "
         f"{len(EMOTIONS)} emotions",
     )
@@ -104,7 +111,7 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
         yield Finding(Severity.NOTE, sentence)
     silent = [emotion for emotion in EMOTIONS if emotion not in emotions]
     if silent and any("{emotion}" in question.text for question in study.questions):
-        yield Finding(Severity.NOTE, f"the results will say nothing about {_listed(silent)}")
+        yield Finding(Severity.NOTE, f"the results will say nothing about {listed(silent)}")
     for sentence in study_notes(study):
         yield Finding(Severity.NOTE, sentence.rstrip("."))
     if not study.catch.trials:
@@ -116,23 +123,39 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
 
 
 def _motion_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
-    """Say where motion has fewer frames than the videos show: it looks smoother than it was."""
-    for condition in study.shown_conditions:
-        paths = [folder.clip(condition, segment.name) for segment in folder.segments()]
-        rates = {read_clip(path).frame_rate for path in paths if path.exists()}
-        if rates and min(rates) < study.video.frame_rate:
+    """Say where a condition's motion is of another kind than the others'."""
+    clips = {
+        condition: [
+            read_clip(path)
+            for segment in folder.segments()
+            if (path := folder.clip(condition, segment.name)).exists()
+        ]
+        for condition in study.conditions
+    }
+    for condition, made in clips.items():
+        slowest = min((clip.frame_rate for clip in made), default=study.video.frame_rate)
+        if slowest < study.video.frame_rate:
             yield Finding(
                 Severity.WARNING,
-                f"the motion of {condition!r} has {min(rates):g} frames per second and is shown at "
+                f"the motion of {condition!r} has {slowest:g} frames per second and is shown at "
                 f"{study.video.frame_rate}: what lies between is interpolated, so its fast "
                 "movements look smoother than they were",
                 "Bring in the original at its full rate if there is one",
             )
-
-
-def _listed(words: Sequence[str]) -> str:
-    """Return ``a, b and c``."""
-    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))
+    moving = {
+        condition: frozenset().union(*(moving_channels(clip) for clip in made))
+        for condition, made in clips.items()
+        if any(np.ptp(clip.poses, axis=0).any() for clip in made)
+    }
+    for channel in CHANNELS:
+        still = [condition for condition, channels in moving.items() if channel not in channels]
+        if channel not in study.freeze and 0 < len(still) < len(moving):
+            yield Finding(
+                Severity.WARNING,
+                f"{channel} never moves in {listed(still)} but does in the other conditions, "
+                "which tells them apart",
+                f'Add "{channel}" to freeze in study.toml and render again',
+            )
 
 
 def study_notes(study: Study) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from motion.body import read_body
+from motion.body import BodyModel, expression_note, read_body
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.freeze import freeze
@@ -50,6 +50,8 @@ class RenderPlan:
     ----------
     clips, pairs : tuple
         The records that `stimuli.json` holds once the videos are there.
+    notes : tuple of str
+        What of the conditions' motion the body cannot show.
     """
 
     folder: StudyFolder
@@ -60,6 +62,7 @@ class RenderPlan:
     look: Look
     clips: tuple[ClipVideo, ...]
     pairs: tuple[PairVideo, ...]
+    notes: tuple[str, ...]
 
     @classmethod
     def of(cls, folder: StudyFolder) -> Self:
@@ -68,8 +71,9 @@ class RenderPlan:
         require_motion(folder, study)
         segments = {segment.name: segment for segment in folder.segments()}
         body = Path(study.video.body).expanduser() if study.video.body else default_body()
+        model = read_body(body)
         look = _look(study)
-        camera = _camera(folder, study, body, look)
+        camera = _camera(folder, study, model, look)
         shared = (RENDERER_VERSION, body.name, body.stat().st_size, camera, look, study.freeze)
         clips = tuple(
             ClipVideo(
@@ -109,6 +113,7 @@ class RenderPlan:
             look=look,
             clips=clips,
             pairs=pairs,
+            notes=_expression_notes(folder, study, model),
         )
 
     def frames(self, segment: str, condition: str) -> Path:
@@ -154,11 +159,15 @@ class RenderPlan:
 
 def _look(study: Study) -> Look:
     video = study.video
-    look = Look(size=video.size, frame_rate=video.frame_rate, framing=video.framing)
-    return look
+    return Look(
+        size=video.size,
+        frame_rate=video.frame_rate,
+        framing=video.framing,
+        avatar=video.avatar,
+    )
 
 
-def _camera(folder: StudyFolder, study: Study, body: Path, look: Look) -> Camera:
+def _camera(folder: StudyFolder, study: Study, body: BodyModel, look: Look) -> Camera:
     """Frame all conditions alike, the catch motion left aside."""
     shown = [name for name in study.shown_conditions if name != study.catch.condition]
     clips = [
@@ -166,4 +175,16 @@ def _camera(folder: StudyFolder, study: Study, body: Path, look: Look) -> Camera
         for name in shown
         for segment in folder.segments()
     ]
-    return frame_clips(clips, read_body(body), look)
+    return frame_clips(clips, body, look)
+
+
+def _expression_notes(folder: StudyFolder, study: Study, body: BodyModel) -> tuple[str, ...]:
+    """Return, once per condition, what of its faces the body cannot show."""
+    notes = {}
+    for condition in study.shown_conditions:
+        for segment in folder.segments():
+            clip = freeze(read_clip(folder.clip(condition, segment.name)), study.freeze)
+            note = expression_note(clip, body)
+            if note is not None:
+                notes[condition] = f"{condition}: {note}"
+    return tuple(notes.values())

@@ -22,11 +22,20 @@ from studyapp.stages.render_plan import RenderPlan
 
 @dataclass(frozen=True)
 class RenderCount:
-    """How many videos a run made, how many were there already, and what went wrong."""
+    """How many videos a run made, how many were there already, and what is to be said.
+
+    Attributes
+    ----------
+    failures : tuple of str
+        Videos that could not be made, and why.
+    notes : tuple of str
+        What of the motion the videos do not show.
+    """
 
     made: int
     kept: int
     failures: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def render(
@@ -114,6 +123,7 @@ class _Log:
             made=len(self._finished) - self._kept,
             kept=self._kept,
             failures=tuple(self._failures),
+            notes=self._plan.notes,
         )
 
     def _write(self) -> None:

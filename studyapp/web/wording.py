@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from studyapp.definition.study import Question, Study
+from studyapp.listing import listed
 
 SCALE: Final = (
     (-2, "clearly A"),
@@ -49,5 +50,4 @@ def asked(question: Question, emotion: str) -> AskedQuestion:
 
 def frozen_words(study: Study) -> str:
     """Return what the videos hold still, as a list in words; empty where nothing is."""
-    words = [CHANNEL_WORDS[channel] for channel in study.freeze]
-    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+    return listed([CHANNEL_WORDS[channel] for channel in study.freeze])

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from motion.errors import InputError
-from motion.freeze import CHANNELS, freeze
+from motion.freeze import CHANNELS, freeze, moving_channels
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
 from tests.motion.random_clips import assert_same_clip, random_clip
@@ -69,3 +71,24 @@ def test_clip_without_a_face_stays_without() -> None:
 def test_unknown_channel_is_refused_with_the_known_ones() -> None:
     with pytest.raises(InputError, match=r"'legs'.*face, hands, lower_body, root"):
         freeze(random_clip(), ["legs"])
+
+
+def test_a_channel_moves_when_anything_of_it_changes_over_time() -> None:
+    still = random_clip(frames=1).frames(np.zeros(5, dtype=int))
+    assert moving_channels(still) == frozenset()
+    poses = still.poses.copy()
+    poses[3, joint_index("left_index2"), 1] += 0.2
+    assert moving_channels(replace(still, poses=poses)) == {"hands"}
+    trans = still.trans.copy()
+    trans[2, 0] += 0.1
+    assert moving_channels(replace(still, trans=trans)) == {"root"}
+    arkit = np.zeros((5, 52))
+    arkit[4, 0] = 0.5
+    assert moving_channels(replace(still, arkit=arkit)) == {"face"}
+
+
+@pytest.mark.parametrize("channel", CHANNELS)
+def test_a_frozen_channel_moves_no_more(channel: str) -> None:
+    clip = random_clip(frames=4)
+    assert channel in moving_channels(clip)
+    assert channel not in moving_channels(freeze(clip, [channel]))

@@ -12,10 +12,15 @@ const needed = document.getElementById("needed");
 const watched = document.getElementById("watched");
 let fetchedAhead = false;
 
+function listed(numbers) {
+  const last = numbers.slice(-1);
+  return numbers.length > 1 ? `${numbers.slice(0, -1).join(", ")} and ${last}` : `${last}`;
+}
+
 function missing() {
   const parts = evidence.missing > 0 ? ["play the pair to the end"] : [];
   const numbers = answers.unanswered();
-  if (numbers.length) parts.push(`answer ${numbers.join(" and ")}`);
+  if (numbers.length) parts.push(`answer ${listed(numbers)}`);
   return parts;
 }
 

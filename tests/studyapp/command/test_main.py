@@ -49,6 +49,16 @@ def test_bad_input_is_one_sentence_without_a_traceback(tmp_path: Path) -> None:
     assert "Traceback" not in shown.stderr
 
 
+def test_a_folder_in_the_place_of_a_file_is_one_sentence_too(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").mkdir()
+
+    shown = run("check", str(tmp_path))
+
+    assert shown.returncode == 1
+    assert shown.stderr.startswith(f"Error: {tmp_path / 'study.toml'}: Is a directory.")
+    assert "Traceback" not in shown.stderr
+
+
 def test_debug_shows_where_it_happened(tmp_path: Path) -> None:
     shown = run("--debug", "check", str(tmp_path))
     assert shown.returncode != 0

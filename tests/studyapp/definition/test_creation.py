@@ -59,4 +59,5 @@ def test_adding_a_condition_keeps_the_comments(tmp_path: Path) -> None:
     study = add_condition(path, "ground_truth")
     assert study.conditions["ground_truth"].generator is None
     assert path.read_text().count("#") == comments
+    assert "[conditions.ground_truth]\n\n[catch]\n# Catch trials" in path.read_text()
     assert "ground_truth" in read_study(path).conditions

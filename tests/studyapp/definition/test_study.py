@@ -1,14 +1,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 import tomlkit
 
 from motion.errors import InputError
+from renderer.surface import AVATARS
 from studyapp.definition.creation import new_study
-from studyapp.definition.study import Study, read_study
+from studyapp.definition.study import Study, Video, read_study
 
 
 @pytest.fixture
@@ -45,7 +46,7 @@ def test_the_template_follows_the_published_design(study_file: Path) -> None:
         ({"video__colour": "red"}, "video.colour: unknown key"),
         ({"reference": "amuse"}, "reference 'amuse' is no condition"),
         ({"trials": 0}, "trials: Input should be greater"),
-        ({"trials": "6"}, "trials: Input should be a valid integer"),
+        ({"trials": "6"}, "trials: must be a whole number"),
         ({"practice": 20, "trials": 10}, "practice 20 is more than trials 10"),
         ({"freeze": ["nose"]}, "freeze: unknown nose"),
         ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
@@ -73,6 +74,22 @@ def test_all_wrong_keys_are_named_at_once(study_file: Path) -> None:
         read_study(changed(study_file, trials=-1, colour="red"))
     assert "trials" in str(caught.value)
     assert "colour" in str(caught.value)
+
+
+def test_a_name_that_cannot_be_one_is_explained_without_jargon(study_file: Path) -> None:
+    document = tomlkit.parse(study_file.read_text())
+    for question in document["questions"]:
+        question["name"] = "two words"
+    study_file.write_text(tomlkit.dumps(document))
+
+    with pytest.raises(InputError) as caught:
+        read_study(study_file)
+
+    said = str(caught.value)
+    assert "questions.1.name: may hold only letters, digits" in said
+    assert "pattern" not in said
+    # The questions are not too few, they are wrong.
+    assert "at least 1" not in said
 
 
 def test_broken_toml_is_named_with_its_line(study_file: Path) -> None:
@@ -132,3 +149,8 @@ def test_sources_in_a_circle_are_refused(study_file: Path) -> None:
     )
     with pytest.raises(InputError, match="circle"):
         read_study(study_file)
+
+
+def test_the_avatars_to_choose_from_are_those_the_renderer_has(study_file: Path) -> None:
+    choices = get_args(Video.model_fields["avatar"].annotation)
+    assert set(choices) == set(AVATARS)

@@ -117,3 +117,13 @@ def test_a_source_without_motion_is_named(study: StudyFolder) -> None:
 def test_a_study_without_speech_says_what_to_do(folder: StudyFolder) -> None:
     with pytest.raises(InputError, match="motionjury import"):
         generate(folder)
+
+
+def test_a_segment_that_reaches_past_its_recording_is_named(study: StudyFolder) -> None:
+    table = study.speech / "segments.csv"
+    table.write_text(
+        table.read_text().replace("take_03,take.wav,4.0,6.0", "late,take.wav,4.0,60.0")
+    )
+
+    with pytest.raises(InputError, match=r"take\.wav, segment late: an excerpt from 4 s to 60 s"):
+        generate(study)

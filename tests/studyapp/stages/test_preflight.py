@@ -9,6 +9,7 @@ import tomlkit
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.stages.generation import generate
 from studyapp.stages.preflight import Finding, Severity, check, study_notes
 from studyapp.stages.recordings import Take, import_take
 
@@ -75,6 +76,15 @@ def test_each_missing_video_is_named_with_its_conditions(ready: StudyFolder) -> 
     assert pair.segment in error
 
 
+def test_before_rendering_the_design_is_told_all_the_same(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take())
+
+    assert findings_of(folder, Severity.ERROR) == ["the study has no videos yet"]
+    assert any("pairs per participant" in note for note in findings_of(folder, Severity.NOTE))
+
+
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
     (ready.speech / "take.wav").unlink()
     with pytest.raises(InputError, match=r"segments.csv, line 2.*take.wav"):
@@ -102,6 +112,16 @@ def test_motion_with_fewer_frames_than_the_videos_is_warned_of(ready: StudyFolde
     change(ready, "video", "frame_rate", value=60)
     warnings = " ".join(findings_of(ready, Severity.WARNING))
     assert "'ground_truth' has 30 frames per second" in warnings
+
+
+def test_a_channel_that_only_some_conditions_move_is_warned_of_until_it_is_frozen(
+    ready: StudyFolder,
+) -> None:
+    generate(ready)
+    said = "face never moves in ground_truth"
+    assert any(said in warning for warning in findings_of(ready, Severity.WARNING))
+    change(ready, "freeze", value=["face", "hands", "root", "lower_body"])
+    assert not any("never moves" in w for w in findings_of(ready, Severity.WARNING))
 
 
 def test_an_empty_contact_is_warned_of_until_it_is_filled_in(ready: StudyFolder) -> None:

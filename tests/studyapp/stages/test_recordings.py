@@ -146,3 +146,41 @@ def test_the_real_take_gives_six_segments(folder: StudyFolder, shared_data: Path
     assert any("cut to the common 63.80 s" in note for note in notes)
     with pytest.raises(InputError, match="957"):
         import_take(folder, replace(take, frame_rate=None))
+
+
+@pytest.mark.parametrize("condition", ["rule_based", "broken"])
+def test_motion_for_a_generated_condition_is_refused(
+    folder: StudyFolder, take: MakeTake, condition: str
+) -> None:
+    before = files_in(folder)
+
+    with pytest.raises(InputError, match=f"motion of '{condition}' is made by the generator"):
+        import_take(folder, replace(take(), condition=condition))
+    assert files_in(folder) == before
+
+
+def test_other_speech_under_a_known_name_is_refused(folder: StudyFolder, take: MakeTake) -> None:
+    import_take(folder, take())
+    stored = (folder.speech / "take.wav").read_bytes()
+
+    with pytest.raises(InputError, match=r"speech/take\.wav: another recording"):
+        import_take(folder, take(speech=6.2))
+    assert (folder.speech / "take.wav").read_bytes() == stored
+
+
+def test_the_same_take_may_be_brought_in_again(folder: StudyFolder, take: MakeTake) -> None:
+    segments, _ = import_take(folder, take())
+
+    assert import_take(folder, take()) == (segments, [])
+
+
+def test_a_segment_length_that_is_no_number_is_refused(folder: StudyFolder, take: MakeTake) -> None:
+    with pytest.raises(InputError, match="segment of nan s"):
+        import_take(folder, take(segment=float("nan")))
+
+
+def test_speech_whose_name_cannot_name_segments_is_told(
+    folder: StudyFolder, take: MakeTake
+) -> None:
+    with pytest.raises(InputError, match=r"my take\.wav: 'my take' is no usable segment name"):
+        import_take(folder, take(name="my take"))

@@ -1,13 +1,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import av
+import numpy as np
 import pytest
 import tomlkit
 
 from motion.errors import InputError
+from motion.formats import read_clip, write_clip
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.stages.generation import generate
@@ -96,6 +99,15 @@ def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder)
     with pytest.raises(InputError, match=r"1 of 8 .*'mismatched' for segment take_02.*generate"):
         render(study, processes=1)
     assert not study.videos.exists()
+
+
+def test_a_face_that_the_body_cannot_show_is_said(study: StudyFolder) -> None:
+    path = study.clip("mismatched", "take_01")
+    clip = read_clip(path)
+    faces = np.full((len(clip), 100), 0.5)
+    write_clip(path, replace(clip, expressions=faces, arkit=None))
+    (note,) = render(study, processes=1).notes
+    assert note.startswith("mismatched: the clip's face is given as SMPL-X expression")
 
 
 def test_a_video_that_cannot_be_made_is_reported_and_the_rest_goes_on(study: StudyFolder) -> None:
