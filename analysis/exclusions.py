@@ -138,6 +138,7 @@ def failed_catch_trials(allowed: int) -> ExclusionRule:
     A catch trial is failed when any of its questions is not answered with a preference, slight
     or clear, for the expected side.
     """
+    trials = f"{allowed} catch {'trial' if allowed == 1 else 'trials'}"
 
     def apply(responses: pd.DataFrame) -> Reasons:
         failed = count_failed_catch_trials(responses)
@@ -148,7 +149,7 @@ def failed_catch_trials(allowed: int) -> ExclusionRule:
 
     return ExclusionRule(
         name="failed catch trials",
-        description=f"failed more than {allowed} catch {'trial' if allowed == 1 else 'trials'}",
+        description=f"failed {f'more than {trials}' if allowed else 'a catch trial'}",
         apply=apply,
     )
 

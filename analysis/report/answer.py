@@ -73,8 +73,9 @@ def _about(question: str, inputs: ReportInputs, findings: Findings) -> str:
         subject = "they" if clauses else people(inputs)
         clauses.append(f"{subject} preferred {wording.listing(named['other'])} to {reference}")
     if named["undecided"]:
-        pairs = [f"between {reference} and {other}" for other in named["undecided"]]
-        clauses.append(f"the answers do not decide {', nor '.join(pairs)}")
+        one_of = {1: "", 2: "either of "}.get(len(named["undecided"]), "any of ")
+        listed = wording.listing(named["undecided"])
+        clauses.append(f"the answers do not decide between {reference} and {one_of}{listed}")
     if named["untested"]:
         listed = wording.listing(named["untested"])
         clauses.append(f"there is no test of {reference} against {listed}")

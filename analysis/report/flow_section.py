@@ -60,9 +60,16 @@ def _catch_words(inputs: ReportInputs) -> str:
         f"Catch trials show {wording.name(inputs.catch_reference)} beside "
         f"{wording.name(inputs.catch_condition)}. One is failed when any of its questions is not "
         f"answered with a slight or clear preference for {wording.name(inputs.catch_reference)}; "
-        f"more than {wording.count(inputs.max_failed_catch, 'failure')} "
-        f"{'excludes' if inputs.max_failed_catch == 1 else 'exclude'} the whole study session. "
+        f"{_too_many(inputs.max_failed_catch)} the whole study session. "
         "Practice and catch trials are never analysed; practice trials shown again at the end are."
+    )
+
+
+def _too_many(allowed: int) -> str:
+    if not allowed:
+        return "any failure excludes"
+    return (
+        f"more than {wording.count(allowed, 'failure')} {'excludes' if allowed == 1 else 'exclude'}"
     )
 
 

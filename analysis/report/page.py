@@ -26,15 +26,13 @@ _MARKS = {
 def build_page(inputs: ReportInputs, findings: Findings) -> Page:
     """Return everything that the template lays out."""
     mark, short = _MARKS[inputs.origin]
-    answered = inputs.origin != "none"
+    analysed = not findings.exclusion.analysed.empty
     sections = []
-    if answered:
-        sections = [
-            win_share_section(inputs, findings),
-            counts_section(inputs, findings),
-            flow_section(inputs, findings),
-            emotion_section(inputs, findings, mark),
-        ]
+    if inputs.origin != "none":
+        sections += [win_share_section(inputs, findings)]
+        sections += [counts_section(inputs, findings)] if analysed else []
+        sections += [flow_section(inputs, findings)]
+        sections += [emotion_section(inputs, findings, mark)] if analysed else []
     sections.append(metrics_section(inputs, findings))
     if inputs.origin == "rehearsal" and inputs.truth:
         sections.append(truth_section(inputs, findings))
@@ -44,7 +42,7 @@ def build_page(inputs: ReportInputs, findings: Findings) -> Page:
         mark=mark,
         mark_short=short,
         answer=answer(inputs, findings),
-        picture=_picture(inputs, findings, mark) if findings.preferences else None,
+        picture=_picture(inputs, findings, mark) if analysed else None,
         flow=flow_line(inputs, findings),
         sections=tuple(sections),
     )

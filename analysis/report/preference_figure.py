@@ -177,7 +177,7 @@ def _levels(reference: str, other: str) -> tuple[str, ...]:
 def _dress_bars(
     axes: Axes, found: Sequence[Preference], question: str, reach: int, *, labelled: bool
 ) -> None:
-    reference = textwrap.shorten(wording.name(found[0].reference), 22, placeholder=" …")
+    reference = wording.clipped(wording.name(found[0].reference), 12)
     axes.set_title(wording.heading(question), loc="left", fontsize=11.5, fontweight="bold", pad=9)
     axes.axvline(0, color="#5f6670", linewidth=0.8, zorder=0)
     axes.set_xlim(-reach, reach)
@@ -185,14 +185,17 @@ def _dress_bars(
     axes.set_ylim(len(found) - 0.5, -0.5)
     labels = [
         "\n".join(
-            [*textwrap.wrap(wording.name(p.other), 16)[:2], f"n = {p.win_share.participants}"]
+            [
+                *textwrap.wrap(wording.name(p.other), 16, max_lines=2, placeholder=" …"),
+                f"n = {p.win_share.participants}",
+            ]
         )
         for p in found
     ]
     axes.set_yticks(range(len(found)), labels=labels if labelled else [""] * len(found))
     axes.tick_params(axis="y", length=0, labelsize=9.5)
     axes.tick_params(axis="x", labelsize=8.5)
-    axes.set_xlabel(f"← prefer {reference}, % · prefer the other, % →", fontsize=9)
+    axes.set_xlabel(f"← prefer {reference} · % · prefer the other →", fontsize=9)
 
 
 def _dress_forest(axes: Axes, rows: int) -> None:
@@ -208,7 +211,9 @@ def _dress_forest(axes: Axes, rows: int) -> None:
 def _legend(figure: Figure, reference: str, height: float) -> None:
     handles = [
         Patch(color=colour, label=label)
-        for colour, label in zip(COLOURS, _levels(reference, "the other"), strict=True)
+        for colour, label in zip(
+            COLOURS, _levels(wording.clipped(reference, 20), "the other"), strict=True
+        )
     ]
     figure.legend(
         handles=handles,

@@ -111,6 +111,7 @@ def win_share_section(inputs: ReportInputs, findings: Findings) -> Section:
             )
     reference = wording.name(inputs.reference)
     basis = f"{people(inputs)} × segments"
+    corrected = f"p{wording.NO_BREAK}(Holm)"
     shares = Table(
         caption=f"Win share of {reference}: preferences for it plus half of the answers “no "
         "difference”, as a share of all answers, tested against .5; after exclusions, and with "
@@ -121,10 +122,10 @@ def win_share_section(inputs: ReportInputs, findings: Findings) -> Section:
             "against",
             "win share",
             "p",
-            "p (Holm)",
+            corrected,
             basis,
             "win share",
-            "p (Holm)",
+            corrected,
             basis,
         ),
         rows=tuple(rows),

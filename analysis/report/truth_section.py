@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.answer import figure_order
 from analysis.report.content import Section, Table, cells
@@ -36,9 +37,9 @@ def truth_section(inputs: ReportInputs, findings: Findings) -> Section:
         heading="Known truth against estimate",
         paragraphs=(
             f"Simulated raters prefer by rule, so the true win share is known. "
-            f"{inside} of {len(rows)} intervals contain it. In the long run 95% do, so that one or "
-            f"more of {len(rows)} miss it in about {100 * (1 - 0.95 ** len(rows)):.0f} of 100 "
-            "rehearsals.",
+            f"{inside} of {len(rows)} intervals contain it. In the long run about {LEVEL:.0%} "
+            f"should, so that one or more of {len(rows)} may miss it in up to "
+            f"{100 * (1 - LEVEL ** len(rows)):.0f} of 100 rehearsals.",
         ),
         tables=(
             Table(

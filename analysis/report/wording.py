@@ -25,6 +25,11 @@ def heading(question: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def clipped(text: str, length: int) -> str:
+    """Return `text`, its end replaced by '…' where it is longer than `length` characters."""
+    return text if len(text) <= length else f"{text[: length - 1].rstrip()}…"
+
+
 def share(value: float) -> str:
     """Return a share with two digits, '.63'; a dash for NaN."""
     if math.isnan(value):

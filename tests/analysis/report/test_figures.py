@@ -78,6 +78,30 @@ def test_rows_are_sorted_by_win_share_and_numbers_stand_beside(found):
     assert f"{shares[best]:.2f}"[1:] in texts
 
 
+def test_long_names_are_shortened_and_say_so(simulated_study):
+    study = simulated_study(
+        participants=3,
+        segments=4,
+        reference="a_reference_with_a_name_of_many_words",
+        effects={"another_condition_with_a_name_of_many_words": 0.5},
+    )
+    found = find(study.inputs())
+    svg = drawn(preference_figure(found.preferences, ["emotion"], mark=""))
+    texts = [text.get_text() for text in svg("text")]
+    assert "clearly a reference with a…" in texts
+    assert "← prefer a reference… · % · prefer the other →" in texts
+    assert "condition with …" in texts
+    assert max(map(len, texts)) < 55
+
+
+def test_one_emotion_is_said_to_repeat_all_of_them(simulated_study):
+    study = simulated_study(participants=5, segments=4)
+    answers = study.responses().assign(emotion="anger")
+    inputs = study.inputs(responses=answers)
+    said = emotion_section(inputs, find(inputs), "").paragraphs[0]
+    assert said.startswith("All segments carry one emotion, anger, so both rows")
+
+
 def test_a_mark_stays_with_the_figure(found):
     svg = drawn(preference_figure(found.preferences, ["emotion"], mark="Rehearsal: nobody"))
     assert "Rehearsal: nobody" in svg.get_text()

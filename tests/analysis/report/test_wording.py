@@ -59,6 +59,12 @@ def test_a_heading_keeps_capitals_of_its_own():
     assert wording.heading("fit_to_GT") == "Fit to GT"
 
 
+def test_a_long_text_is_clipped_to_its_length_even_without_a_space():
+    assert wording.clipped("ground truth", 12) == "ground truth"
+    assert wording.clipped("ground truths", 12) == "ground trut…"
+    assert wording.clipped("rule based on speech", 12) == "rule based…"
+
+
 def test_a_number_that_rounds_to_zero_has_no_sign():
     assert wording.fixed(-0.0004, 3) == "0.000"
     assert wording.fixed(-0.0006, 3) == "−0.001"

@@ -40,7 +40,7 @@ def test_the_first_screen_answers_with_numbers_worked_by_hand(by_hand, report_pa
         "been excluded, every conclusion would be the same."
     )
     assert text_of(page.find(class_="flow")) == (
-        "Participants: 4 answered − 1 failed more than 0 catch trials = 3 analysed."
+        "Participants: 4 answered − 1 failed a catch trial = 3 analysed."
     )
 
 
@@ -180,6 +180,9 @@ def test_when_nobody_passes_the_rules_there_is_no_result(simulated_study, report
     page = report_page(study.inputs())
     assert "None of the 6 study sessions passed" in text_of(page.find(class_="answer"))
     assert {row[2] for row in cells_of(page, "win-shares")} == {"– (no answers)"}
+    assert page.find("svg") is None
+    assert page.find(id="flow") is not None
+    assert page.find(id="counts") is page.find(id="emotions") is None
 
 
 def test_a_comparison_that_nobody_has_answered_is_shown_as_such(by_hand, report_page):
