@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Final
 
-import librosa
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,6 +39,9 @@ def speech_onsets(audio: Audio) -> NDArray[np.float64]:
     Onset strength is spectral flux over 128 mel bands (Böck & Widmer 2013), picked by librosa's
     own defaults, as in BEAT's evaluation (Liu et al. 2022) but at a finer hop.
     """
+    # Imported late, because whoever reads a motion need not wait for it.
+    import librosa
+
     samples = np.asarray(audio.samples, np.float32)
     if float(np.max(np.abs(samples), initial=0.0)) < _SILENCE:
         return np.zeros(0)

@@ -1,0 +1,18 @@
+from __future__ import annotations
+
+import pkgutil
+import subprocess
+import sys
+
+import motion
+
+
+def test_no_module_of_motion_waits_for_networks_or_audio_analysis() -> None:
+    names = [module.name for module in pkgutil.walk_packages(motion.__path__, "motion.")]
+    assert {"motion.speech_onsets", "motion.body", "motion.formats.bvh"} <= set(names)
+    program = (
+        f"import sys, {', '.join(names)}\n"
+        "print(sorted({'librosa', 'torch', 'numba', 'pandas', 'matplotlib'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+    assert done.stdout.decode().strip() == "[]"
