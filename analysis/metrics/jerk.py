@@ -38,7 +38,7 @@ class JerkSettings:
 
 
 HANDS: Final = JerkSettings(name="hands", joints=WRISTS, cutoff=6.0)
-"""Wrists, low-pass at 6 Hz: faster than gestures move, slower than jitter at 15 fps."""
+"""Wrists, low-pass at 6 Hz: gestures pass, frame-to-frame jitter at 15 fps and more does not."""
 
 HANDS_UNFILTERED: Final = JerkSettings(name="hands, unfiltered", joints=WRISTS, cutoff=None)
 """Wrists as they are; jitter counts in full, and so does noise of the recording."""
@@ -62,7 +62,8 @@ def jerk(
     -------
     MetricResult
         In m/s³: mean norm of third differences times the frame rate cubed, as GENEA's evaluation
-        (Kucherenko et al. 2021); NaN for a clip of fewer than 16 frames.
+        (Kucherenko et al. 2021); NaN for a clip of fewer than 16 frames, and where the cut-off
+        is not below half the frame rate.
     """
     described = {
         "joints": ", ".join(settings.joints),
@@ -73,23 +74,14 @@ def jerk(
         "positions": "relative to the pelvis, default body, metres",
     }
     name, unit = f"jerk ({settings.name})", "m/s³"
+    reason = ""
     if len(positions) < _FEWEST_FRAMES:
+        reason = f"the clip has fewer than {_FEWEST_FRAMES} frames"
+    elif settings.cutoff is not None and settings.cutoff >= frame_rate / 2:
+        reason = f"{frame_rate:g} fps is too slow for a {settings.cutoff:g} Hz filter"
+    if reason:
         return MetricResult(
-            name=name,
-            value=math.nan,
-            unit=unit,
-            n=0,
-            settings=described,
-            reason=f"the clip has fewer than {_FEWEST_FRAMES} frames",
-        )
-    if settings.cutoff is not None and settings.cutoff >= frame_rate / 2:
-        return MetricResult(
-            name=name,
-            value=math.nan,
-            unit=unit,
-            n=0,
-            settings=described,
-            reason=f"{frame_rate:g} fps is too slow for a {settings.cutoff:g} Hz filter",
+            name=name, value=math.nan, unit=unit, n=0, settings=described, reason=reason
         )
     smooth = positions
     if settings.cutoff is not None:
