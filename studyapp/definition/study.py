@@ -209,6 +209,8 @@ class Study(_Section):
         names = [question.name for question in self.questions]
         if len(set(names)) != len(names):
             problems.append("two questions have the same name")
+        if "trial" in names:
+            problems.append("no question can be named 'trial', the page sends its own field so")
         unknown = sorted(set(self.freeze) - set(CHANNELS))
         if unknown:
             problems.append(f"freeze: unknown {', '.join(unknown)} (use {', '.join(CHANNELS)})")

@@ -31,9 +31,9 @@ class Population:
     A rater finds condition ``c`` in segment ``i``, asked question ``q``, as good as
     ``quality[c][q] + taste + fit`` logits: ``taste`` is this rater's own, ``fit`` this segment's,
     both normal, independent between conditions and questions. What decides an answer is the
-    difference between the two sides of a pair. This is the cumulative link mixed model (logit
+    difference between the two sides of a pair. This is a cumulative link mixed model (logit
     link, symmetric thresholds, crossed random slopes of participants and items; Agresti 2010,
-    Analysis of Ordinal Categorical Data, ch. 10) that the analysis fits, run forwards.
+    Analysis of Ordinal Categorical Data, ch. 10), run forwards.
 
     Attributes
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -50,6 +51,7 @@ def check(folder: StudyFolder) -> list[Finding]:
     study = folder.study()
     findings = [
         *_media_findings(folder, study),
+        *_size_findings(folder),
         *_motion_findings(folder, study),
         *_page_findings(study),
         *_design_findings(folder, study),
@@ -80,6 +82,24 @@ def _media_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
                     f"{pair.file} lasts {pair.duration:g} s, its segment {segment.duration:g} s",
                     "The segments changed: run 'motionjury generate' and 'motionjury render'",
                 )
+
+
+def _size_findings(folder: StudyFolder) -> Iterator[Finding]:
+    """Say where the size of a video tells what it shows, as after an interrupted rendering."""
+    if not folder.stimuli.exists():
+        return
+    sizes: defaultdict[str, set[int]] = defaultdict(set)
+    for pair in read_stimuli(folder.stimuli).pairs:
+        path = folder.root / pair.file
+        if path.exists():
+            sizes[pair.segment].add(path.stat().st_size)
+    for segment, different in sizes.items():
+        if len(different) > 1:
+            yield Finding(
+                Severity.ERROR,
+                f"the pairs of segment {segment} differ in file size, which tells them apart",
+                "Run 'motionjury render'",
+            )
 
 
 def _page_findings(study: Study) -> Iterator[Finding]:

@@ -42,7 +42,8 @@ export class Submission {
   async send() {
     for (let wait = FIRST_WAIT_MS; ; wait = Math.min(2 * wait, LONGEST_WAIT_MS)) {
       try {
-        const answer = await fetch(this.form.action, {
+        // Not `form.action`: a question of that name would hide it.
+        const answer = await fetch(this.form.getAttribute("action"), {
           method: "POST",
           headers: { Accept: "application/json" },
           body: new URLSearchParams(new FormData(this.form)),

@@ -154,3 +154,12 @@ def test_sources_in_a_circle_are_refused(study_file: Path) -> None:
 def test_the_avatars_to_choose_from_are_those_the_renderer_has(study_file: Path) -> None:
     choices = get_args(Video.model_fields["avatar"].annotation)
     assert set(choices) == set(AVATARS)
+
+
+def test_a_question_cannot_have_the_name_of_the_pages_own_field(study_file: Path) -> None:
+    document = tomlkit.parse(study_file.read_text())
+    document["questions"][0]["name"] = "trial"
+    study_file.write_text(tomlkit.dumps(document))
+
+    with pytest.raises(InputError, match="no question can be named 'trial'"):
+        read_study(study_file)

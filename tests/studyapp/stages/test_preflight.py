@@ -85,6 +85,15 @@ def test_before_rendering_the_design_is_told_all_the_same(
     assert any("pairs per participant" in note for note in findings_of(folder, Severity.NOTE))
 
 
+def test_pairs_that_their_size_tells_apart_are_an_error(ready: StudyFolder) -> None:
+    pair = read_stimuli(ready.stimuli).pairs[0]
+    (ready.root / pair.file).write_bytes(b"more")
+
+    assert findings_of(ready, Severity.ERROR) == [
+        f"the pairs of segment {pair.segment} differ in file size, which tells them apart"
+    ]
+
+
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
     (ready.speech / "take.wav").unlink()
     with pytest.raises(InputError, match=r"segments.csv, line 2.*take.wav"):

@@ -351,3 +351,23 @@ def test_practice_is_marked_only_where_the_study_announces_it(
         running().database.close()
 
     assert ("ractice" in page.text) is announced
+
+
+def test_what_the_study_file_says_is_shown_as_text_never_as_markup(
+    tiny_study: Path, clock: SetClock
+) -> None:
+    hostile = "<script>alert(1)</script>' onload='x"
+    keys = (("title", "Gestures and speech"), ("contact", "gestures@example.org"))
+    rewrite(tiny_study, *((f'{key} = "{old}"', f'{key} = "{hostile}"') for key, old in keys))
+    rewrite(tiny_study, ("In which video do the gestures fit", hostile), ("You will", hostile))
+    app = create_app(tiny_study)
+    visitor = Visitor(app, clock)
+    seen = [PageReader(visitor.client.get("/").text), visitor.enrol().page()]
+    seen.append(visitor.begin().page())
+    with app.app_context():
+        running().database.close()
+
+    for page in seen:
+        assert hostile in page.soup.get_text()
+        assert all(script.get("src") for script in page.soup.select("script"))
+        assert page.soup.select("[onload]") == []
