@@ -44,7 +44,6 @@ def resample(clip: MotionClip, frame_rate: float) -> MotionClip:
     count = max(1, round(clip.duration * frame_rate))
     # Rounding keeps frames that fall on a given one exactly there.
     position = np.round(np.arange(count) * clip.frame_rate / frame_rate, 9)
-    position = np.minimum(position, len(clip) - 1)
     before = position.astype(int)
     after = np.minimum(before + 1, len(clip) - 1)
     share = position - before
