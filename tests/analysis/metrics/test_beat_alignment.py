@@ -176,3 +176,12 @@ def test_a_score_counts_what_it_is_a_mean_over():
     }
     assert found["amuse"].score.n == round(found["amuse"].motion_beats.value * 10)
     assert found["beat"].score.n == 3 * 6
+
+
+def test_the_direction_decides_whose_missing_partner_counts():
+    positions, onsets = swinging(AMUSE.joints), np.arange(0.0, 10.0, 0.1)
+    found = beat_alignment(positions, onsets, frame_rate=30.0, settings=AMUSE, detector="given")
+    turned = replace(AMUSE, direction="audio to motion")
+    other = beat_alignment(positions, onsets, frame_rate=30.0, settings=turned, detector="given")
+    assert found.score.value > 0.85
+    assert other.score.value < found.score.value - 0.1

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from analysis.metrics.joint_positions import common_frame_rate, joint_positions, select
+from motion.clip import MotionClip
+from motion.rest_pose import REST_JOINTS
 
 
 def test_clips_are_compared_at_the_slowest_rate_up_to_thirty():
@@ -47,3 +49,10 @@ def test_joints_are_selected_by_name_in_the_order_asked(waving):
     np.testing.assert_array_equal(both[:, 0], right)
     np.testing.assert_array_equal(both[:, 1], left)
     assert left[0, 0] > 0 > right[0, 0]
+
+
+def test_positions_are_relative_to_the_pelvis():
+    clip = MotionClip(poses=np.zeros((3, 55, 3)), trans=np.ones((3, 3)), frame_rate=30)
+    positions = joint_positions(clip, 30)
+    assert not positions[:, 0].any()
+    np.testing.assert_allclose(positions[0], REST_JOINTS - REST_JOINTS[0], atol=1e-9)

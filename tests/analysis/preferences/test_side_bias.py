@@ -23,6 +23,8 @@ def test_left_choices_count_whatever_they_show(answer):
     [found] = side_bias(responses_frame(rows), ["synchronisation"])
     assert found.left_share.estimate == pytest.approx((1 + 1 + 0.5 + 0) / 4)
     assert found.reference_on_left == 0.5
+    [uneven] = side_bias(responses_frame(rows[:3]), ["synchronisation"])
+    assert uneven.reference_on_left == pytest.approx(2 / 3)
 
 
 def test_raters_who_always_choose_left_are_found(simulated_study):
