@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from flask import Flask
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
 
+from motion.errors import InputError
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.web.app import create_app
@@ -64,10 +66,11 @@ def run_server(
     Raises
     ------
     InputError
-        Before anything is served: if the study or a video is missing, or the database cannot
-        be used.
+        Before anything is served: if the study or a video is missing, the address is taken, or
+        the database cannot be used.
     """
     ServedStudy.read(folder)
+    _require_free(host, port)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal_speed is not None)
     # The workers find the newest schema and need not make it all at once.
     Database.open(url).close()
@@ -86,3 +89,16 @@ def run_server(
     if on_ready is not None:
         options["when_ready"] = lambda _arbiter: on_ready()
     StudyServer(options, folder, database_url=url, rehearsal_speed=rehearsal_speed).run()
+
+
+def _require_free(host: str, port: int) -> None:
+    """Raise `InputError` unless this machine can listen at `host` and `port`."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        socket.create_server((host.strip("[]"), port), family=family).close()
+    except OSError as error:
+        raise InputError(
+            f"the server cannot listen there ({error.strerror})",
+            where=f"{host}:{port}",
+            remedy="Choose another --port or --host, or stop what listens there",
+        ) from error

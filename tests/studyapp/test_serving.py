@@ -41,6 +41,15 @@ def test_a_missing_video_is_named_before_anything_is_served(tiny_study: Path) ->
     assert not (tiny_study / "responses.db").exists()
 
 
+def test_an_address_that_is_taken_is_said_before_anything_is_made(tiny_study: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+
+        with pytest.raises(InputError, match=rf"127\.0\.0\.1:{port}: .*--port"):
+            run_server(tiny_study, "127.0.0.1", port, 1)
+    assert not (tiny_study / "responses.db").exists()
+
+
 @pytest.mark.slow
 def test_two_workers_serve_pages_and_stop_when_told(tiny_study: Path) -> None:
     with socket.socket() as free:
