@@ -68,7 +68,7 @@ def clustered_mean(
     with the CR1 factor G/(G-1) of each clustering; the quantiles are those of t with
     min(participants, segments) - 1 degrees of freedom. That variance is a difference and may
     come out too small, even negative; where a one-way variance is larger, the larger one takes
-    its place (the "max-se" of MacKinnon, Nielsen & Webb 2024).
+    its place (compare MacKinnon, Nielsen & Webb 2024).
 
     Parameters
     ----------
