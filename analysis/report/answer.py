@@ -9,6 +9,7 @@ from analysis.preferences.win_share import Preference
 from analysis.report import wording
 from analysis.report.findings import Findings, Verdict, verdict
 from analysis.report.inputs import ReportInputs
+from motion.listing import listed
 
 
 def people(inputs: ReportInputs) -> str:
@@ -66,19 +67,16 @@ def _about(question: str, inputs: ReportInputs, findings: Findings) -> str:
     }
     clauses = []
     if named["reference"]:
-        clauses.append(
-            f"{people(inputs)} preferred {reference} to {wording.listing(named['reference'])}"
-        )
+        clauses.append(f"{people(inputs)} preferred {reference} to {listed(named['reference'])}")
     if named["other"]:
         subject = "they" if clauses else people(inputs)
-        clauses.append(f"{subject} preferred {wording.listing(named['other'])} to {reference}")
+        clauses.append(f"{subject} preferred {listed(named['other'])} to {reference}")
     if named["undecided"]:
         one_of = {1: "", 2: "either of "}.get(len(named["undecided"]), "any of ")
-        listed = wording.listing(named["undecided"])
-        clauses.append(f"the answers do not decide between {reference} and {one_of}{listed}")
+        others = f"{one_of}{listed(named['undecided'])}"
+        clauses.append(f"the answers do not decide between {reference} and {others}")
     if named["untested"]:
-        listed = wording.listing(named["untested"])
-        clauses.append(f"there is no test of {reference} against {listed}")
+        clauses.append(f"there is no test of {reference} against {listed(named['untested'])}")
     return f"On {wording.name(question)}, {'; '.join(clauses)}."
 
 
@@ -109,9 +107,7 @@ def _basis(inputs: ReportInputs, findings: Findings) -> str:
     if not exclusion.exclusions:
         effect = "nobody was excluded"
     elif changed:
-        effect = (
-            f"had nobody been excluded, the conclusion would differ for {wording.listing(changed)}"
-        )
+        effect = f"had nobody been excluded, the conclusion would differ for {listed(changed)}"
     else:
         effect = "had nobody been excluded, every conclusion would be the same"
     return (

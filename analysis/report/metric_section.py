@@ -11,6 +11,7 @@ from analysis.report.answer import figure_order, people
 from analysis.report.content import Cell, Section, Table, cells
 from analysis.report.findings import Findings
 from analysis.report.inputs import ReportInputs
+from motion.listing import listed
 
 _IN_FULL = ("beat alignment (", "beat alignment by chance")
 """Metrics that only the CSV shows: they mean nothing without their difference."""
@@ -128,7 +129,7 @@ def _settings(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[st
         settings = next(score.settings for score in scores if score.name == name)
         words = "; ".join(f"{key}: {value}" for key, value in settings.items())
         shared.setdefault(words.replace("_", " "), []).append(name)
-    return [f"{wording.listing(sharing)} – {words}." for words, sharing in shared.items()]
+    return [f"{listed(sharing)} – {words}." for words, sharing in shared.items()]
 
 
 def _missing(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[str]:

@@ -9,6 +9,7 @@ from analysis.report.answer import figure_order, people
 from analysis.report.content import Section
 from analysis.report.findings import SIGNIFICANCE, Findings
 from analysis.report.inputs import ReportInputs
+from motion.listing import listed
 
 
 def generality_section(inputs: ReportInputs, findings: Findings) -> Section:
@@ -21,8 +22,8 @@ def generality_section(inputs: ReportInputs, findings: Findings) -> Section:
     bullets = [
         f"Speech: {wording.count(len(inputs.segments), 'segment')}, "
         f"{wording.quantity(seconds)} s in all, by "
-        f"{wording.count(len(speakers), 'speaker')} ({wording.listing(speakers)}), "
-        f"{wording.count(len(emotions), 'emotion')} ({wording.listing(emotions)})."
+        f"{wording.count(len(speakers), 'speaker')} ({listed(speakers)}), "
+        f"{wording.count(len(emotions), 'emotion')} ({listed(emotions)})."
         + (
             " Segments are treated as a sample, so the intervals speak about further segments "
             "like these."
@@ -61,7 +62,7 @@ def methods_section(inputs: ReportInputs, findings: Findings) -> Section:
     if answered:
         bullets += _statistics(inputs, findings)
     if inputs.frozen:
-        held = wording.listing([wording.name(channel) for channel in inputs.frozen])
+        held = listed([wording.name(channel) for channel in inputs.frozen])
         bullets.append(f"The videos hold {held} still; metrics look at the motion as shown.")
     bullets += inputs.notes
     bullets.append(f"Made with Motion Jury {version('motionjury')}.")

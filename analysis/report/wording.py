@@ -101,10 +101,3 @@ def fixed(value: float, decimal_places: int) -> str:
 def count(number: int, noun: str, plural: str = "") -> str:
     """Return a number with its noun, '1 segment', '8 segments'."""
     return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
-
-
-def listing(items: list[str]) -> str:
-    """Return items as a list in words: 'a', 'a and b', 'a, b and c'."""
-    if len(items) < 2:
-        return "".join(items)
-    return f"{', '.join(items[:-1])} and {items[-1]}"

@@ -25,3 +25,5 @@ def command(folder: StudyFolder, out: Path | None, rehearsal: bool) -> None:
     path = out or folder.root / default
     count = export(folder, path, rehearsal=rehearsal)
     click.echo(f"Wrote {count} answers to {path}")
+    if not count and not rehearsal and folder.rehearsal.exists():
+        click.echo("Nobody has answered yet; --rehearsal exports the simulated participants.")

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from typing import Final
 
+from motion.listing import listed
 from studyapp.clock import Clock
 from studyapp.definition.study import Study
-from studyapp.listing import listed
 from studyapp.models import Response, StudySession, Trial
 from studyapp.services.database import Database
 from studyapp.services.places import regain_place

@@ -12,12 +12,12 @@ import numpy as np
 
 from motion.formats import read_clip
 from motion.freeze import CHANNELS, moving_channels
+from motion.listing import listed
 from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.definition.study import Study
 from studyapp.design.trial_count import planned_trials
-from studyapp.listing import listed
 
 PUBLISHED_PAIRS: Final = 24
 """Pairs that a participant of AMUSE's study judged (Chhatre et al. 2024, section 5.3)."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from motion.listing import listed
 from studyapp.definition.study import Question, Study
-from studyapp.listing import listed
 
 SCALE: Final = (
     (-2, "clearly A"),

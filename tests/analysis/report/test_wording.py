@@ -87,8 +87,6 @@ def test_an_estimate_stands_with_its_interval_or_with_the_reason():
     assert wording.estimate(nobody) == "– (no answers)"
 
 
-def test_counts_and_lists_read_as_words():
+def test_counts_read_as_words():
     assert wording.count(1, "segment") == "1 segment"
     assert wording.count(2016, "answer") == "2,016 answers"
-    assert wording.listing(["a", "b", "c"]) == "a, b and c"
-    assert wording.listing([]) == ""

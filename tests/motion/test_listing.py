@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from studyapp.listing import listed
+from motion.listing import listed
 
 
 @pytest.mark.parametrize(
