@@ -363,6 +363,8 @@ def test_keys_one_to_five_answer_the_next_question(page: Page, address: str) -> 
 
 def test_everything_can_be_done_from_the_keyboard(page: Page, address: str) -> None:
     take_part(page, address)
+    # The script shows the player's buttons; before that there is nothing to go to.
+    expect(page.locator("#play")).to_be_visible()
 
     page.keyboard.press("Tab")
     expect(page.locator("#play")).to_be_focused()
