@@ -21,7 +21,8 @@ from scipy.spatial.transform import Rotation
 
 from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
-from motion.skeleton import JOINT_COUNT, PARENTS
+from motion.face import arkit_index
+from motion.skeleton import JOINT_COUNT, PARENTS, joint_index
 
 FloatArray = NDArray[np.float32]
 
@@ -33,6 +34,9 @@ _FULL_SHAPE_COUNT: Final = 300
 _SHORT_SHAPE_COUNT: Final = 10  # SMPL-X files of 2019 hold 10 shape and 10 expression components
 _FRAMES_AT_ONCE: Final = 8
 _STILL: Final = 1e-7
+
+_JAW_FULLY_OPEN: Final = 0.28
+"""Radians of the jaw joint that open the default body's mouth as far as ARKit's jawOpen of 1."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,7 +91,8 @@ class BodyModel:
         clip : MotionClip
             The motion. Its betas are applied as far as the model has shape directions; its ARKit
             weights or expression coefficients as the model has slots for (`expression_note` says
-            when a clip has only the other kind).
+            when a clip has only the other kind). Where both the jaw joint and ARKit's jawOpen
+            open the mouth, they tell the same opening twice, and the wider one counts.
         frames : slice
             Which frames; all by default.
 
@@ -143,6 +148,10 @@ class BodyModel:
         slots = self.expression_directions.shape[2]
         held = np.zeros((len(values), slots), np.float32)
         held[:, : values.shape[1]] = values[:, :slots]
+        if self.has_arkit_slots:
+            opened = clip.poses[:, joint_index("jaw"), 0] / _JAW_FULLY_OPEN
+            action = held[:, arkit_index("jawOpen")]
+            action[:] = np.where(opened > 0, np.maximum(action - opened, 0), action)
         return held
 
     @cached_property

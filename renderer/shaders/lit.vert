@@ -4,8 +4,8 @@
 // the same and costs several times as much.
 
 layout(location = 0) in vec3 position;
-layout(location = NORMAL_LOC) in vec3 normal;
-layout(location = COLOR_0_LOC) in vec4 color_0;  // sRGB colour; alpha is how much it gleams
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 color_0;  // sRGB colour; alpha is how much it gleams
 
 struct DirectionalLight {
     vec3 color;
@@ -13,12 +13,11 @@ struct DirectionalLight {
     vec3 direction;
 };
 
-uniform mat4 V;
-uniform mat4 P;
+uniform mat4 projection;
 uniform vec3 cam_pos;
 uniform vec3 ambient_light;
 uniform int n_directional_lights;
-uniform DirectionalLight directional_lights[MAX_DIRECTIONAL_LIGHTS];
+uniform DirectionalLight directional_lights[MAX_LIGHTS];
 
 out vec3 shade;
 
@@ -26,7 +25,7 @@ const float WRAP = 0.25;
 
 void main()
 {
-    gl_Position = P * V * vec4(position, 1.0);
+    gl_Position = projection * vec4(position, 1.0);
     vec3 n = normalize(normal);
     vec3 to_eye = normalize(cam_pos - position);
     vec3 albedo = color_0.rgb * color_0.rgb;  // gamma 2: as good to the eye as 2.2, and cheaper
