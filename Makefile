@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser demo serve test check format bench pictures clean
+.PHONY: help setup setup-browser demo serve test check format bench bench-render pictures clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -45,6 +45,9 @@ format: $(VENV)/.installed  ## Format the code.
 bench: setup  ## Measure rendering speed and the validity of the statistics.
 	$(BIN)/python -m renderer.benchmark
 	$(BIN)/python -m analysis.validity
+
+bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
+	$(BIN)/python -m renderer.benchmark
 
 pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/pictures.py demo-study

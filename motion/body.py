@@ -198,10 +198,10 @@ def read_body(path: Path) -> BodyModel:
             remedy="Give an SMPL-X model in .npz format; convert a .pkl with the smplx tools",
         ) from error
     _check_shapes(arrays, path)
-    shapes = arrays["shapedirs"].astype(np.float32)
+    shapes = arrays.pop("shapedirs").astype(np.float32, copy=False)
     full = shapes.shape[2] >= _FULL_SHAPE_COUNT + EXPRESSION_COUNT
     shape_count = _FULL_SHAPE_COUNT if full else _SHORT_SHAPE_COUNT
-    poses = arrays["posedirs"].astype(np.float32)
+    poses = arrays.pop("posedirs").astype(np.float32, copy=False)
     surface: dict[str, NDArray[Any]] = {name: arrays[name] for name in _SURFACE if name in arrays}
     return BodyModel(
         template=arrays["v_template"].astype(np.float32),

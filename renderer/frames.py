@@ -48,13 +48,13 @@ class FrameRenderer:
             indices=faces,
             material=pyrender.MetallicRoughnessMaterial(alphaMode="OPAQUE", doubleSided=False),
         )
-        self._scene = _build_scene(self._primitive, camera)
+        self.scene: Any = _build_scene(self._primitive, camera)
         self.side = size * SUPERSAMPLING
         self._context: OffscreenContext | None = None
 
     def __enter__(self) -> Self:
         self._context = OffscreenContext(self.side)
-        self._context.render(self._scene, PixelBox.whole(16))  # uploads what `draw` rewrites
+        self._context.render(self.scene, PixelBox.whole(16))  # uploads what `draw` rewrites
         return self
 
     def __exit__(
@@ -76,7 +76,7 @@ class FrameRenderer:
 
     def box_around(self, vertices: Floats) -> PixelBox:
         """Return the part of the picture that `vertices`, shape (..., 3), take up."""
-        return PixelBox.around(vertices, self.context.projection(self._scene), self.side)
+        return PixelBox.around(vertices, self.context.projection(self.scene), self.side)
 
     def draw(
         self, vertices: Floats, normals: Floats, box: PixelBox | None = None
@@ -98,7 +98,7 @@ class FrameRenderer:
         self._attributes[:, :3] = vertices
         self._attributes[:, 3:6] = normals
         self.context.replace_attributes(self._primitive, self._attributes)
-        return self.context.render(self._scene, box or PixelBox.whole(self.side))
+        return self.context.render(self.scene, box or PixelBox.whole(self.side))
 
 
 def _build_scene(primitive: Any, camera: Camera) -> Any:
@@ -109,14 +109,14 @@ def _build_scene(primitive: Any, camera: Camera) -> Any:
     lens = pyrender.PerspectiveCamera(
         yfov=np.radians(camera.field_of_view), aspectRatio=1.0, znear=0.1, zfar=20.0
     )
-    scene.add(lens, pose=_looking(np.array(camera.eye), np.array(camera.target)))
+    scene.add(lens, pose=looking(np.array(camera.eye), np.array(camera.target)))
     for number, light in enumerate(LIGHTS):
         lamp = pyrender.DirectionalLight(color=np.array(light.colour), intensity=light.intensity)
-        scene.add(lamp, name=f"{number}", pose=_looking(np.array(light.comes_from), np.zeros(3)))
+        scene.add(lamp, name=f"{number}", pose=looking(np.array(light.comes_from), np.zeros(3)))
     return scene
 
 
-def _looking(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+def looking(eye: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the pose, shape (4, 4), of something at `eye` that looks at `target`, y up."""
     back = eye - target
     back = back / np.linalg.norm(back)

@@ -123,14 +123,19 @@ class OffscreenContext:
         self._platform.make_current()
         if self._pixels.shape[:2] != (box.height, box.width):
             self._resize(box)
+        self.draw_into(self._framebuffer, scene, box)
         gl = self._gl
-        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._framebuffer)
-        self._renderer.box = box
-        self._renderer.render(scene, pyrender.RenderFlags.NONE)
         gl.glReadPixels(
             0, 0, box.width, box.height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, array=self._pixels
         )
         return self._pixels
+
+    def draw_into(self, framebuffer: int, scene: Any, box: PixelBox) -> None:
+        """Draw the part of `scene`'s picture in `box` into a framebuffer of its size."""
+        self._platform.make_current()
+        self._gl.glBindFramebuffer(self._gl.GL_FRAMEBUFFER, framebuffer)
+        self._renderer.box = box
+        self._renderer.render(scene, pyrender.RenderFlags.NONE)
 
     def projection(self, scene: Any) -> NDArray[np.float64]:
         """Return the matrix from positions to clip space, y down, shape (4, 4)."""
