@@ -40,7 +40,7 @@ from renderer.frames import looking
 from renderer.framing import Camera, frame_clips
 from renderer.jobs import ClipJob, Job, PairJob, run_jobs
 from renderer.look import Look
-from renderer.pair import write_pair
+from renderer.pair import composed_frames, write_pair
 from renderer.surface import avatar_colours
 
 SECONDS: Final = 4.0
@@ -190,11 +190,9 @@ def _encode(setting: Setting, frames: list[object], width: int, silence: Audio) 
 
 
 def _x264_pair(setting: Setting, silence: Audio) -> Measured:
-    """Encode the frames of the composed pair, already decoded, once more."""
-    import av
-
-    with av.open(str(setting.folder / "two.mp4")) as container:
-        frames: list[object] = list(container.decode(video=0))
+    """Encode the very frames that a pair is composed of, already in memory."""
+    job = setting.pair_job("two", "one")
+    frames: list[object] = [*composed_frames(job.left, job.right, setting.look.size)]
     return _timed(len(frames), lambda: _encode(setting, frames, 2 * setting.look.size, silence))
 
 

@@ -55,22 +55,28 @@ def write_pair(
     size = look.size
     sound = read_audio(speech, sample_rate=SOUND_RATE).cut(start, end)
     count = max(1, round((end - start) * look.frame_rate))
-    labels = [_label(text, size) for text in LABELS]
     seen = 0
     with (
         replacing(video) as draft,
         VideoWriter(draft, 2 * size, size, look.frame_rate, sound) as writer,
     ):
-        for sides in zip(_frames(left, size), _frames(right, size), strict=False):
+        for frame in composed_frames(left, right, size):
             seen += 1
             if seen <= count:
-                writer.write(_side_by_side(sides, labels, size))
+                writer.write(frame)
         if seen != count:
             raise InputError(
                 f"the two sides share {seen} frames, {count} are needed",
                 where=f"{left} and {right}",
                 remedy="Render both clips again",
             )
+
+
+def composed_frames(left: Path, right: Path, size: int) -> Iterator[Any]:
+    """Yield labelled frames, `av.VideoFrame`, of two lossless videos until one of them ends."""
+    labels = [_label(text, size) for text in LABELS]
+    for sides in zip(_frames(left, size), _frames(right, size), strict=False):
+        yield _side_by_side(sides, labels, size)
 
 
 def _frames(path: Path, size: int) -> Iterator[Any]:
