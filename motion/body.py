@@ -193,7 +193,7 @@ def read_body(path: Path) -> BodyModel:
             arrays = {name: archive[name] for name in (*_REQUIRED, *_extras(archive.files))}
     except (ValueError, OSError, zipfile.BadZipFile) as error:
         raise InputError(
-            f"the file cannot be read as a body model ({error})",
+            "the file cannot be read as a body model: it is no NumPy archive, or damaged",
             where=path,
             remedy="Give an SMPL-X model in .npz format; convert a .pkl with the smplx tools",
         ) from error

@@ -38,7 +38,8 @@ from renderer.clip_video import Stage, write_clip_video
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import looking
 from renderer.framing import Camera, frame_clips
-from renderer.jobs import ClipJob, Job, PairJob, run_jobs
+from renderer.job import ClipJob, Job, PairJob
+from renderer.jobs import run_jobs
 from renderer.look import Look
 from renderer.pair import composed_frames, write_pair
 from renderer.surface import avatar_colours

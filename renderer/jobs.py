@@ -1,4 +1,4 @@
-"""Videos to make, as plain data, and making them in several processes.
+"""Making videos in several processes.
 
 Each process keeps one OpenGL context, and one thread each for drawing and encoding: on a given
 number of cores that is faster than one process with many threads. A job that fails, or takes its
@@ -15,14 +15,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
-from pathlib import Path
 from typing import Final
 
-from renderer.framing import Camera
-from renderer.look import Look
-from renderer.version import RENDERER_VERSION
-
-__all__ = ["RENDERER_VERSION", "ClipJob", "Job", "Outcome", "PairJob", "run_jobs"]
+from renderer.job import ClipJob, Job, Outcome, PairJob
 
 ONE_THREAD: Final = {
     "LP_NUM_THREADS": "0",  # llvmpipe draws in the calling thread
@@ -33,83 +28,6 @@ ONE_THREAD: Final = {
 """Environment of a worker, read by the libraries when they load."""
 
 _PATIENCE: Final = 10.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClipJob:
-    """One motion clip to be made into a video with its speech, and into lossless frames.
-
-    Attributes
-    ----------
-    name : str
-        What its outcome is called.
-    motion, speech : Path
-        The clip, and what is heard.
-    start, end : float
-        The excerpt of the speech in seconds; the motion begins with it.
-    freeze : tuple of str
-        Channels to hold still.
-    body : Path or None
-        The body model; None for the default body.
-    camera, look
-        What all stimuli of the study share.
-    frames, video : Path
-        Where to write.
-    """
-
-    name: str
-    motion: Path
-    speech: Path
-    start: float
-    end: float
-    freeze: tuple[str, ...]
-    body: Path | None
-    camera: Camera
-    look: Look
-    frames: Path
-    video: Path
-
-
-@dataclass(frozen=True, kw_only=True)
-class PairJob:
-    """Two rendered clips to be put side by side.
-
-    Attributes
-    ----------
-    name : str
-        What its outcome is called.
-    left, right : Path
-        Lossless frames that clip jobs left.
-    speech : Path
-        What is heard.
-    start, end : float
-        The excerpt of the speech in seconds.
-    video : Path
-        Where to write.
-    look : Look
-        The study's look.
-    """
-
-    name: str
-    left: Path
-    right: Path
-    speech: Path
-    start: float
-    end: float
-    video: Path
-    look: Look
-
-
-Job = ClipJob | PairJob
-
-
-@dataclass(frozen=True, kw_only=True)
-class Outcome:
-    """What became of a job: its name, the error's text where it failed, and how long it took."""
-
-    name: str
-    error: str | None = None
-    seconds: float = 0.0
 
 
 def run_jobs(

@@ -10,10 +10,10 @@ from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any
 
 from motion.errors import InputError
+from renderer.job import ClipJob, Job, Outcome, PairJob
 
 if TYPE_CHECKING:
     from renderer.clip_video import Stage
-    from renderer.jobs import ClipJob, Job, PairJob
 
 
 def work(pipe: Connection) -> None:
@@ -68,8 +68,6 @@ def _outcome(job: Job, stages: _Stages) -> Any:
     What neither the person's input nor the machine is to blame for ends the process with its
     traceback shown; whoever waits for the outcome reports that.
     """
-    from renderer.jobs import ClipJob, Outcome
-
     began = time.perf_counter()
     error = None
     try:

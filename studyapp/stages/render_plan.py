@@ -14,8 +14,9 @@ from motion.freeze import freeze
 from motion.segment import Segment
 from renderer.body_asset import default_body
 from renderer.framing import Camera, frame_clips
-from renderer.jobs import RENDERER_VERSION, ClipJob, PairJob
+from renderer.job import ClipJob, PairJob
 from renderer.look import Look
+from renderer.version import RENDERER_VERSION
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import ClipVideo, PairVideo
 from studyapp.definition.study import Study

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from renderer.jobs import Outcome, run_jobs
+from renderer.job import Outcome
+from renderer.jobs import run_jobs
 from renderer.mp4_padding import pad_to_equal_size
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import (

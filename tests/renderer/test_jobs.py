@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from renderer.framing import Camera
-from renderer.jobs import ONE_THREAD, ClipJob, Outcome, PairJob, run_jobs
+from renderer.job import ClipJob, Outcome, PairJob
+from renderer.jobs import ONE_THREAD, run_jobs
 from renderer.look import Look
 from tests.renderer.conftest import SECONDS
 
