@@ -18,6 +18,7 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.definition.study import Study
 from studyapp.design.trial_count import planned_trials
+from studyapp.stages.media_probe import flaw_of
 
 PUBLISHED_PAIRS: Final = 24
 """Pairs that a participant of AMUSE's study judged (Chhatre et al. 2024, section 5.3)."""
@@ -81,6 +82,12 @@ def _media_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
                     Severity.ERROR,
                     f"{pair.file} lasts {pair.duration:g} s, its segment {segment.duration:g} s",
                     "The segments changed: run 'motionjury generate' and 'motionjury render'",
+                )
+            elif (flaw := flaw_of(folder.root / pair.file, pair.duration)) is not None:
+                yield Finding(
+                    Severity.ERROR,
+                    f"{pair.file} {flaw}",
+                    "Delete the file and run 'motionjury render'",
                 )
 
 

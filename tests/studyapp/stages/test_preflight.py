@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,8 +15,8 @@ from studyapp.stages.preflight import Finding, Severity, check, study_notes
 from studyapp.stages.recordings import Take, import_take
 
 
-def pretend_rendered(folder: StudyFolder) -> None:
-    """Put an empty file where each pair video belongs: this stage never opens one."""
+def pretend_rendered(folder: StudyFolder, video: Path) -> None:
+    """Put a copy of `video` where each pair video belongs."""
     study = folder.study()
     pairs = tuple(
         PairVideo(
@@ -32,14 +33,20 @@ def pretend_rendered(folder: StudyFolder) -> None:
     for pair in pairs:
         path = folder.root / pair.file
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.touch()
+        shutil.copyfile(video, path)
     write_stimuli(folder.stimuli, Stimuli(pairs=pairs))
 
 
 @pytest.fixture
-def ready(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
+def video(tiny_study_template: Path) -> Path:
+    """Return a video of two seconds, as long as the segments here."""
+    return next((tiny_study_template / "videos").rglob("*.mp4"))
+
+
+@pytest.fixture
+def ready(folder: StudyFolder, take: Callable[..., Take], video: Path) -> StudyFolder:
     import_take(folder, take())
-    pretend_rendered(folder)
+    pretend_rendered(folder, video)
     return folder
 
 
@@ -87,11 +94,26 @@ def test_before_rendering_the_design_is_told_all_the_same(
 
 def test_pairs_that_their_size_tells_apart_are_an_error(ready: StudyFolder) -> None:
     pair = read_stimuli(ready.stimuli).pairs[0]
-    (ready.root / pair.file).write_bytes(b"more")
+    with (ready.root / pair.file).open("ab") as file:
+        file.write((12).to_bytes(4, "big") + b"free" + bytes(4))
 
     assert findings_of(ready, Severity.ERROR) == [
         f"the pairs of segment {pair.segment} differ in file size, which tells them apart"
     ]
+
+
+@pytest.mark.parametrize("content", [b"", b"no video", None])
+def test_a_video_that_cannot_be_played_is_an_error(
+    ready: StudyFolder, content: bytes | None
+) -> None:
+    pairs = read_stimuli(ready.stimuli).pairs
+    files = [ready.root / pair.file for pair in pairs]
+    damaged = files[0].read_bytes()[:400] if content is None else content
+    for file in files:
+        file.write_bytes(damaged)
+    errors = findings_of(ready, Severity.ERROR)
+    assert len(errors) == len(files)
+    assert all(pair.file in error for pair, error in zip(pairs, errors, strict=True))
 
 
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
@@ -145,7 +167,7 @@ def test_a_study_without_catch_trials_is_warned_of(ready: StudyFolder) -> None:
 
 
 def test_a_study_without_a_recording_says_what_its_catch_trials_show(
-    folder: StudyFolder, ready: StudyFolder, tmp_path: Path
+    ready: StudyFolder, video: Path
 ) -> None:
     assert study_notes(ready.study()) == ()
     document = tomlkit.parse(ready.definition.read_text())
@@ -153,5 +175,5 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     ready.definition.write_text(tomlkit.dumps(document))
     (note,) = study_notes(ready.study())
     assert "rule_based against broken" in note
-    pretend_rendered(ready)
+    pretend_rendered(ready, video)
     assert Finding(Severity.NOTE, note.rstrip(".")) in check(ready)
