@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import Audio
+from motion.audio_analysis import librosa_alone
 
 DETECTOR: Final = "librosa 0.11 spectral-flux onsets, 16 kHz, 10 ms hop"
 """What `speech_onsets` runs, in words for a footnote."""
@@ -39,13 +40,11 @@ def speech_onsets(audio: Audio) -> NDArray[np.float64]:
     Onset strength is spectral flux over 128 mel bands (Böck & Widmer 2013), picked by librosa's
     own defaults, as in BEAT's evaluation (Liu et al. 2022) but at a finer hop.
     """
-    # Imported late, because whoever reads a motion need not wait for it.
-    import librosa
-
     samples = np.asarray(audio.samples, np.float32)
     if float(np.max(np.abs(samples), initial=0.0)) < _SILENCE:
         return np.zeros(0)
-    if audio.sample_rate != _RATE:
-        samples = librosa.resample(samples, orig_sr=audio.sample_rate, target_sr=_RATE)
-    onsets = librosa.onset.onset_detect(y=samples, sr=_RATE, hop_length=_HOP, units="time")
+    with librosa_alone() as librosa:
+        if audio.sample_rate != _RATE:
+            samples = librosa.resample(samples, orig_sr=audio.sample_rate, target_sr=_RATE)
+        onsets = librosa.onset.onset_detect(y=samples, sr=_RATE, hop_length=_HOP, units="time")
     return np.asarray(onsets, np.float64)
