@@ -14,7 +14,7 @@ from motion.errors import InputError
 from motion.formats import read_clip, write_clip
 from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Condition
+from studyapp.definition.study import Condition, Study
 from studyapp.stages.digest import digest
 
 
@@ -68,7 +68,7 @@ def generate(
     conditions = study.generated()
     made = kept = 0
     for name, condition in conditions.items():
-        maker = _ConditionMaker.of(folder, name, condition)
+        maker = _ConditionMaker.of(folder, study, segments, name, condition)
         for segment in segments:
             if maker.make_if_needed(segment):
                 made += 1
@@ -91,10 +91,16 @@ class _ConditionMaker:
     inputs: str
 
     @classmethod
-    def of(cls, folder: StudyFolder, name: str, condition: Condition) -> _ConditionMaker:
-        study = folder.study()
+    def of(
+        cls,
+        folder: StudyFolder,
+        study: Study,
+        segments: Sequence[Segment],
+        name: str,
+        condition: Condition,
+    ) -> _ConditionMaker:
         source = (
-            ConditionClips(folder, condition.source, folder.segments())
+            ConditionClips(folder, condition.source, segments)
             if condition.source is not None
             else None
         )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
 from motion.body import BodyModel, expression_note, read_body
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.freeze import freeze
@@ -24,9 +25,17 @@ from studyapp.stages.digest import digest
 from studyapp.stages.recordings import check_same_length
 
 
-def require_motion(folder: StudyFolder, study: Study) -> None:
-    """Raise `InputError` naming the clips that are missing or do not fit their speech."""
-    wanted = [(c, s) for c in study.shown_conditions for s in folder.segments()]
+def read_motion_shown(
+    folder: StudyFolder, study: Study, segments: Sequence[Segment]
+) -> dict[tuple[str, str], MotionClip]:
+    """Return each (condition, segment)'s clip as it is shown, frozen channels still.
+
+    Raises
+    ------
+    InputError
+        Naming the clips that are missing or do not fit their speech.
+    """
+    wanted = [(c, s) for c in study.shown_conditions for s in segments]
     missing = [(c, s) for c, s in wanted if not folder.clip(c, s.name).exists()]
     if missing:
         condition, segment = missing[0]
@@ -38,9 +47,13 @@ def require_motion(folder: StudyFolder, study: Study) -> None:
             where=folder.clip(condition, segment.name),
             remedy=remedy,
         )
+    shown = {}
     for condition, segment in wanted:
         path = folder.clip(condition, segment.name)
-        check_same_length(read_clip(path), segment, path)
+        clip = read_clip(path)
+        check_same_length(clip, segment, path)
+        shown[condition, segment.name] = freeze(clip, study.freeze)
+    return shown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,12 +82,12 @@ class RenderPlan:
     def of(cls, folder: StudyFolder) -> Self:
         """Plan the videos of `folder`; its motion must be complete."""
         study = folder.study()
-        require_motion(folder, study)
         segments = {segment.name: segment for segment in folder.segments()}
+        shown = read_motion_shown(folder, study, tuple(segments.values()))
         body = Path(study.video.body).expanduser() if study.video.body else default_body()
         model = read_body(body)
         look = _look(study)
-        camera = _camera(folder, study, model, look)
+        camera = _camera(shown, study, model, look)
         shared = (RENDERER_VERSION, body.name, body.stat().st_size, camera, look, study.freeze)
         clips = tuple(
             ClipVideo(
@@ -114,7 +127,7 @@ class RenderPlan:
             look=look,
             clips=clips,
             pairs=pairs,
-            notes=_expression_notes(folder, study, model),
+            notes=_expression_notes(shown, model),
         )
 
     def frames(self, segment: str, condition: str) -> Path:
@@ -168,24 +181,21 @@ def _look(study: Study) -> Look:
     )
 
 
-def _camera(folder: StudyFolder, study: Study, body: BodyModel, look: Look) -> Camera:
+def _camera(
+    shown: Mapping[tuple[str, str], MotionClip], study: Study, body: BodyModel, look: Look
+) -> Camera:
     """Frame all conditions alike, the catch motion left aside."""
-    shown = [name for name in study.shown_conditions if name != study.catch.condition]
-    clips = [
-        freeze(read_clip(folder.clip(name, segment.name)), study.freeze)
-        for name in shown
-        for segment in folder.segments()
-    ]
+    clips = [clip for (name, _), clip in shown.items() if name != study.catch.condition]
     return frame_clips(clips, body, look)
 
 
-def _expression_notes(folder: StudyFolder, study: Study, body: BodyModel) -> tuple[str, ...]:
+def _expression_notes(
+    shown: Mapping[tuple[str, str], MotionClip], body: BodyModel
+) -> tuple[str, ...]:
     """Return, once per condition, what of its faces the body cannot show."""
     notes = {}
-    for condition in study.shown_conditions:
-        for segment in folder.segments():
-            clip = freeze(read_clip(folder.clip(condition, segment.name)), study.freeze)
-            note = expression_note(clip, body)
-            if note is not None:
-                notes[condition] = f"{condition}: {note}"
+    for (condition, _), clip in shown.items():
+        note = expression_note(clip, body)
+        if note is not None:
+            notes[condition] = f"{condition}: {note}"
     return tuple(notes.values())
