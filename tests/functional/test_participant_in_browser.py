@@ -139,6 +139,12 @@ def take_part(page: Page, address: str) -> None:
     page.get_by_role("button", name="I agree").click()
     page.get_by_role("button", name="Begin").click()
     expect_trial(page, 1)
+    expect_script(page)
+
+
+def expect_script(page: Page) -> None:
+    """Wait for the script, which shows the player's buttons and listens to keys."""
+    expect(page.locator("#play")).to_be_visible()
 
 
 def expect_trial(page: Page, number: int) -> None:
@@ -363,8 +369,6 @@ def test_keys_one_to_five_answer_the_next_question(page: Page, address: str) -> 
 
 def test_everything_can_be_done_from_the_keyboard(page: Page, address: str) -> None:
     take_part(page, address)
-    # The script shows the player's buttons; before that there is nothing to go to.
-    expect(page.locator("#play")).to_be_visible()
 
     page.keyboard.press("Tab")
     expect(page.locator("#play")).to_be_focused()
