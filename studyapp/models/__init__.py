@@ -1,10 +1,27 @@
 """The database tables, one a file."""
 
+from studyapp.models.audit_line import AuditLine
 from studyapp.models.base import Base
+from studyapp.models.form_answer import FormAnswer
 from studyapp.models.place import Place
 from studyapp.models.response import Response
 from studyapp.models.study_session import StudySession
+from studyapp.models.study_version import StudyVersion
 from studyapp.models.trial import Trial
+from studyapp.models.trial_stimulus import TrialStimulus
+from studyapp.models.video import Video
 from studyapp.models.watch_batch import WatchBatch
 
-__all__ = ["Base", "Place", "Response", "StudySession", "Trial", "WatchBatch"]
+__all__ = [
+    "AuditLine",
+    "Base",
+    "FormAnswer",
+    "Place",
+    "Response",
+    "StudySession",
+    "StudyVersion",
+    "Trial",
+    "TrialStimulus",
+    "Video",
+    "WatchBatch",
+]

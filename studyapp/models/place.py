@@ -1,4 +1,4 @@
-"""Places: how many participants each comparison takes."""
+"""Places: how many participants each arm takes."""
 
 from __future__ import annotations
 
@@ -10,26 +10,28 @@ from studyapp.models.study_session import StudySession
 
 
 class Place(Base):
-    """One participant's place in a comparison.
+    """One participant's place in an arm.
 
     A place names the study session that holds it, so it cannot be held by two; and no study
     session can hold two places.
 
     Attributes
     ----------
-    reference, other : str
-        The conditions compared.
+    arm : str
+        The arm's name.
+    design : str
+        Digest of what the arm's participants are asked. A new version of the study that changes
+        it opens new places; where it does not, the places that are filled stay filled.
     number : int
-        From 0 within the comparison; it decides the trials.
+        From 0 within the arm; it decides the trials.
     """
 
     __tablename__ = "places"
-    __table_args__ = (UniqueConstraint("comparison", "number"),)
+    __table_args__ = (UniqueConstraint("arm", "design", "number"),)
 
     id: Mapped[int] = mapped_column(primary_key=True)
-    comparison: Mapped[str] = mapped_column(String(202))
-    reference: Mapped[str] = mapped_column(String(100))
-    other: Mapped[str] = mapped_column(String(100))
+    arm: Mapped[str] = mapped_column(String(202))
+    design: Mapped[str] = mapped_column(String(64))
     number: Mapped[int]
     study_session_id: Mapped[int | None] = mapped_column(
         ForeignKey("study_sessions.id", ondelete="SET NULL"), unique=True

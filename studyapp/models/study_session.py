@@ -5,12 +5,14 @@ from __future__ import annotations
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from sqlalchemy import CheckConstraint, String, UniqueConstraint
+from sqlalchemy import JSON, CheckConstraint, ForeignKey, String, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from studyapp.models.base import Base
+from studyapp.models.study_version import StudyVersion
 
 if TYPE_CHECKING:
+    from studyapp.models.form_answer import FormAnswer
     from studyapp.models.place import Place
     from studyapp.models.trial import Trial
 
@@ -27,8 +29,13 @@ class StudySession(Base):
     recruiter_participant, recruiter_study, recruiter_session : str
         What the recruiter calls them (Prolific: ``PROLIFIC_PID``, ``STUDY_ID``,
         ``SESSION_ID``); no participant name where there is no recruiter.
-    comparison, reference, other : str
-        What this participant compares, also after the place is given to somebody else.
+    version_id : int
+        The design of the study that the trials were planned by.
+    arm, arm_design : str
+        The arm of the place and what its participants are asked (see `Place`), also after the
+        place is given to somebody else.
+    conditions : list of str
+        What this participant compares, the reference first.
     consented_at, started_at, last_active_at, completed_at, withdrawn_at : datetime
         When they agreed, saw the first trial, last did anything, gave the last answer, and took
         their consent back.
@@ -50,9 +57,10 @@ class StudySession(Base):
     recruiter_participant: Mapped[str | None] = mapped_column(String(200))
     recruiter_study: Mapped[str] = mapped_column(String(200), default="")
     recruiter_session: Mapped[str] = mapped_column(String(200), default="")
-    comparison: Mapped[str] = mapped_column(String(202))
-    reference: Mapped[str] = mapped_column(String(100))
-    other: Mapped[str] = mapped_column(String(100))
+    version_id: Mapped[int] = mapped_column(ForeignKey("study_versions.id"))
+    arm: Mapped[str] = mapped_column(String(202))
+    arm_design: Mapped[str] = mapped_column(String(64))
+    conditions: Mapped[list[str]] = mapped_column(JSON)
     consented_at: Mapped[datetime]
     started_at: Mapped[datetime | None]
     last_active_at: Mapped[datetime]
@@ -60,7 +68,11 @@ class StudySession(Base):
     withdrawn_at: Mapped[datetime | None]
     completion_code: Mapped[str | None] = mapped_column(String(32), unique=True)
 
+    version: Mapped[StudyVersion] = relationship()
     place: Mapped[Place | None] = relationship(back_populates="study_session")
     trials: Mapped[list[Trial]] = relationship(
         back_populates="study_session", order_by="Trial.position", cascade="all, delete-orphan"
+    )
+    form_answers: Mapped[list[FormAnswer]] = relationship(
+        back_populates="study_session", order_by="FormAnswer.id", cascade="all, delete-orphan"
     )

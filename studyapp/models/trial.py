@@ -13,31 +13,34 @@ from studyapp.models.study_session import StudySession
 
 if TYPE_CHECKING:
     from studyapp.models.response import Response
-    from studyapp.models.watch_batch import WatchBatch
+    from studyapp.models.trial_stimulus import TrialStimulus
+    from studyapp.models.video import Video
 
 
 class Trial(Base):
-    """One presentation of a pair to one participant.
+    """One presentation of one or more stimuli to one participant.
 
     Attributes
     ----------
+    token : str
+        Random; names the trial to the browser, and says nothing else.
     position : int
         Place within the study session, from 1.
     kind : str
-        ``practice``, ``main``, ``repeat`` or ``catch``.
-    left_condition, right_condition : str
-        What is shown under A and under B.
-    expected : str
-        The right answer of a catch trial, ``left`` or ``right``; empty otherwise.
+        ``practice``, ``main``, ``repeat``, ``catch`` or ``attention``.
+    part : str
+        The set, block or task it belongs to; empty where the study has no parts.
+    segment, emotion, speaker : str
+        The speech it is about.
+    expected : int or None
+        Of a catch trial: the number of the stimulus that is plainly better.
+    instructed : int or None
+        Of an attention check: the value that the page asks to choose.
     repeats : int or None
         Position of the practice trial that a repeat shows again.
-    duration : float
-        Length of the video in seconds.
-    media_token : str
-        Random; names the trial and its video to the browser, and says nothing else.
     shown_at, answered_at, unplayable_at : datetime
         When the page was first shown, when the answers were stored, and when the participant
-        said instead that the video does not play.
+        said instead that a video does not play.
     seconds : float or None
         From the first showing to the answer.
     """
@@ -45,8 +48,11 @@ class Trial(Base):
     __tablename__ = "trials"
     __table_args__ = (
         UniqueConstraint("study_session_id", "position"),
-        CheckConstraint("kind IN ('practice', 'main', 'repeat', 'catch')", name="kind"),
-        CheckConstraint("(kind = 'catch') = (expected IN ('left', 'right'))", name="expected"),
+        CheckConstraint(
+            "kind IN ('practice', 'main', 'repeat', 'catch', 'attention')", name="kind"
+        ),
+        CheckConstraint("(kind = 'catch') = (expected IS NOT NULL)", name="expected"),
+        CheckConstraint("(kind = 'attention') = (instructed IS NOT NULL)", name="instructed"),
         CheckConstraint("answered_at IS NULL OR unplayable_at IS NULL", name="one_outcome"),
     )
 
@@ -54,31 +60,43 @@ class Trial(Base):
     study_session_id: Mapped[int] = mapped_column(
         ForeignKey("study_sessions.id", ondelete="CASCADE")
     )
+    token: Mapped[str] = mapped_column(String(64), unique=True)
     position: Mapped[int]
     kind: Mapped[str] = mapped_column(String(10))
+    part: Mapped[str] = mapped_column(String(100), default="")
     segment: Mapped[str] = mapped_column(String(100))
     emotion: Mapped[str] = mapped_column(String(100))
     speaker: Mapped[str] = mapped_column(String(200))
-    left_condition: Mapped[str] = mapped_column(String(100))
-    right_condition: Mapped[str] = mapped_column(String(100))
-    expected: Mapped[str] = mapped_column(String(5), default="")
+    expected: Mapped[int | None]
+    instructed: Mapped[int | None]
     repeats: Mapped[int | None]
-    duration: Mapped[float]
-    media_token: Mapped[str] = mapped_column(String(64), unique=True)
     shown_at: Mapped[datetime | None]
     answered_at: Mapped[datetime | None]
     unplayable_at: Mapped[datetime | None]
     seconds: Mapped[float | None]
 
     study_session: Mapped[StudySession] = relationship(back_populates="trials")
-    responses: Mapped[list[Response]] = relationship(
-        back_populates="trial", cascade="all, delete-orphan"
+    videos: Mapped[list[Video]] = relationship(
+        back_populates="trial", order_by="Video.number", cascade="all, delete-orphan"
     )
-    watch_batches: Mapped[list[WatchBatch]] = relationship(
-        back_populates="trial", order_by="WatchBatch.batch", cascade="all, delete-orphan"
+    stimuli: Mapped[list[TrialStimulus]] = relationship(
+        back_populates="trial", order_by="TrialStimulus.number", cascade="all, delete-orphan"
+    )
+    responses: Mapped[list[Response]] = relationship(
+        back_populates="trial", cascade="all, delete-orphan", foreign_keys="Response.trial_id"
     )
 
     @property
     def settled(self) -> bool:
         """Whether the participant is done with it."""
         return self.answered_at is not None or self.unplayable_at is not None
+
+    @property
+    def judged(self) -> int:
+        """How many stimuli are judged; the reference is not."""
+        return sum(stimulus.number > 0 for stimulus in self.stimuli)
+
+    @property
+    def judged_conditions(self) -> tuple[str, ...]:
+        """The conditions judged, number 1 first."""
+        return tuple(shown.condition for shown in self.stimuli if shown.number > 0)

@@ -8,7 +8,7 @@ from sqlalchemy import JSON, ForeignKey, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from studyapp.models.base import Base
-from studyapp.models.trial import Trial
+from studyapp.models.video import Video
 
 
 class WatchBatch(Base):
@@ -21,12 +21,12 @@ class WatchBatch(Base):
     """
 
     __tablename__ = "watch_batches"
-    __table_args__ = (UniqueConstraint("trial_id", "batch"),)
+    __table_args__ = (UniqueConstraint("video_id", "batch"),)
 
     id: Mapped[int] = mapped_column(primary_key=True)
-    trial_id: Mapped[int] = mapped_column(ForeignKey("trials.id", ondelete="CASCADE"))
+    video_id: Mapped[int] = mapped_column(ForeignKey("videos.id", ondelete="CASCADE"))
     batch: Mapped[int]
     intervals: Mapped[list[list[float]]] = mapped_column(JSON)
     received_at: Mapped[datetime]
 
-    trial: Mapped[Trial] = relationship(back_populates="watch_batches")
+    video: Mapped[Video] = relationship(back_populates="watch_batches")

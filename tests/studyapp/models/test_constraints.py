@@ -8,19 +8,35 @@ from typing import Any
 
 import pytest
 from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import Session
 
-from studyapp.models import Base, Place, Response, StudySession, Trial, WatchBatch
+from studyapp.models import (
+    Base,
+    FormAnswer,
+    Place,
+    Response,
+    StudySession,
+    StudyVersion,
+    Trial,
+    TrialStimulus,
+    Video,
+    WatchBatch,
+)
 from studyapp.services.database import Database
 
 NOW = datetime(2026, 5, 4, tzinfo=UTC)
 
 
+VERSION = {"number": 1, "design": "d", "definition": "", "operation": {}, "opened_at": NOW}
+
+
 def study_session(token: str, **changes: Any) -> StudySession:
     values: dict[str, Any] = {
         "token": token,
-        "comparison": "a-b",
-        "reference": "a",
-        "other": "b",
+        "version_id": 1,
+        "arm": "a-b",
+        "arm_design": "d",
+        "conditions": ["a", "b"],
         "consented_at": NOW,
         "last_active_at": NOW,
     }
@@ -28,30 +44,54 @@ def study_session(token: str, **changes: Any) -> StudySession:
 
 
 def trial(**changes: Any) -> Trial:
+    """Return a trial of one video that shows two stimuli."""
+    video = Video(number=1, token=changes.pop("video_token", "video"), duration=2.0)
     values: dict[str, Any] = {
+        "token": "trial",
         "position": 1,
         "kind": "main",
         "segment": "s",
         "emotion": "anger",
         "speaker": "robin",
-        "left_condition": "a",
-        "right_condition": "b",
-        "duration": 2.0,
-        "media_token": "media",
+        "videos": [video],
+        "stimuli": [
+            TrialStimulus(video=video, number=n, condition=name, segment="s", speech="s")
+            for n, name in ((1, "a"), (2, "b"))
+        ],
     }
     return Trial(**(values | changes))
 
 
+def another() -> dict[str, str]:
+    """Return tokens of another trial."""
+    return {"token": "other trial", "video_token": "other video"}
+
+
 def two_sessions_with_one_place() -> list[Base]:
+    return [Place(arm="a-b", design="d", number=n, study_session_id=1) for n in range(2)]
+
+
+def answers(*values: int, stimulus: int | None = None) -> list[Base]:
+    """Return a trial and answers to it, which are stored after it."""
+    given = {"question": "q", "stimulus": stimulus, "reasons": [], "answered_at": NOW}
     return [
-        Place(comparison="a-b", reference="a", other="b", number=n, study_session_id=1)
-        for n in range(2)
+        study_session("two", trials=[trial(id=7)]),
+        *(Response(trial_id=7, value=value, **given) for value in values),
     ]
 
 
-def answers(*values: int) -> list[Base]:
-    responses = [Response(question="q", value=value, answered_at=NOW) for value in values]
-    return [study_session("two", trials=[trial(responses=responses)])]
+def store(session: Session, rows: list[Base]) -> None:
+    for row in rows:
+        session.add(row)
+        session.flush()
+
+
+def reports(*batches: int) -> list[Base]:
+    played = trial()
+    played.videos[0].watch_batches = [
+        WatchBatch(batch=batch, intervals=[], received_at=NOW) for batch in batches
+    ]
+    return [study_session("two", trials=[played])]
 
 
 @pytest.mark.parametrize(
@@ -59,7 +99,7 @@ def answers(*values: int) -> list[Base]:
     [
         pytest.param(two_sessions_with_one_place, id="a session with two places"),
         pytest.param(
-            lambda: [Place(comparison="a-b", reference="a", other="b", number=5) for _ in "ab"],
+            lambda: [Place(arm="a-b", design="d", number=5) for _ in "ab"],
             id="a place twice",
         ),
         pytest.param(lambda: [study_session("one")], id="a token twice"),
@@ -71,13 +111,15 @@ def answers(*values: int) -> list[Base]:
             lambda: [study_session("a", completion_code="CODE")], id="a code before the end"
         ),
         pytest.param(lambda: answers(1, 1), id="an answer twice"),
-        pytest.param(lambda: answers(3), id="a value out of range"),
+        pytest.param(lambda: answers(1, 2, stimulus=1), id="an answer about a stimulus twice"),
+        pytest.param(lambda: answers(1, stimulus=3), id="an answer about a stimulus not shown"),
+        pytest.param(lambda: answers(101), id="a value out of range"),
         pytest.param(
-            lambda: [study_session("a", trials=[trial(), trial(media_token="m")])],  # noqa: S106
+            lambda: [study_session("a", trials=[trial(), trial(**another())])],
             id="two trials at one position",
         ),
         pytest.param(
-            lambda: [study_session("a", trials=[trial(expected="left")])],
+            lambda: [study_session("a", trials=[trial(expected=1)])],
             id="an expected answer of a trial that is no catch trial",
         ),
         pytest.param(
@@ -85,30 +127,40 @@ def answers(*values: int) -> list[Base]:
             id="answered and unplayable",
         ),
         pytest.param(
+            lambda: [study_session("a", trials=[trial(instructed=1)])],
+            id="an instructed answer of a trial that is no attention check",
+        ),
+        pytest.param(lambda: reports(0, 0), id="a watch batch twice"),
+        pytest.param(
             lambda: [
                 study_session(
                     "a",
-                    trials=[
-                        trial(
-                            watch_batches=[
-                                WatchBatch(batch=0, intervals=[], received_at=NOW) for _ in "ab"
-                            ]
-                        )
+                    form_answers=[
+                        FormAnswer(stage="closing", question="q", value=value, answered_at=NOW)
+                        for value in "ab"
                     ],
                 )
             ],
-            id="a watch batch twice",
+            id="an answer of a form twice",
         ),
     ],
 )
 def test_the_database_refuses(database: Database, rows: Callable[[], list[Base]]) -> None:
     with database.writing() as session:
-        session.add(study_session("one"))
+        session.add_all([StudyVersion(**VERSION), study_session("one")])
 
     with pytest.raises(IntegrityError), database.writing() as session:
-        session.add_all(rows())
+        store(session, rows())
 
 
 def test_participants_without_a_recruiter_are_not_taken_for_one(database: Database) -> None:
     with database.writing() as session:
-        session.add_all([study_session("one"), study_session("two")])
+        session.add_all([StudyVersion(**VERSION), study_session("one"), study_session("two")])
+
+
+@pytest.mark.parametrize("stimulus", [None, 2])
+def test_answers_are_stored_about_a_trial_and_about_a_stimulus(
+    database: Database, stimulus: int | None
+) -> None:
+    with database.writing() as session:
+        store(session, [StudyVersion(**VERSION), *answers(-2, stimulus=stimulus)])

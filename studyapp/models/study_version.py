@@ -1,0 +1,38 @@
+"""Study versions: what the study file said, each time its design was another one."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import JSON, String, Text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from studyapp.models.base import Base
+
+
+class StudyVersion(Base):
+    """One design of the study.
+
+    Attributes
+    ----------
+    number : int
+        From 1.
+    design : str
+        Digest of the design part of the definition; empty where nobody noted it.
+    definition : str
+        The study file's text when this version was opened.
+    operation : dict
+        The part of the definition that may change within a version, as it is now.
+    opened_at : datetime
+        When it was first served.
+    """
+
+    __tablename__ = "study_versions"
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    number: Mapped[int] = mapped_column(unique=True)
+    design: Mapped[str] = mapped_column(String(64), unique=True)
+    definition: Mapped[str] = mapped_column(Text)
+    operation: Mapped[dict[str, Any]] = mapped_column(JSON)
+    opened_at: Mapped[datetime]

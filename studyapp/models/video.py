@@ -1,0 +1,46 @@
+"""Videos of a trial, under names that say nothing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlalchemy import ForeignKey, String, UniqueConstraint
+from sqlalchemy.orm import Mapped, mapped_column, relationship
+
+from studyapp.models.base import Base
+from studyapp.models.trial import Trial
+
+if TYPE_CHECKING:
+    from studyapp.models.trial_stimulus import TrialStimulus
+    from studyapp.models.watch_batch import WatchBatch
+
+
+class Video(Base):
+    """One player on a trial's page, and what it plays.
+
+    Attributes
+    ----------
+    number : int
+        From 1 in the page's order; 0 plays the reference that is shown apart.
+    token : str
+        Random; names the video to the browser, and says nothing else.
+    duration : float
+        Seconds.
+    """
+
+    __tablename__ = "videos"
+    __table_args__ = (UniqueConstraint("trial_id", "number"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    trial_id: Mapped[int] = mapped_column(ForeignKey("trials.id", ondelete="CASCADE"))
+    number: Mapped[int]
+    token: Mapped[str] = mapped_column(String(64), unique=True)
+    duration: Mapped[float]
+
+    trial: Mapped[Trial] = relationship(back_populates="videos")
+    stimuli: Mapped[list[TrialStimulus]] = relationship(
+        back_populates="video", order_by="TrialStimulus.number", cascade="all, delete-orphan"
+    )
+    watch_batches: Mapped[list[WatchBatch]] = relationship(
+        back_populates="video", order_by="WatchBatch.batch", cascade="all, delete-orphan"
+    )
