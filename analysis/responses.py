@@ -18,7 +18,8 @@ from motion.errors import InputError
 from motion.files import replacing
 
 ANALYSED_KINDS: Final = ("main", "repeat")
-"""Kinds of trial whose answers are analysed; practice and catch trials never are."""
+"""Kinds of trial whose answers are analysed; practice and catch trials and attention
+checks never are."""
 
 Name = Annotated[str, Field(min_length=1)]
 
@@ -36,8 +37,9 @@ class Response(BaseModel):
         The two conditions shown; of a catch trial, `other` is the visibly broken one.
     segment, emotion, speaker : str
         The speech excerpt heard, its emotion label and who speaks.
-    kind : {'practice', 'main', 'repeat', 'catch'}
-        Practice is discarded, repeat is analysed like main, catch only serves exclusions.
+    kind : {'practice', 'main', 'repeat', 'catch', 'attention'}
+        Practice is discarded, repeat is analysed like main, catch and attention only serve
+        exclusions.
     position : int
         Place of the trial within the study session, from 1.
     question : str
@@ -65,7 +67,7 @@ class Response(BaseModel):
     segment: Name
     emotion: str
     speaker: str
-    kind: Literal["practice", "main", "repeat", "catch"]
+    kind: Literal["practice", "main", "repeat", "catch", "attention"]
     position: Annotated[int, Field(ge=1)]
     question: Name
     left_condition: Name

@@ -11,8 +11,10 @@ from flask import Flask
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
 
 from motion.errors import InputError
+from studyapp.clock import Clock
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
 
 THREADS = 8
@@ -46,6 +48,7 @@ def run_server(
     *,
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
+    new_version: bool = False,
     on_ready: Callable[[], None] | None = None,
 ) -> None:
     """Serve the study in `folder` until the process is told to stop (SIGINT or SIGTERM).
@@ -60,20 +63,26 @@ def run_server(
         Processes.
     database_url, rehearsal_speed
         See `studyapp.web.app.create_app`.
+    new_version : bool
+        Whether a design that has changed since participants came becomes a new version.
     on_ready : callable, optional
         Called when the server listens.
 
     Raises
     ------
     InputError
-        Before anything is served: if the study or a video is missing, the address is taken, or
-        the database cannot be used.
+        Before anything is served: if the study or a video is missing, the address is taken, the
+        database cannot be used, or the design has changed and `new_version` is not given.
     """
-    ServedStudy.read(folder)
+    served = ServedStudy.read(folder)
     _require_free(host, port)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal_speed is not None)
-    # The workers find the newest schema and need not make it all at once.
-    Database.open(url).close()
+    # The workers find the newest schema and version and need not make them all at once.
+    database = Database.open(url)
+    try:
+        open_study(database, served, Clock(), new_version=new_version)
+    finally:
+        database.close()
     options = {
         "bind": f"{host}:{port}",
         "workers": workers,

@@ -14,7 +14,12 @@ from studyapp.serving import run_server
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
 @click.option("--port", default=8000, show_default=True, type=click.IntRange(1, 65535))
 @click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 64))
-def command(folder: StudyFolder, host: str, port: int, workers: int) -> None:
+@click.option(
+    "--new-version",
+    is_flag=True,
+    help="Go on with a changed design; earlier answers are kept apart.",
+)
+def command(folder: StudyFolder, host: str, port: int, workers: int, new_version: bool) -> None:
     """Serve the study FOLDER to participants.
 
     Answers go to responses.db in the folder, or to the database that DATABASE_URL names.
@@ -24,6 +29,7 @@ def command(folder: StudyFolder, host: str, port: int, workers: int) -> None:
         host,
         port,
         workers,
+        new_version=new_version,
         on_ready=lambda: click.echo(
             f"Take part at http://{host}:{port}/ (Ctrl-C stops the server)."
         ),

@@ -14,7 +14,9 @@ from generators.registry import generator_names
 from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
-from studyapp.definition.study import Condition, Study, parse_study
+from studyapp.definition.conditions import Condition
+from studyapp.definition.reading import parse_study
+from studyapp.definition.study import Study
 
 TEMPLATES: Final = ("pairwise",)
 

@@ -9,7 +9,9 @@ from pathlib import Path
 from motion.errors import InputError
 from motion.segment import Segment
 from motion.segments_table import read_segments
-from studyapp.definition.study import Study, read_study
+from studyapp.definition.finished_videos import finished_segments
+from studyapp.definition.reading import read_study
+from studyapp.definition.study import Study
 
 
 @dataclass(frozen=True)
@@ -75,3 +77,14 @@ class StudyFolder:
                 remedy="Bring recordings in with 'motionjury import'",
             )
         return read_segments(self.speech)
+
+    def segments_of(self, study: Study) -> Sequence[Segment]:
+        """Read the segments of `study`, as `segments` does.
+
+        A study of finished videos alone needs no speech files: without them, its segments are
+        those that every condition has a video of.
+        """
+        finished = all(condition.videos for condition in study.conditions.values())
+        if finished and not (self.speech / "segments.csv").exists():
+            return finished_segments(self.videos, tuple(study.conditions))
+        return self.segments()

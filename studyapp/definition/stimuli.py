@@ -36,9 +36,16 @@ class _RenderedVideo(_Record):
 
 
 class ClipVideo(_RenderedVideo):
-    """One rendered motion clip."""
+    """One rendered motion clip.
+
+    Attributes
+    ----------
+    speech : str or None
+        The segment that is heard with it where that is another one than its own.
+    """
 
     condition: str
+    speech: str | None = None
 
 
 class PairVideo(_RenderedVideo):

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from motion.segment import Segment
-from studyapp.definition.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,7 +15,7 @@ class TrialCount:
 
     Attributes
     ----------
-    practice, main, repeat, catch : int
+    practice, main, repeat, catch, attention : int
         Presentations of each kind; `repeat` equals `practice`.
     sentences : tuple of str
         What differs from the study file and why, for people; empty where nothing does.
@@ -26,12 +25,13 @@ class TrialCount:
     main: int
     repeat: int
     catch: int
+    attention: int
     sentences: tuple[str, ...] = ()
 
     @property
     def presentations(self) -> int:
         """Trials that a participant sees, of all kinds."""
-        return self.practice + self.main + self.repeat + self.catch
+        return self.practice + self.main + self.repeat + self.catch + self.attention
 
     @property
     def analysed(self) -> int:
@@ -39,30 +39,33 @@ class TrialCount:
         return self.main + self.repeat
 
 
-def planned_trials(study: Study, segments: Sequence[Segment]) -> TrialCount:
-    """Count the trials of one participant of `study` with these segments.
+def planned_trials(
+    segments: Sequence[Segment], *, trials: int, practice: int, catch: int, attention: int = 0
+) -> TrialCount:
+    """Count the trials of one participant with these segments.
 
     Every analysed trial has a segment of its own, so a study with fewer segments than its file
     asks for shows each of them once.
     """
-    pairs = min(study.trials, len(segments))
-    practice = min(study.practice, pairs)
+    pairs = min(trials, len(segments))
+    discarded = min(practice, pairs)
     sentences = []
-    if pairs < study.trials:
+    if pairs < trials:
         sentences.append(
-            f"each participant judges {pairs} pairs instead of {study.trials}, because the study "
+            f"each participant judges {pairs} pairs instead of {trials}, because the study "
             f"has {len(segments)} segments and shows each of them once"
         )
-    if practice < study.practice:
+    if discarded < practice:
         sentences.append(
-            f"{practice} trials are practice instead of {study.practice}, for the same reason"
+            f"{discarded} trials are practice instead of {practice}, for the same reason"
         )
     sentences.extend(_uneven_emotions(segments, pairs))
     return TrialCount(
-        practice=practice,
-        main=pairs - practice,
-        repeat=practice,
-        catch=study.catch.trials,
+        practice=discarded,
+        main=pairs - discarded,
+        repeat=discarded,
+        catch=catch,
+        attention=attention,
         sentences=tuple(sentences),
     )
 

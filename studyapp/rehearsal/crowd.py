@@ -12,7 +12,7 @@ from typing import Final
 import httpx
 
 from motion.errors import InputError
-from studyapp.definition.study import Study
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant, Visit, answer_trial
@@ -48,7 +48,7 @@ class Crowd:
         Bad submissions that were tried.
     """
 
-    study: Study
+    study: PairwiseStudy
     truth: Truth
     eyes: Eyes
     server: str

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from sqlalchemy import select
-from sqlalchemy.orm import joinedload
+from sqlalchemy.orm import joinedload, selectinload
 
-from studyapp.models import Response, StudySession, Trial
+from studyapp.models import Response, StudySession, Trial, Video
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.raters import ShownPair
 from studyapp.services.database import Database
@@ -46,8 +46,12 @@ class Eyes:
         """
         query = (
             select(Trial)
-            .where(Trial.media_token.in_(page.player().token_candidates))
-            .options(joinedload(Trial.study_session).joinedload(StudySession.place))
+            .join(Trial.videos)
+            .where(Video.token.in_(page.player().token_candidates))
+            .options(
+                joinedload(Trial.study_session).joinedload(StudySession.place),
+                selectinload(Trial.stimuli),
+            )
         )
         with self.database.reading() as session:
             trial = session.scalars(query).one_or_none()
@@ -55,20 +59,21 @@ class Eyes:
             raise BrokenPageError(page, "shows a video that is no trial of this rehearsal")
         sitting = trial.study_session
         place = "no place" if sitting.place is None else str(sitting.place.number)
+        left, right = trial.judged_conditions
         return Sight(
-            rater=f"{sitting.comparison} {place}",
+            rater=f"{sitting.arm} {place}",
             pair=ShownPair(
                 position=trial.position,
                 segment=trial.segment,
-                left=trial.left_condition,
-                right=trial.right_condition,
+                left=left,
+                right=right,
             ),
         )
 
     def stored(self, page: Page) -> tuple[tuple[int, str, int], ...]:
         """Return the answers of the participant who sees `page`: position, question, value."""
         tokens = page.player().token_candidates
-        sitting = select(Trial.study_session_id).where(Trial.media_token.in_(tokens))
+        sitting = select(Trial.study_session_id).join(Trial.videos).where(Video.token.in_(tokens))
         query = (
             select(Trial.position, Response.question, Response.value)
             .join(Response.trial)

@@ -13,8 +13,8 @@ from sqlalchemy import select
 from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.protocols.pairwise import PairwiseStudy, pairwise
 from studyapp.definition.stimuli import Stimuli, read_stimuli
-from studyapp.definition.study import Study
 from studyapp.models import StudySession
 from studyapp.rehearsal.population import Population, default_population
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
@@ -61,8 +61,8 @@ def prepare(
     note : str
         What became of an earlier rehearsal, for people; empty where there was none.
     """
-    study = folder.study()
-    segments = tuple(folder.segments())
+    study = pairwise(folder.study(), folder.definition)
+    segments = tuple(folder.segments_of(study))
     stimuli = read_stimuli(folder.stimuli)
     population = population or default_population(study)
     truth = Truth(
@@ -85,7 +85,7 @@ def prepare(
     return truth, note
 
 
-def _digest(study: Study, segments: Sequence[Segment], stimuli: Stimuli) -> str:
+def _digest(study: PairwiseStudy, segments: Sequence[Segment], stimuli: Stimuli) -> str:
     """Return what changes with anything that decides trials, pages or videos of the study."""
     pairs = sorted(pair.key for pair in stimuli.pairs)
     state = json.dumps([study.model_dump(), [asdict(segment) for segment in segments], pairs])

@@ -10,7 +10,7 @@ from typing import Final
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
+from studyapp.definition.protocols.pairwise import PairwiseStudy, pairwise
 from studyapp.rehearsal.crowd import Crowd
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.lock import only_rehearsal
@@ -97,7 +97,7 @@ def rehearse(
         refused.
     """
     started = time.monotonic()
-    study = ServedStudy.read(folder.root).study
+    study = pairwise(ServedStudy.read(folder.root).study, folder.definition)
     count = _checked_count(folder, study, participants) * len(study.others)
     with only_rehearsal(folder), ExitStack() as opened:
         truth, note = prepare(folder, seed=seed, population=population)
@@ -130,7 +130,7 @@ def _show_nothing(_done: int, _total: int) -> None:
     """Take no notice of progress."""
 
 
-def _checked_count(folder: StudyFolder, study: Study, participants: int | None) -> int:
+def _checked_count(folder: StudyFolder, study: PairwiseStudy, participants: int | None) -> int:
     places = study.participants_per_comparison
     if participants is None:
         return places

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
 from scipy.special import expit
 
-from studyapp.definition.study import Study, comparison_name
+from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import segment_fit
 from studyapp.rehearsal.record import ExpectedShare
@@ -18,7 +18,7 @@ NODES, WEIGHTS = hermegauss(61)
 
 
 def expected_shares(
-    study: Study, segments: Sequence[str], *, population: Population, seed: int
+    study: PairwiseStudy, segments: Sequence[str], *, population: Population, seed: int
 ) -> tuple[ExpectedShare, ...]:
     """Return what a rehearsal of `study` with the named `segments` should find."""
     expected = []

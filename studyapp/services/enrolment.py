@@ -12,12 +12,14 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
-from studyapp.design.counterbalancing import participant_trials
-from studyapp.models import Place, StudySession, Trial
+from studyapp.design.planned_trial import PlannedTrial
+from studyapp.design.stimulus import Content
+from studyapp.models import Place, StudySession, Trial, TrialStimulus, Video
 from studyapp.services.database import Database
-from studyapp.services.places import least_filled, open_places, release_stale
+from studyapp.services.places import least_filled, release_stale
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import present_version
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""
@@ -73,10 +75,13 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
     known = session.scalars(select(StudySession).where(_is_same(arrival))).first()
     if known is not None:
         return known.token
-    study = served.study
-    open_places(session, study)
-    release_stale(session, study, now)
-    place = least_filled(session, study)
+    if not served.study.open:
+        raise StudyFullError(
+            "The study takes no new participants at the moment.",
+            "Thank you for your interest. You can try later with the same link.",
+        )
+    release_stale(session, served, now)
+    place = least_filled(session, served)
     if place is None:
         raise StudyFullError(
             "The study has all the participants it needs at the moment.",
@@ -89,9 +94,10 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
         recruiter_participant=arrival.recruiter_participant,
         recruiter_study=arrival.recruiter_study,
         recruiter_session=arrival.recruiter_session,
-        comparison=place.comparison,
-        reference=place.reference,
-        other=place.other,
+        version=present_version(session, served),
+        arm=place.arm,
+        arm_design=place.design,
+        conditions=list(served.arms[place.arm, place.design].conditions),
         consented_at=now,
         last_active_at=now,
         trials=_trials(served, place),
@@ -111,22 +117,48 @@ def _is_same(arrival: Arrival) -> ColumnElement[bool]:
 
 
 def _trials(served: ServedStudy, place: Place) -> list[Trial]:
-    planned = participant_trials(
-        served.study, served.segments, other=place.other, number=place.number
+    arm = served.arms[place.arm, place.design]
+    planned = served.study.plan(arm, place.number, served.segments)
+    return [_trial(served, trial) for trial in planned]
+
+
+def _trial(served: ServedStudy, planned: PlannedTrial) -> Trial:
+    trial = Trial(
+        token=secrets.token_urlsafe(TOKEN_BYTES),
+        position=planned.position,
+        kind=planned.kind,
+        part=planned.part,
+        segment=planned.segment.name,
+        emotion=planned.segment.emotion,
+        speaker=planned.segment.speaker,
+        expected=planned.expected,
+        instructed=planned.instructed,
+        repeats=planned.repeats,
     )
-    return [
-        Trial(
-            position=trial.position,
-            kind=trial.kind,
-            segment=trial.segment.name,
-            emotion=trial.segment.emotion,
-            speaker=trial.segment.speaker,
-            left_condition=trial.left,
-            right_condition=trial.right,
-            expected=trial.expected or "",
-            repeats=trial.repeats,
-            duration=served.videos[trial.segment.name, trial.left, trial.right].duration,
-            media_token=secrets.token_urlsafe(TOKEN_BYTES),
+    shown = 0
+    for number, content in enumerate(planned.videos, start=1):
+        _show(trial, served, content, video=number, first=shown + 1)
+        shown += len(content)
+    if planned.reference is not None:
+        _show(trial, served, (planned.reference,), video=0, first=0)
+    return trial
+
+
+def _show(trial: Trial, served: ServedStudy, content: Content, *, video: int, first: int) -> None:
+    """Add a video to `trial` and what it shows, counted from `first`."""
+    player = Video(
+        number=video,
+        token=secrets.token_urlsafe(TOKEN_BYTES),
+        duration=served.videos[content].duration,
+    )
+    trial.videos.append(player)
+    for number, stimulus in enumerate(content, start=first):
+        trial.stimuli.append(
+            TrialStimulus(
+                video=player,
+                number=number,
+                condition=stimulus.condition,
+                segment=stimulus.segment,
+                speech=stimulus.speech,
+            )
         )
-        for trial in planned
-    ]

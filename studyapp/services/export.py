@@ -9,14 +9,40 @@ from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
 from analysis.responses import COLUMNS
-from studyapp.models import StudySession, Trial
+from studyapp.models import StudySession, Trial, TrialStimulus, Video
 from studyapp.services.database import Database
 from studyapp.services.sitting import state_of
 from studyapp.services.watching import watched_share
 
+PAIR_COLUMNS: Final = (
+    "comparison",
+    "reference",
+    "other",
+    "left_condition",
+    "right_condition",
+    "left_speech",
+    "right_speech",
+)
+
+EXPORT_COLUMNS: Final = (
+    *COLUMNS,
+    "version",
+    "arm",
+    "part",
+    "stimulus",
+    "condition",
+    "speech",
+    "left_speech",
+    "right_speech",
+    "instructed",
+    "reasons",
+)
+"""What the analysis reads, and what other protocols have to say beside it."""
+
 STUDY_SESSION_COLUMNS: Final = (
     "study_session",
-    "comparison",
+    "version",
+    "arm",
     "state",
     "consented_at",
     "started_at",
@@ -28,16 +54,21 @@ STUDY_SESSION_COLUMNS: Final = (
 
 
 def responses_table(database: Database) -> pd.DataFrame:
-    """Return every stored answer, one row per answered question.
+    """Return every stored answer, one row per answered question and stimulus.
 
     Answers of all kinds of trial and of unfinished study sessions are included; those of
-    participants who withdrew are not. Of a catch trial, `other` is the visibly flawed condition
-    and `reference` the one it is shown beside.
+    participants who withdrew are not.
+
+    Of a trial that shows two stimuli, `left_…` and `right_…` say what was A and B, and
+    `comparison` names the pair: `reference` is the one the study puts first. Of a catch trial,
+    `other` is the visibly flawed condition and `reference` the one it is shown beside. These
+    columns are empty for other trials. An answer about one stimulus names it in `stimulus` (its
+    number), `condition` and `speech`, which are empty for answers about the whole trial.
 
     Returns
     -------
     DataFrame
-        Columns `analysis.responses.COLUMNS`, ordered by study session, position and question.
+        Columns `EXPORT_COLUMNS`, ordered by study session, position and answer.
     """
     rows = []
     with database.reading() as session:
@@ -46,43 +77,86 @@ def responses_table(database: Database) -> pd.DataFrame:
             .where(StudySession.withdrawn_at.is_(None))
             .order_by(StudySession.id)
             .options(
+                selectinload(StudySession.version),
                 selectinload(StudySession.trials).selectinload(Trial.responses),
-                selectinload(StudySession.trials).selectinload(Trial.watch_batches),
+                selectinload(StudySession.trials).selectinload(Trial.stimuli),
+                selectinload(StudySession.trials)
+                .selectinload(Trial.videos)
+                .selectinload(Video.watch_batches),
             )
         ):
             for trial in study_session.trials:
                 rows.extend(_rows(study_session, trial))
-    return pd.DataFrame(rows, columns=list(COLUMNS))
+    return pd.DataFrame(rows, columns=list(EXPORT_COLUMNS))
 
 
-def _rows(study_session: StudySession, trial: Trial) -> list[tuple[object, ...]]:
-    reference, other = study_session.reference, study_session.other
-    if trial.kind == "catch":
-        reference, other = trial.left_condition, trial.right_condition
-        if trial.expected == "right":
-            reference, other = other, reference
+def _rows(study_session: StudySession, trial: Trial) -> list[dict[str, object]]:
+    """Return one row for each answer of `trial`."""
+    of_the_trial = {
+        "study_session": str(study_session.id),
+        "version": study_session.version.number,
+        "arm": study_session.arm,
+        "segment": trial.segment,
+        "emotion": trial.emotion,
+        "speaker": trial.speaker,
+        "kind": trial.kind,
+        "part": trial.part,
+        "position": trial.position,
+        "expected": "" if trial.expected is None else str(trial.expected),
+        "instructed": "" if trial.instructed is None else str(trial.instructed),
+        "seconds": trial.seconds,
+        "watched": round(watched_share(trial), 4),
+        **_pair(study_session, trial),
+    }
+    stimuli = {shown.number: shown for shown in trial.stimuli}
     return [
-        (
-            str(study_session.id),
-            study_session.comparison,
-            reference,
-            other,
-            trial.segment,
-            trial.emotion,
-            trial.speaker,
-            trial.kind,
-            trial.position,
-            response.question,
-            trial.left_condition,
-            trial.right_condition,
-            response.value,
-            trial.expected,
-            trial.seconds,
-            round(watched_share(trial), 4),
-            response.answered_at.isoformat(),
-        )
+        {
+            **of_the_trial,
+            "question": response.question,
+            "value": response.value,
+            "reasons": " ".join(response.reasons),
+            "answered_at": response.answered_at.isoformat(),
+            **_about(stimuli.get(response.stimulus or 0) if response.stimulus else None),
+        }
         for response in sorted(trial.responses, key=lambda response: response.id)
     ]
+
+
+def _about(shown: TrialStimulus | None) -> dict[str, object]:
+    """Return what an answer is about; empty columns where it is about the whole trial."""
+    if shown is None:
+        return {"stimulus": "", "condition": "", "speech": ""}
+    return {
+        "stimulus": str(shown.number),
+        "condition": shown.condition,
+        "speech": shown.speech or "",
+    }
+
+
+def _pair(study_session: StudySession, trial: Trial) -> dict[str, object]:
+    """Return the columns about a pair; empty ones where a trial shows none."""
+    judged = [shown for shown in trial.stimuli if shown.number > 0]
+    if len(judged) != 2:
+        return dict.fromkeys(PAIR_COLUMNS, "")
+    left, right = judged
+    order = study_session.conditions
+    shown = [left.condition, right.condition]
+    if trial.expected is not None:
+        reference = shown[trial.expected - 1]
+        other = shown[2 - trial.expected]
+    else:
+        reference, other = sorted(shown, key=order.index)
+    one_pair = len(order) == 2
+    return {
+        "comparison": study_session.arm if one_pair else f"{reference}-{other}",
+        "reference": reference,
+        "other": other,
+        "left_condition": left.condition,
+        "right_condition": right.condition,
+        "left_speech": left.speech or "",
+        "right_speech": right.speech or "",
+        "expected": "" if trial.expected is None else ("left", "right")[trial.expected - 1],
+    }
 
 
 def study_sessions_table(database: Database) -> pd.DataFrame:
@@ -99,7 +173,8 @@ def study_sessions_table(database: Database) -> pd.DataFrame:
         rows = [
             (
                 str(study_session.id),
-                study_session.comparison,
+                study_session.version.number,
+                study_session.arm,
                 state_of(study_session),
                 study_session.consented_at.isoformat(),
                 study_session.started_at.isoformat() if study_session.started_at else "",
@@ -114,6 +189,7 @@ def study_sessions_table(database: Database) -> pd.DataFrame:
                 .options(
                     selectinload(StudySession.trials),
                     selectinload(StudySession.place),
+                    selectinload(StudySession.version),
                 )
             )
         ]

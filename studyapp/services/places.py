@@ -5,29 +5,33 @@ from __future__ import annotations
 import secrets
 from datetime import datetime, timedelta
 
-from sqlalchemy import func, select, update
+from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from studyapp.definition.study import Study, comparison_name
 from studyapp.models import Place, StudySession
+from studyapp.services.served_study import ServedStudy
+
+ArmKey = tuple[str, str]
+"""An arm's name, and the digest of what its participants are asked."""
 
 
-def open_places(session: Session, study: Study) -> None:
-    """Add the places that `study` asks for and the database does not have yet."""
-    for other in study.others:
-        comparison = comparison_name(study.reference, other)
-        present = set(session.scalars(select(Place.number).where(Place.comparison == comparison)))
+def open_places(session: Session, served: ServedStudy) -> None:
+    """Add the places that the study asks for and the database does not have yet."""
+    for (name, design), arm in served.arms.items():
+        present = set(
+            session.scalars(select(Place.number).where(Place.arm == name, Place.design == design))
+        )
         session.add_all(
-            Place(comparison=comparison, reference=study.reference, other=other, number=number)
-            for number in range(study.participants_per_comparison)
+            Place(arm=name, design=design, number=number)
+            for number in range(arm.places)
             if number not in present
         )
     session.flush()
 
 
-def release_stale(session: Session, study: Study, now: datetime) -> None:
+def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
     """Give back the places of unfinished study sessions that have been silent for too long."""
-    silent_since = now - timedelta(minutes=study.lease_minutes)
+    silent_since = now - timedelta(minutes=served.study.lease_minutes)
     stale = select(StudySession.id).where(
         StudySession.completed_at.is_(None), StudySession.last_active_at < silent_since
     )
@@ -36,35 +40,35 @@ def release_stale(session: Session, study: Study, now: datetime) -> None:
     )
 
 
-def least_filled(session: Session, study: Study) -> Place | None:
-    """Return an open place of the comparison with the fewest held ones, None if all are full.
+def least_filled(session: Session, served: ServedStudy) -> Place | None:
+    """Return an open place of the arm with the fewest held ones, None if all are full.
 
     Places of completed and of active study sessions count as held, stale ones are given back
-    before. Among equally filled comparisons chance decides.
+    before. Among equally filled arms chance decides.
     """
-    held = dict.fromkeys((comparison_name(study.reference, o) for o in study.others), 0)
-    counts = session.execute(
-        select(Place.comparison, func.count(Place.study_session_id))
-        .where(Place.number < study.participants_per_comparison)
-        .group_by(Place.comparison)
-    )
-    held.update({comparison: count for comparison, count in counts if comparison in held})
+    held = dict.fromkeys(served.arms, 0)
+    taken = select(Place.arm, Place.design, Place.number).where(Place.study_session_id.is_not(None))
+    for name, design, number in session.execute(taken):
+        arm = served.arms.get((name, design))
+        if arm is not None and number < arm.places:
+            held[name, design] += 1
     while held:
         fewest = min(held.values())
-        comparison = secrets.choice([name for name, count in held.items() if count == fewest])
-        place = open_place(session, comparison, study.participants_per_comparison)
+        key = secrets.choice([key for key, count in held.items() if count == fewest])
+        place = open_place(session, key, served.arms[key].places)
         if place is not None:
             return place
-        del held[comparison]
+        del held[key]
     return None
 
 
-def open_place(session: Session, comparison: str, places: int) -> Place | None:
-    """Return the first open one of the `places` places of `comparison`, None if it is full."""
+def open_place(session: Session, key: ArmKey, places: int) -> Place | None:
+    """Return the first open one of the `places` places of an arm, None if it is full."""
     return session.scalars(
         select(Place)
         .where(
-            Place.comparison == comparison,
+            Place.arm == key[0],
+            Place.design == key[1],
             Place.number < places,
             Place.study_session_id.is_(None),
         )
@@ -74,9 +78,23 @@ def open_place(session: Session, comparison: str, places: int) -> Place | None:
     ).first()
 
 
-def regain_place(session: Session, study: Study, study_session: StudySession) -> None:
-    """Give a participant back a place of their comparison, if one was lost and one is open."""
-    if study_session.place is None and study_session.withdrawn_at is None:
-        places = study.participants_per_comparison
-        study_session.place = open_place(session, study_session.comparison, places)
+def regain_place(session: Session, served: ServedStudy, study_session: StudySession) -> None:
+    """Give a participant back a place of their arm, if one was lost and one is open.
+
+    Not where the study has changed since: its pages would no longer fit their trials.
+    """
+    if study_session.place is not None or study_session.withdrawn_at is not None:
+        return
+    key = (study_session.arm, study_session.arm_design)
+    if key in served.arms:
+        study_session.place = open_place(session, key, served.arms[key].places)
         session.flush()
+
+
+def release_outdated(session: Session, served: ServedStudy) -> None:
+    """Give back the places of unfinished study sessions of arms that are no longer the same."""
+    unfinished = select(StudySession).where(StudySession.completed_at.is_(None))
+    for study_session in session.scalars(unfinished):
+        if (study_session.arm, study_session.arm_design) not in served.arms:
+            study_session.place = None
+    session.flush()

@@ -4,34 +4,38 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Self
 
 from motion.errors import InputError
+from motion.listing import listed
 from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
+from studyapp.definition.media import Media, VideoFile
+from studyapp.definition.reading import parse_text, read_text
 from studyapp.definition.study import Study
-
-PairKey = tuple[str, str, str]
-"""Segment, condition under A, condition under B."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ServedVideo:
-    """One composed pair: its file, and its length in seconds."""
-
-    file: Path
-    duration: float
+from studyapp.definition.versioning import arm_digest, design_digest
+from studyapp.design.arm import Arm
+from studyapp.design.stimulus import Content
 
 
 @dataclass(frozen=True, kw_only=True)
 class ServedStudy:
-    """A study whose media are complete."""
+    """A study whose media are complete.
+
+    Attributes
+    ----------
+    definition : str
+        The study file's text.
+    videos : mapping of Content to VideoFile
+        Every video that a participant may be shown.
+    """
 
     study: Study
+    definition: str
     segments: tuple[Segment, ...]
-    videos: Mapping[PairKey, ServedVideo]
+    videos: Mapping[Content, VideoFile]
 
     @classmethod
     def read(cls, root: Path) -> Self:
@@ -44,35 +48,47 @@ class ServedStudy:
             may be shown is missing; the message names the file.
         """
         folder = StudyFolder(root)
-        study = folder.study()
-        segments = tuple(folder.segments())
-        stimuli = read_stimuli(folder.stimuli)
-        files: dict[PairKey, ServedVideo] = {
-            (pair.segment, pair.left, pair.right): ServedVideo(
-                file=(root / pair.file).resolve(), duration=pair.duration
-            )
-            for pair in stimuli.pairs
-        }
-        videos: dict[PairKey, ServedVideo] = {}
-        for segment in segments:
-            for left, right in study.pairs:
-                key = (segment.name, left, right)
-                if key not in files:
-                    raise InputError(
-                        f"there is no video of {left!r} beside {right!r} for segment "
-                        f"{segment.name}",
-                        where=folder.stimuli,
-                        remedy="Run 'motionjury render'",
-                    )
-                if not files[key].file.is_file():
-                    raise InputError(
-                        "the video is missing",
-                        where=files[key].file,
-                        remedy="Run 'motionjury render' again",
-                    )
-                videos[key] = files[key]
-        return cls(study=study, segments=segments, videos=videos)
+        definition = read_text(folder.definition)
+        study = parse_text(definition, where=folder.definition)
+        segments = tuple(folder.segments_of(study))
+        media = Media.of(folder, study)
+        videos: dict[Content, VideoFile] = {}
+        for content in study.contents(segments):
+            found = media.find(content)
+            if found is None:
+                raise InputError(
+                    f"there is no video of {described(content)}",
+                    where=folder.stimuli,
+                    remedy="Run 'motionjury render'",
+                )
+            if not found.file.is_file():
+                raise InputError(
+                    "the video is missing",
+                    where=found.file,
+                    remedy="Bring it there"
+                    if study.is_finished(content[0].condition)
+                    else "Run 'motionjury render' again",
+                )
+            videos[content] = VideoFile(file=found.file.resolve(), duration=found.duration)
+        return cls(study=study, definition=definition, segments=segments, videos=videos)
 
-    def video(self, segment: str, left: str, right: str) -> ServedVideo | None:
-        """Return the video of a pair, None where the study no longer has it."""
-        return self.videos.get((segment, left, right))
+    @cached_property
+    def design(self) -> str:
+        """Digest of what may not change while the study runs."""
+        return design_digest(self.study, self.segments)
+
+    @cached_property
+    def arms(self) -> Mapping[tuple[str, str], Arm]:
+        """The study's arms, each under its name and the digest of what its participants see."""
+        return {
+            (arm.name, arm_digest(self.study, arm, self.segments)): arm for arm in self.study.arms
+        }
+
+
+def described(content: Content) -> str:
+    """Return what a video shows, in words for the researcher."""
+    conditions = " beside ".join(repr(stimulus.condition) for stimulus in content)
+    segments = listed(list(dict.fromkeys(stimulus.segment for stimulus in content)))
+    speech = content[0].speech
+    other = f" with the speech of {speech}" if speech not in (None, content[0].segment) else ""
+    return f"{conditions} for segment {segments}{other}"

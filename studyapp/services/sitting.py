@@ -8,7 +8,7 @@ from typing import Literal
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from studyapp.models import StudySession, Trial
+from studyapp.models import StudySession, Trial, Video
 from studyapp.services.refusal import ConflictError, NotTheirsError, UnknownAddressError
 
 State = Literal["instructed", "started", "completed", "withdrawn", "lapsed"]
@@ -74,14 +74,14 @@ def require_present(study_session: StudySession, trial: Trial) -> datetime:
         )
     if trial is not current_trial(study_session) or trial.shown_at is None:
         raise ConflictError(
-            "This pair is not the one you are at.",
+            "This page is not the one you are at.",
             "Perhaps the study is open in two windows. Please go on here; nothing is lost.",
         )
     return trial.shown_at
 
 
-def trial_of(study_session: StudySession, media_token: str) -> Trial:
-    """Return the trial that `media_token` names.
+def trial_of(study_session: StudySession, trial_token: str) -> Trial:
+    """Return the trial that `trial_token` names.
 
     Raises
     ------
@@ -89,9 +89,27 @@ def trial_of(study_session: StudySession, media_token: str) -> Trial:
         If it is none of this study session.
     """
     for trial in study_session.trials:
-        if trial.media_token == media_token:
+        if trial.token == trial_token:
             return trial
-    raise NotTheirsError(
-        "This pair of videos does not belong to you.",
+    raise _not_theirs()
+
+
+def video_of(session: Session, study_session: StudySession, video_token: str) -> Video:
+    """Return the video that `video_token` names.
+
+    Raises
+    ------
+    NotTheirsError
+        If it is none of this study session.
+    """
+    found = session.scalars(select(Video).where(Video.token == video_token)).first()
+    if found is None or found.trial.study_session_id != study_session.id:
+        raise _not_theirs()
+    return found
+
+
+def _not_theirs() -> NotTheirsError:
+    return NotTheirsError(
+        "This page does not belong to you.",
         "Go on with your own; nothing you answered is lost.",
     )

@@ -10,7 +10,10 @@ from typing import Final
 from sqlalchemy import select
 
 from studyapp.clock import Clock
-from studyapp.models import StudySession, Trial
+from studyapp.definition.study import Study
+from studyapp.design.asking import Ask
+from studyapp.design.stimulus import Content, Stimulus
+from studyapp.models import StudySession, Trial, Video
 from studyapp.services.database import Database
 from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError
@@ -23,38 +26,74 @@ SECONDS_FOR_ANSWERS: Final = 15.0
 
 
 @dataclass(frozen=True, kw_only=True)
+class ShownVideo:
+    """A player of the present trial as far as its page may know it.
+
+    Attributes
+    ----------
+    shows : tuple of int
+        Numbers of the stimuli it shows, 1 for A; 0 is the reference that is not judged.
+    muted : bool
+        Whether it is to be seen without its sound.
+    """
+
+    token: str
+    shows: tuple[int, ...]
+    duration: float
+    muted: bool
+    watched: Watched
+
+
+@dataclass(frozen=True, kw_only=True)
 class ShownTrial:
     """The present trial as far as its page may know it.
 
     Attributes
     ----------
-    next_media_token : str or None
-        The following trial's, so that its video can be fetched ahead.
+    videos : tuple of ShownVideo
+        Its players in the page's order, the reference first where there is one.
+    next_videos : tuple of str
+        Tokens of the following trial's videos, so that they can be fetched ahead.
     position, presentations : int
         The how manyth trial of how many.
+    part : str
+        The part of the study it belongs to.
+    asks : tuple of Ask
+        The answers it asks for.
+    instructed : int or None
+        The value that the page asks to choose, on an attention check.
     is_practice : bool
         Whether its answers are discarded; only some studies tell.
     minutes_left : int
         From the participant's own pace, at least 1.
     """
 
-    media_token: str
-    next_media_token: str | None
+    token: str
+    videos: tuple[ShownVideo, ...]
+    next_videos: tuple[str, ...]
     position: int
     presentations: int
+    part: str
+    asks: tuple[Ask, ...]
+    instructed: int | None
     is_practice: bool
     emotion: str
-    duration: float
-    watched: Watched
     minutes_left: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class Situation:
-    """What a participant's page shows."""
+    """What a participant's page shows.
+
+    Attributes
+    ----------
+    presentations, practice : int
+        How many trials there are, and how many of them are practice.
+    """
 
     state: State
     presentations: int
+    practice: int
     completion_code: str | None = None
     trial: ShownTrial | None = None
 
@@ -62,13 +101,13 @@ class Situation:
 def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> Situation:
     """Return where the participant stands, and mark the present trial as shown.
 
-    A participant who lost the place to a long pause gets another one of the same comparison
-    back, if one is open.
+    A participant who lost the place to a long pause gets another one of the same arm back, if
+    one is open.
     """
     with database.writing() as session:
         study_session = find(session, token)
         now = clock.now()
-        regain_place(session, served.study, study_session)
+        regain_place(session, served, study_session)
         state = state_of(study_session)
         trial = current_trial(study_session)
         if state in ("instructed", "started"):
@@ -78,27 +117,41 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
         return Situation(
             state=state,
             presentations=len(study_session.trials),
+            practice=sum(planned.kind == "practice" for planned in study_session.trials),
             completion_code=study_session.completion_code,
-            trial=_shown(study_session, trial, served.study.watching.coverage)
+            trial=_shown(study_session, trial, served.study)
             if state == "started" and trial is not None
             else None,
         )
 
 
-def _shown(study_session: StudySession, trial: Trial, coverage: float) -> ShownTrial:
+def _shown(study_session: StudySession, trial: Trial, study: Study) -> ShownTrial:
     following = [later for later in study_session.trials if later.position > trial.position]
     paces = [known.seconds for known in study_session.trials if known.seconds is not None]
-    pace = median(paces) if paces else trial.duration + SECONDS_FOR_ANSWERS
+    duration = sum(video.duration for video in trial.videos)
+    pace = median(paces) if paces else duration + SECONDS_FOR_ANSWERS
     return ShownTrial(
-        media_token=trial.media_token,
-        next_media_token=following[0].media_token if following else None,
+        token=trial.token,
+        videos=tuple(_shown_video(video, study.watching.coverage) for video in trial.videos),
+        next_videos=tuple(video.token for video in following[0].videos) if following else (),
         position=trial.position,
         presentations=len(study_session.trials),
+        part=trial.part,
+        asks=study.asks(trial),
+        instructed=trial.instructed,
         is_practice=trial.kind == "practice",
         emotion=trial.emotion,
-        duration=trial.duration,
-        watched=watched_so_far(trial, coverage),
         minutes_left=max(1, math.ceil((1 + len(following)) * pace / 60)),
+    )
+
+
+def _shown_video(video: Video, coverage: float) -> ShownVideo:
+    return ShownVideo(
+        token=video.token,
+        shows=tuple(stimulus.number for stimulus in video.stimuli),
+        duration=video.duration,
+        muted=all(stimulus.speech is None for stimulus in video.stimuli),
+        watched=watched_so_far(video, coverage),
     )
 
 
@@ -130,17 +183,20 @@ def withdraw(database: Database, token: str, clock: Clock) -> None:
             study_session.place = None
 
 
-def video_key(database: Database, media_token: str) -> tuple[str, str, str] | None:
-    """Return segment and sides of the video that `media_token` may be served for, if any.
+def content_of(database: Database, video_token: str) -> Content | None:
+    """Return what the video shows that `video_token` may be served for, if any.
 
-    Only the present and the following trial of a running study session have a video: earlier
+    Only the present and the following trial of a running study session have videos: earlier
     ones are settled, later ones nobody has been told of.
     """
     with database.reading() as session:
-        trial = session.scalars(select(Trial).where(Trial.media_token == media_token)).first()
-        if trial is None or state_of(trial.study_session) != "started":
+        video = session.scalars(select(Video).where(Video.token == video_token)).first()
+        if video is None or state_of(video.trial.study_session) != "started":
             return None
-        present = current_trial(trial.study_session)
-        if present is None or trial.position - present.position not in (0, 1):
+        present = current_trial(video.trial.study_session)
+        if present is None or video.trial.position - present.position not in (0, 1):
             return None
-        return trial.segment, trial.left_condition, trial.right_condition
+        return tuple(
+            Stimulus(condition=shown.condition, segment=shown.segment, speech=shown.speech)
+            for shown in video.stimuli
+        )

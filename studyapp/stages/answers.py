@@ -35,10 +35,9 @@ class Answers:
     study_sessions: pd.DataFrame
 
     def opened(self) -> dict[str, int]:
-        """Return how many study sessions each comparison has seen."""
+        """Return how many study sessions each arm has seen."""
         return {
-            str(comparison): int(count)
-            for comparison, count in self.study_sessions["comparison"].value_counts().items()
+            str(arm): int(count) for arm, count in self.study_sessions["arm"].value_counts().items()
         }
 
     def completed(self) -> frozenset[str]:

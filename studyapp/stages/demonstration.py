@@ -9,9 +9,9 @@ from motion.audio import read_audio
 from motion.segment import Segment
 from motion.segments_table import write_segments
 from motion.synthetic_speech import speak
+from studyapp.definition.conditions import Condition
 from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Condition
 
 SENTENCES: Final = MappingProxyType(
     {

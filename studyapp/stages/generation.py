@@ -13,8 +13,9 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
 from motion.segment import Segment
+from studyapp.definition.conditions import Condition
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Condition, Study
+from studyapp.definition.study import Study
 from studyapp.stages.digest import digest
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -15,13 +16,21 @@ from motion.freeze import CHANNELS, moving_channels
 from motion.listing import listed
 from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
+from studyapp.definition.media import Media
 from studyapp.definition.study import Study
-from studyapp.design.trial_count import planned_trials
-from studyapp.stages.media_probe import flaw_of
+from studyapp.design.planned_trial import Kind
+from studyapp.services.served_study import described
+from studyapp.stages.media_probe import DURATION_TOLERANCE, flaw_of
 
-PUBLISHED_PAIRS: Final = 24
-"""Pairs that a participant of AMUSE's study judged (Chhatre et al. 2024, section 5.3)."""
+KIND_WORDS: Final[Mapping[Kind, str]] = MappingProxyType(
+    {
+        "practice": "practice (discarded)",
+        "main": "main",
+        "repeat": "practice ones again (analysed)",
+        "catch": "catch",
+        "attention": "attention checks",
+    }
+)
 
 
 class Severity(Enum):
@@ -52,7 +61,6 @@ def check(folder: StudyFolder) -> list[Finding]:
     study = folder.study()
     findings = [
         *_media_findings(folder, study),
-        *_size_findings(folder),
         *_motion_findings(folder, study),
         *_page_findings(study),
         *_design_findings(folder, study),
@@ -62,49 +70,52 @@ def check(folder: StudyFolder) -> list[Finding]:
 
 
 def _media_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
-    if not folder.stimuli.exists():
+    segments = {segment.name: segment for segment in folder.segments_of(study)}
+    order = list(segments)
+    contents = sorted(
+        study.contents(tuple(segments.values())),
+        key=lambda content: order.index(content[0].segment),
+    )
+    rendered = any(not study.is_finished(content[0].condition) for content in contents)
+    if rendered and not folder.stimuli.exists():
         yield Finding(Severity.ERROR, "the study has no videos yet", "Run 'motionjury render'")
         return
-    segments = folder.segments()
-    stimuli = read_stimuli(folder.stimuli)
-    pairs = {(pair.segment, pair.left, pair.right): pair for pair in stimuli.pairs}
-    for segment in segments:
-        for left, right in study.pairs:
-            pair = pairs.get((segment.name, left, right))
-            if pair is None or not (folder.root / pair.file).exists():
-                yield Finding(
-                    Severity.ERROR,
-                    f"the video of {left!r} beside {right!r} for segment {segment.name} is missing",
-                    "Run 'motionjury render'",
-                )
-            elif abs(pair.duration - segment.duration) > 1e-6:
-                yield Finding(
-                    Severity.ERROR,
-                    f"{pair.file} lasts {pair.duration:g} s, its segment {segment.duration:g} s",
-                    "The segments changed: run 'motionjury generate' and 'motionjury render'",
-                )
-            elif (flaw := flaw_of(folder.root / pair.file, pair.duration)) is not None:
-                yield Finding(
-                    Severity.ERROR,
-                    f"{pair.file} {flaw}",
-                    "Delete the file and run 'motionjury render'",
-                )
-
-
-def _size_findings(folder: StudyFolder) -> Iterator[Finding]:
-    """Say where the size of a video tells what it shows, as after an interrupted rendering."""
-    if not folder.stimuli.exists():
-        return
+    media = Media.of(folder, study)
     sizes: defaultdict[str, set[int]] = defaultdict(set)
-    for pair in read_stimuli(folder.stimuli).pairs:
-        path = folder.root / pair.file
-        if path.exists():
-            sizes[pair.segment].add(path.stat().st_size)
+    for content in contents:
+        segment = segments[content[0].segment]
+        finished = study.is_finished(content[0].condition)
+        again = "Bring it anew" if finished else "Delete the file and run 'motionjury render'"
+        found = media.find(content)
+        if found is None or not found.file.exists():
+            yield Finding(
+                Severity.ERROR,
+                f"the video of {described(content)} is missing",
+                f"Bring it as {found.file}" if finished and found else "Run 'motionjury render'",
+            )
+            continue
+        sizes[segment.name].add(found.file.stat().st_size)
+        name = found.file.relative_to(folder.root)
+        if abs(found.duration - segment.duration) > (DURATION_TOLERANCE if finished else 1e-6):
+            yield Finding(
+                Severity.ERROR,
+                f"{name} lasts {found.duration:g} s, its segment {segment.duration:g} s",
+                "Bring videos of one length for each segment"
+                if finished
+                else "The segments changed: run 'motionjury generate' and 'motionjury render'",
+            )
+        elif (flaw := flaw_of(found.file, found.duration)) is not None:
+            yield Finding(Severity.ERROR, f"{name} {flaw}", again)
+    yield from _size_findings(sizes)
+
+
+def _size_findings(sizes: Mapping[str, set[int]]) -> Iterator[Finding]:
+    """Say where the size of a video tells what it shows, as after an interrupted rendering."""
     for segment, different in sizes.items():
         if len(different) > 1:
             yield Finding(
                 Severity.ERROR,
-                f"the pairs of segment {segment} differ in file size, which tells them apart",
+                f"the videos of segment {segment} differ in file size, which tells them apart",
                 "Run 'motionjury render'",
             )
 
@@ -120,32 +131,23 @@ def _page_findings(study: Study) -> Iterator[Finding]:
 
 
 def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
-    segments = folder.segments()
-    count = planned_trials(study, segments)
-    emotions = [e for e in EMOTIONS if e in {segment.emotion for segment in segments}]
-    yield Finding(
-        Severity.NOTE,
-        f"{len(segments)} segments of {listed(emotions)} allow {count.analysed} pairs per "
-        f"participant; the published design has {PUBLISHED_PAIRS}, three for each of "
-        f"{len(EMOTIONS)} emotions",
-    )
-    yield Finding(
-        Severity.NOTE,
-        f"a participant sees {count.presentations} trials: {count.practice} practice (discarded), "
-        f"{count.main} main, {count.repeat} practice ones again (analysed), {count.catch} catch",
-    )
-    for sentence in count.sentences:
-        yield Finding(Severity.NOTE, sentence)
+    segments = folder.segments_of(study)
+    plan = study.plan(study.arms[0], 0, segments)
+    counts = Counter(trial.kind for trial in plan)
+    said = ", ".join(f"{counts[kind]} {words}" for kind, words in KIND_WORDS.items())
+    yield Finding(Severity.NOTE, f"a participant sees {len(plan)} trials: {said}")
+    for sentence in (*study.notes(segments), *study_notes(study)):
+        yield Finding(Severity.NOTE, sentence.rstrip("."))
+    emotions = {segment.emotion for segment in segments}
     silent = [emotion for emotion in EMOTIONS if emotion not in emotions]
     if silent and any("{emotion}" in question.text for question in study.questions):
         yield Finding(Severity.NOTE, f"the results will say nothing about {listed(silent)}")
-    for sentence in study_notes(study):
-        yield Finding(Severity.NOTE, sentence.rstrip("."))
-    if not study.catch.trials:
+    if not study.catch.trials and not study.attention.trials:
         yield Finding(
             Severity.WARNING,
-            "there are no catch trials, so inattentive participants cannot be told apart",
-            "Set catch.trials in study.toml",
+            "there are neither catch trials nor attention checks, so inattentive participants "
+            "cannot be told apart",
+            "Set catch.trials or attention.trials in study.toml",
         )
 
 
@@ -154,7 +156,7 @@ def _motion_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     clips = {
         condition: [
             read_clip(path)
-            for segment in folder.segments()
+            for segment in folder.segments_of(study)
             if (path := folder.clip(condition, segment.name)).exists()
         ]
         for condition in study.conditions

@@ -21,6 +21,7 @@ from renderer.version import RENDERER_VERSION
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import ClipVideo, PairVideo
 from studyapp.definition.study import Study
+from studyapp.design.stimulus import Content
 from studyapp.stages.digest import digest
 from studyapp.stages.recordings import check_same_length
 
@@ -35,7 +36,14 @@ def read_motion_shown(
     InputError
         Naming the clips that are missing or do not fit their speech.
     """
-    wanted = [(c, s) for c in study.shown_conditions for s in segments]
+    moved = {
+        (stimulus.condition, stimulus.segment): stimulus.condition
+        for content in study.contents(segments)
+        for stimulus in content
+        if not study.is_finished(stimulus.condition)
+    }
+    order = dict.fromkeys(moved.values())
+    wanted = [(c, s) for c in order for s in segments if (c, s.name) in moved]
     missing = [(c, s) for c, s in wanted if not folder.clip(c, s.name).exists()]
     if missing:
         condition, segment = missing[0]
@@ -82,42 +90,45 @@ class RenderPlan:
     def of(cls, folder: StudyFolder) -> Self:
         """Plan the videos of `folder`; its motion must be complete."""
         study = folder.study()
-        segments = {segment.name: segment for segment in folder.segments()}
+        segments = {segment.name: segment for segment in folder.segments_of(study)}
         shown = read_motion_shown(folder, study, tuple(segments.values()))
         body = Path(study.video.body).expanduser() if study.video.body else default_body()
         model = read_body(body)
         look = _look(study)
         camera = _camera(shown, study, model, look)
         shared = (RENDERER_VERSION, body.name, body.stat().st_size, camera, look, study.freeze)
-        clips = tuple(
+        contents = list(study.contents(tuple(segments.values())))
+        own = tuple(
             ClipVideo(
-                segment=segment.name,
+                segment=segment,
                 condition=condition,
-                file=f"videos/clips/{condition}/{segment.name}.mp4",
-                duration=segment.duration,
+                file=f"videos/clips/{condition}/{segment}.mp4",
+                duration=segments[segment].duration,
                 key=digest(
                     shared,
-                    segment,
-                    folder.speech / segment.wav,
-                    folder.clip(condition, segment.name),
+                    segments[segment],
+                    folder.speech / segments[segment].wav,
+                    folder.clip(condition, segment),
                 ),
             )
-            for condition in study.shown_conditions
-            for segment in segments.values()
+            for condition, segment in shown
         )
-        keys = {(clip.segment, clip.condition): clip.key for clip in clips}
+        keys = {(clip.segment, clip.condition): clip.key for clip in own}
         pairs = tuple(
             PairVideo(
-                segment=segment.name,
-                left=left,
-                right=right,
-                file=f"videos/pairs/{digest(segment.name, left, right)}.mp4",
-                duration=segment.duration,
-                key=digest(keys[segment.name, left], keys[segment.name, right]),
+                segment=left.segment,
+                left=left.condition,
+                right=right.condition,
+                file=f"videos/pairs/{digest(left.segment, left.condition, right.condition)}.mp4",
+                duration=segments[left.segment].duration,
+                key=digest(
+                    keys[left.segment, left.condition], keys[right.segment, right.condition]
+                ),
             )
-            for left, right in study.pairs
-            for segment in segments.values()
+            for left, right in (content for content in contents if len(content) > 1)
         )
+        # The same motion with another speech comes after all with their own.
+        clips = (*own, *_mismatched(folder, study, segments, contents, keys))
         return cls(
             folder=folder,
             study=study,
@@ -141,13 +152,13 @@ class RenderPlan:
 
     def clip_job(self, clip: ClipVideo) -> ClipJob:
         """Return the work that makes `clip`."""
-        segment = self.segments[clip.segment]
+        speech = self.segments[clip.speech or clip.segment]
         return ClipJob(
             name=clip.file,
             motion=self.folder.clip(clip.condition, clip.segment),
-            speech=self.folder.speech / segment.wav,
-            start=segment.start,
-            end=segment.end,
+            speech=self.folder.speech / speech.wav,
+            start=speech.start,
+            end=min(speech.end, speech.start + clip.duration),
             freeze=self.study.freeze,
             body=self.body,
             camera=self.camera,
@@ -169,6 +180,34 @@ class RenderPlan:
             video=self.folder.root / pair.file,
             look=self.look,
         )
+
+
+def _mismatched(
+    folder: StudyFolder,
+    study: Study,
+    segments: Mapping[str, Segment],
+    contents: Sequence[Content],
+    keys: Mapping[tuple[str, str], str],
+) -> tuple[ClipVideo, ...]:
+    """Return the clips that are heard with another speech than their own."""
+    return tuple(
+        ClipVideo(
+            segment=shown.segment,
+            condition=shown.condition,
+            speech=shown.speech,
+            file=f"videos/clips/{shown.condition}/{shown.segment}@{shown.speech}.mp4",
+            duration=segments[shown.segment].duration,
+            key=digest(
+                keys[shown.segment, shown.condition],
+                segments[shown.speech],
+                folder.speech / segments[shown.speech].wav,
+            ),
+        )
+        for (shown, *others) in contents
+        if not others
+        and not study.is_finished(shown.condition)
+        and shown.speech not in (None, shown.segment)
+    )
 
 
 def _look(study: Study) -> Look:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from renderer.job import Outcome
 from renderer.jobs import run_jobs
 from renderer.mp4_padding import pad_to_equal_size
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.media import Media
 from studyapp.definition.stimuli import (
     ClipVideo,
     PairVideo,
@@ -79,7 +80,7 @@ def render(
         processes=processes,
         on_done=log.add,
     )
-    _hide_sizes(folder, plan.pairs)
+    hide_sizes(folder)
     _remove_leftovers(folder, plan)
     return log.count()
 
@@ -149,15 +150,20 @@ def _current_files(folder: StudyFolder) -> dict[str, str]:
     }
 
 
-def _hide_sizes(folder: StudyFolder, pairs: Iterable[PairVideo]) -> None:
-    """Give all pairs of one segment the same file size, whatever they show."""
+def hide_sizes(folder: StudyFolder) -> None:
+    """Give all videos of one segment that participants are shown the same file size.
+
+    Finished videos that were brought are padded as well; what they show stays as it is.
+    """
+    study = folder.study()
+    media = Media.of(folder, study)
     by_segment: defaultdict[str, list[Path]] = defaultdict(list)
-    for pair in pairs:
-        path = folder.root / pair.file
-        if path.exists():
-            by_segment[pair.segment].append(path)
+    for content in study.contents(tuple(folder.segments_of(study))):
+        found = media.find(content)
+        if found is not None and found.file.exists():
+            by_segment[content[0].segment].append(found.file)
     for videos in by_segment.values():
-        pad_to_equal_size(videos)
+        pad_to_equal_size(list(dict.fromkeys(videos)))
 
 
 def _remove_leftovers(folder: StudyFolder, plan: RenderPlan) -> None:

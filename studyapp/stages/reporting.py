@@ -6,7 +6,7 @@ from pathlib import Path
 
 from analysis.report import KnownShare, ReportInputs, write_report
 from studyapp.definition.folder import StudyFolder
-from studyapp.design.trial_count import planned_trials
+from studyapp.definition.protocols.pairwise import pairwise
 from studyapp.rehearsal.record import read_truth
 from studyapp.stages.answers import answers_to_report
 from studyapp.stages.preflight import study_notes
@@ -18,7 +18,7 @@ def report(folder: StudyFolder) -> Path:
     Real answers are used where there are any, else those of the rehearsal; they are never
     mixed, and the report says which it shows.
     """
-    study = folder.study()
+    study = pairwise(folder.study(), folder.definition)
     segments = tuple(folder.segments())
     answers = answers_to_report(folder)
     shown = (*study.conditions, study.catch.condition)
@@ -48,7 +48,7 @@ def report(folder: StudyFolder) -> Path:
         truth=_known_shares(folder) if answers.origin == "rehearsal" else None,
         notes=study_notes(study),
         frozen=study.freeze,
-        presentations=planned_trials(study, segments).presentations,
+        presentations=study.count(segments).presentations,
         study_sessions=answers.opened(),
         completed=answers.completed(),
     )

@@ -12,6 +12,7 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
 from studyapp.web import media, participant
 from studyapp.web.errors import register_error_pages
 from studyapp.web.headers import protect
@@ -47,7 +48,8 @@ def create_app(
     Raises
     ------
     InputError
-        If the study, its media or its database cannot be used.
+        If the study, its media or its database cannot be used, or the study's design is not
+        the one that its participants were asked about.
     """
     if rehearsal_speed is not None and not rehearsal_speed > 0:
         raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
@@ -58,14 +60,11 @@ def create_app(
     app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
     app.jinja_env.undefined = StrictUndefined
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
-    attach(
-        app,
-        Running(
-            served=served,
-            database=Database.open(url),
-            clock=Clock(speed=rehearsal_speed or 1.0),
-        ),
+    here = Running(
+        served=served, database=Database.open(url), clock=Clock(speed=rehearsal_speed or 1.0)
     )
+    open_study(here.database, served, here.clock)
+    attach(app, here)
     app.register_blueprint(participant.pages)
     app.register_blueprint(media.pages)
     register_error_pages(app)

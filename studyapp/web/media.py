@@ -7,7 +7,7 @@ from typing import Final
 from flask import Blueprint, abort, send_file
 from flask.typing import ResponseReturnValue
 
-from studyapp.services.taking_part import video_key
+from studyapp.services.taking_part import content_of
 from studyapp.web.running import running
 
 pages = Blueprint("media", __name__)
@@ -22,8 +22,8 @@ def video(token: str) -> ResponseReturnValue:
     The headers are the same for every file: its name and age would tell videos apart.
     """
     here = running()
-    key = video_key(here.database, token)
-    found = here.served.video(*key) if key is not None else None
+    content = content_of(here.database, token)
+    found = here.served.videos.get(content) if content is not None else None
     if found is None:
         abort(404)
     response = send_file(

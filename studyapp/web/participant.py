@@ -12,7 +12,7 @@ from flask import Blueprint, jsonify, redirect, render_template, request, url_fo
 from flask.typing import ResponseReturnValue
 from pydantic import ValidationError
 
-from studyapp.design.trial_count import planned_trials
+from studyapp.services.answer_fields import Fields
 from studyapp.services.answering import answer, skip_unplayable
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.refusal import UnacceptableError
@@ -21,7 +21,7 @@ from studyapp.services.watching import record_watched
 from studyapp.web.errors import wants_json
 from studyapp.web.running import running
 from studyapp.web.watch_report import WatchReport
-from studyapp.web.wording import SCALE, asked, frozen_words
+from studyapp.web.wording import SCALE, asked_questions, frozen_words
 
 pages = Blueprint("participant", __name__)
 
@@ -81,14 +81,14 @@ def begin_trials(token: str) -> ResponseReturnValue:
 def answers(token: str) -> ResponseReturnValue:
     """Store the answers of the present trial."""
     here = running()
-    given = {name: value for name, value in request.form.items() if name != "trial"}
+    fields = {name: values for name, values in request.form.lists() if name != "trial"}
     try:
-        answer(here.database, here.study, token, request.form.get("trial", ""), given, here.clock)
+        answer(here.database, here.served, token, request.form.get("trial", ""), fields, here.clock)
     except UnacceptableError as refusal:
         if wants_json():
             raise
         problem = f"{refusal.what} {refusal.remedy}"
-        return _where_they_stand(token, problem=problem, given=given), 422
+        return _where_they_stand(token, problem=problem, given=fields), 422
     return _to_where_they_stand(token)
 
 
@@ -96,12 +96,12 @@ def answers(token: str) -> ResponseReturnValue:
 def unplayable(token: str) -> ResponseReturnValue:
     """Go on without the video that does not play."""
     here = running()
-    skip_unplayable(here.database, here.study, token, request.form.get("trial", ""), here.clock)
+    skip_unplayable(here.database, here.served, token, request.form.get("trial", ""), here.clock)
     return _to_where_they_stand(token)
 
 
-@pages.post("/take/<token>/watched/<media_token>")
-def watched(token: str, media_token: str) -> ResponseReturnValue:
+@pages.post("/take/<token>/watched/<video_token>")
+def watched(token: str, video_token: str) -> ResponseReturnValue:
     """Store a report of played intervals."""
     here = running()
     try:
@@ -110,11 +110,11 @@ def watched(token: str, media_token: str) -> ResponseReturnValue:
         return jsonify(problem="This is not a report of played intervals."), 422
     known = record_watched(
         here.database,
+        here.served,
         token,
-        media_token,
+        video_token,
         batch=report.batch,
         intervals=report.intervals,
-        study=here.study,
         clock=here.clock,
     )
     return jsonify(asdict(known))
@@ -143,9 +143,7 @@ def _to_where_they_stand(token: str) -> ResponseReturnValue:
     return redirect(address, 303)
 
 
-def _where_they_stand(
-    token: str, *, problem: str = "", given: Mapping[str, str] | None = None
-) -> str:
+def _where_they_stand(token: str, *, problem: str = "", given: Fields | None = None) -> str:
     here = running()
     situation = look(here.database, here.served, token, here.clock)
     if situation.trial is not None:
@@ -155,20 +153,21 @@ def _where_they_stand(
         study=here.study,
         token=token,
         presentations=situation.presentations,
-        count=planned_trials(here.study, here.served.segments),
+        practice=situation.practice,
         frozen=frozen_words(here.study),
         completion_code=situation.completion_code,
     )
 
 
-def _trial_page(token: str, trial: ShownTrial, problem: str, given: Mapping[str, str]) -> str:
+def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> str:
     study = running().study
     return render_template(
         "trial.html",
         study=study,
         token=token,
         trial=trial,
-        questions=[asked(question, trial.emotion) for question in study.questions],
+        video=trial.videos[0],
+        questions=asked_questions(study, trial),
         scale=SCALE,
         problem=problem,
         given=given,

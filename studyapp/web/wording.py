@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from motion.listing import listed
-from studyapp.definition.study import Question, Study
+from studyapp.definition.questions import Question
+from studyapp.definition.study import Study
+from studyapp.services.taking_part import ShownTrial
 
 SCALE: Final = (
     (-2, "clearly A"),
@@ -46,6 +48,25 @@ def asked(question: Question, emotion: str) -> AskedQuestion:
     for piece in pieces[1:]:
         parts += [(emotion, True), (piece, False)]
     return AskedQuestion(name=question.name, parts=tuple(part for part in parts if part[0]))
+
+
+def asked_questions(study: Study, trial: ShownTrial) -> list[AskedQuestion]:
+    """Return the questions of `trial`; those of an attention check say what to answer."""
+    names = {ask.question for ask in trial.asks}
+    questions = [question for question in study.questions if question.name in names]
+    if trial.instructed is None:
+        return [asked(question, trial.emotion) for question in questions]
+    return [
+        AskedQuestion(
+            name=question.name,
+            parts=(
+                ("To show that you read each question, please answer this one with ", False),
+                (dict(SCALE)[trial.instructed], True),
+                (".", False),
+            ),
+        )
+        for question in questions
+    ]
 
 
 def frozen_words(study: Study) -> str:

@@ -45,7 +45,7 @@ def test_further_columns_are_ignored_and_order_does_not_matter(tmp_path, answer)
         ("watched", "1.2", "less than or equal to 1"),
         ("watched", "nan", "1"),
         ("seconds", "inf", "finite"),
-        ("kind", "warmup", "'practice', 'main', 'repeat' or 'catch'"),
+        ("kind", "warmup", "'practice', 'main', 'repeat', 'catch' or 'attention'"),
         ("position", "0", "greater than or equal to 1"),
         ("answered_at", "2026-11-21T09:00:00", "timezone"),
         ("question", "", "at least 1 character"),

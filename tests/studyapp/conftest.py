@@ -11,6 +11,7 @@ from flask import Flask
 
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -34,6 +35,13 @@ def database(tmp_path: Path) -> Iterator[Database]:
 
 
 @pytest.fixture
+def opened(database: Database, served: ServedStudy, clock: SetClock) -> Database:
+    """Return a database that knows the study and its places."""
+    open_study(database, served, clock)
+    return database
+
+
+@pytest.fixture
 def app(tiny_study: Path, clock: SetClock) -> Iterator[Flask]:
     """Return the application of `tiny_study` on a clock that the test moves."""
     made = create_app(tiny_study)
@@ -45,6 +53,6 @@ def app(tiny_study: Path, clock: SetClock) -> Iterator[Flask]:
 
 
 @pytest.fixture
-def participant(database: Database, served: ServedStudy, clock: SetClock) -> Participant:
+def participant(opened: Database, served: ServedStudy, clock: SetClock) -> Participant:
     """Return a participant at the first trial."""
-    return Participant(database, served, clock).enrol().begin()
+    return Participant(opened, served, clock).enrol().begin()

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from motion.segment import Segment
-from studyapp.definition.study import Study
+from studyapp.definition.protocols.pairwise import PairwiseStudy
+from studyapp.design.planned_trial import PlannedTrial
 
 
-def make_study(**changes: Any) -> Study:
+def make_study(**changes: Any) -> PairwiseStudy:
     """Return a study of two comparisons; `changes` replace top-level keys of its file."""
     keys: dict[str, Any] = {
         "name": "made",
@@ -22,7 +23,7 @@ def make_study(**changes: Any) -> Study:
         ],
         "page": {"consent": "You agree."},
     }
-    return Study.model_validate(keys | changes)
+    return PairwiseStudy.model_validate(keys | changes)
 
 
 def make_segments(emotions: Sequence[str]) -> tuple[Segment, ...]:
@@ -38,3 +39,11 @@ def make_segments(emotions: Sequence[str]) -> tuple[Segment, ...]:
         )
         for index, emotion in enumerate(emotions)
     )
+
+
+def pair_plan(
+    study: PairwiseStudy, segments: Sequence[Segment], *, other: str, number: int
+) -> tuple[PlannedTrial, ...]:
+    """Return the trials of one place of the comparison of the reference with `other`."""
+    (arm,) = (arm for arm in study.arms if arm.conditions == (study.reference, other))
+    return study.plan(arm, number, segments)

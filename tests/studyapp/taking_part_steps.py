@@ -58,25 +58,26 @@ class Participant:
     def watch(self, *intervals: tuple[float, float], batch: int = 0) -> float:
         known = record_watched(
             self.database,
+            self.served,
             self.token,
-            self.trial().media_token,
+            self.trial().videos[0].token,
             batch=batch,
             intervals=intervals,
-            study=self.served.study,
             clock=self.clock,
         )
         return known.missing
 
-    def answer(self, media_token: str, answers: dict[str, str] | None = None) -> None:
+    def answer(self, trial_token: str, answers: dict[str, str] | None = None) -> None:
         given = ANSWERS if answers is None else answers
-        answer(self.database, self.served.study, self.token, media_token, given, self.clock)
+        fields = {name: [value] for name, value in given.items()}
+        answer(self.database, self.served, self.token, trial_token, fields, self.clock)
 
     def take_trial(self, answers: dict[str, str] | None = None) -> str:
-        media_token = self.trial().media_token
+        trial_token = self.trial().token
         self.clock.advance(seconds=5)
         self.watch((0.0, 2.0))
-        self.answer(media_token, answers)
-        return media_token
+        self.answer(trial_token, answers)
+        return trial_token
 
     def take_all(self) -> str:
         while self.look().trial is not None:

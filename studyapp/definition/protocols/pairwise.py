@@ -1,8 +1,8 @@
-"""The trials of one participant: order, sides, practice, repeats and catch trials.
+"""pairwise (amuse): two motions of the same speech, and which one is preferred.
 
-After AMUSE (Chhatre et al. 2024, section 5.3 and appendix H): the first trials are discarded and
-shown again at the end, sides are random, and catch trials are scattered among the others. What
-the paper leaves open is decided here:
+After AMUSE (Chhatre et al. 2024, section 5.3 and appendix H): each comparison has participants of
+its own, the first trials are discarded and shown again at the end, sides are random, and catch
+trials are scattered among the others. What the paper leaves open is decided here:
 
 - Sides are random but balanced within the participant: of the analysed trials (main and repeat)
   half show the reference on the left, and an odd one falls to either side by chance. Practice
@@ -14,112 +14,245 @@ the paper leaves open is decided here:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Final, Literal
 
 import numpy as np
+from pydantic import Field
 
-from motion.segment import Segment
-from studyapp.definition.study import Study, comparison_name
+from motion.errors import InputError
+from motion.listing import listed
+from motion.segment import EMOTIONS, Segment
+from studyapp.definition.conditions import Condition, with_sources
+from studyapp.definition.questions import Question
+from studyapp.definition.section import Name
+from studyapp.definition.study import GROUND_TRUTH, Study
 from studyapp.design.allocation import allocate_segments, shuffled
+from studyapp.design.arm import Arm
+from studyapp.design.asking import Answers, Trial
+from studyapp.design.order import drawn_segments, even_sides, numbered, scattered
 from studyapp.design.planned_trial import Kind, PlannedTrial
-from studyapp.design.trial_count import planned_trials
+from studyapp.design.stimulus import Content, Stimulus
+from studyapp.design.tally import NO_VOTES, Tally
+from studyapp.design.trial_count import TrialCount, planned_trials
+
+PUBLISHED_PAIRS: Final = 24
+"""Pairs that a participant of AMUSE's study judged."""
+
+PREFERENCES: Final = range(-2, 3)
+"""From -2, clearly the first (A), to 2, clearly the second (B)."""
+
+INSTRUCTED: Final = (-2, -1, 1, 2)
+"""What an attention check may ask for: not the middle, which the undecided choose anyway."""
 
 
-def participant_trials(
-    study: Study, segments: Sequence[Segment], *, other: str, number: int
-) -> tuple[PlannedTrial, ...]:
-    """Return the trials of one place of a comparison, in the order they are shown.
+class PairwiseStudy(Study):
+    """Preferences between two motions.
 
-    Parameters
+    Attributes
     ----------
-    study : Study
-        Its seed decides everything together with `other` and `number`.
-    segments : sequence of Segment
-        All segments of the study.
-    other : str
-        The condition compared with the study's reference.
-    number : int
-        The place's number within the comparison, from 0.
-
-    Returns
-    -------
-    tuple of PlannedTrial
-        Practice, then main with catch trials among them, then the repeats.
+    reference : str
+        The condition that every other condition is compared with.
+    participants_per_comparison : int
+        Places of each comparison; AMUSE has 25.
+    trials : int
+        Pairs each participant is asked about in the analysed trials, at most; three per emotion
+        in AMUSE.
+    practice : int
+        The first so many trials are discarded and shown again at the end.
+    announce_practice : bool
+        Whether participants learn which trials are practice.
+    layout : {'composed', 'players'}
+        One video with both sides exactly in step, or two players.
     """
-    count = planned_trials(study, segments)
-    comparison = (study.seed, *comparison_name(study.reference, other).encode())
-    chance = np.random.default_rng([number + 1, *comparison])
-    chosen = shuffled(
-        allocate_segments(segments, study.trials, number=number, seed=comparison), chance
-    )
-    first, rest = chosen[: count.practice], chosen[count.practice :]
-    pair = (study.reference, other)
-    practice = _pairs("practice", first, pair, chance)
-    analysed = _pairs("main", [*rest, *first], pair, chance)
-    main, repeats = analysed[: count.main], analysed[count.main :]
-    repeats = [
-        replace(trial, kind="repeat", repeats=position)
-        for position, trial in enumerate(repeats, start=1)
-    ]
-    catch = _catch_trials(study, segments, chance)
-    later = _scattered(catch, [*main, *repeats], chance, may_lead=bool(practice))
-    return tuple(
-        replace(trial, position=position)
-        for position, trial in enumerate([*practice, *later], start=1)
-    )
 
+    protocol: Literal["pairwise"] = "pairwise"
+    reference: Name
+    participants_per_comparison: int = Field(25, ge=1, le=10_000)
+    trials: int = Field(24, ge=1, le=500)
+    practice: int = Field(3, ge=0, le=20)
+    announce_practice: bool = False
+    layout: Literal["composed", "players"] = "composed"
+    conditions: dict[Name, Condition] = Field(min_length=2)
 
-def _pairs(
-    kind: Kind, segments: Sequence[Segment], pair: tuple[str, str], chance: np.random.Generator
-) -> list[PlannedTrial]:
-    """Return one trial per segment, with `pair` one way round in half of them."""
-    a, b = pair
-    return [
-        PlannedTrial(
-            position=0,
-            kind=kind,
-            segment=segment,
-            left=a if first_is_left else b,
-            right=b if first_is_left else a,
+    def problems(self) -> list[str]:
+        """Return everything that does not fit together."""
+        known = ", ".join(self.conditions)
+        problems = super().problems()
+        if self.reference not in self.conditions:
+            problems.append(f"reference {self.reference!r} is no condition of it ({known})")
+        if self.practice > self.trials:
+            problems.append(f"practice {self.practice} is more than trials {self.trials}")
+        if self.layout == "composed" and any(c.videos for c in self.conditions.values()):
+            problems.append('finished videos cannot be composed: set layout = "players"')
+        return problems
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """The conditions compared with the reference, in the file's order."""
+        return tuple(name for name in self.conditions if name != self.reference)
+
+    @property
+    def catch_against(self) -> str:
+        """The condition that catch trials show beside the flawed motion."""
+        if self.catch.against is not None:
+            return self.catch.against
+        return GROUND_TRUTH if self.has_recording else self.reference
+
+    @property
+    def arms(self) -> tuple[Arm, ...]:
+        """One arm per comparison."""
+        return tuple(
+            Arm(
+                name=comparison_name(self.reference, other),
+                conditions=(self.reference, other),
+                places=self.participants_per_comparison,
+            )
+            for other in self.others
         )
-        for segment, first_is_left in zip(segments, _sides(len(segments), chance), strict=True)
-    ]
+
+    def design_of(self, arm: Arm) -> Study:
+        """Return the study without the conditions that `arm` does not show."""
+        shown = {*arm.conditions, *((self.catch_against,) if self.catch.trials else ())}
+        return self.model_copy(update={"conditions": with_sources(self.conditions, shown)})
+
+    @property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Every (left, right) a participant may be shown: both orders of each pair."""
+        compared = [(self.reference, other) for other in self.others]
+        if self.catch.trials:
+            compared.append((self.catch_against, self.catch.condition))
+        return tuple(pair for a, b in compared for pair in ((a, b), (b, a)))
+
+    def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
+        """Yield what every video shows that a participant may meet, each once."""
+        yield from dict.fromkeys(
+            content
+            for pair in self.pairs
+            for segment in segments
+            for content in self._videos(segment, *pair)
+        )
+
+    def plan(
+        self, arm: Arm, number: int, segments: Sequence[Segment], votes: Tally = NO_VOTES
+    ) -> tuple[PlannedTrial, ...]:
+        """Return practice, then main with catch and attention among them, then the repeats."""
+        del votes
+        count = self.count(segments)
+        comparison = (self.seed, *arm.name.encode())
+        chance = np.random.default_rng([number + 1, *comparison])
+        chosen = shuffled(
+            allocate_segments(segments, self.trials, number=number, seed=comparison), chance
+        )
+        first, rest = chosen[: count.practice], chosen[count.practice :]
+        pair = (arm.conditions[0], arm.conditions[1])
+        practice = self._pairs("practice", first, pair, chance)
+        analysed = self._pairs("main", [*rest, *first], pair, chance)
+        main, repeats = analysed[: count.main], analysed[count.main :]
+        repeats = [
+            replace(trial, kind="repeat", repeats=position)
+            for position, trial in enumerate(repeats, start=1)
+        ]
+        extra = [*self._catch(segments, chance), *self._attention(segments, pair, chance)]
+        later = scattered(extra, [*main, *repeats], chance, may_lead=bool(practice))
+        return numbered([*practice, *later])
+
+    def count(self, segments: Sequence[Segment]) -> TrialCount:
+        """Return how many trials of each kind a participant gets."""
+        return planned_trials(
+            segments,
+            trials=self.trials,
+            practice=self.practice,
+            catch=self.catch.trials,
+            attention=self.attention.trials,
+        )
+
+    def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
+        """Say how many pairs these segments allow, and what they do not."""
+        count = self.count(segments)
+        emotions = [e for e in EMOTIONS if e in {segment.emotion for segment in segments}]
+        return (
+            f"{len(segments)} segments of {listed(emotions)} allow {count.analysed} pairs per "
+            f"participant; the published design has {PUBLISHED_PAIRS}, three for each of "
+            f"{len(EMOTIONS)} emotions",
+            *count.sentences,
+        )
+
+    def values(self, question: Question, trial: Trial) -> Sequence[int]:
+        """Return the five levels of preference."""
+        del question, trial
+        return PREFERENCES
+
+    def favours(self, trial: Trial, answers: Answers, number: int) -> bool:
+        """Tell whether every answer prefers side `number`, slightly or clearly."""
+        del trial
+        return all((value > 0) if number == 2 else (value < 0) for value in answers.values())
+
+    def _pairs(
+        self,
+        kind: Kind,
+        segments: Sequence[Segment],
+        pair: tuple[str, str],
+        chance: np.random.Generator,
+    ) -> list[PlannedTrial]:
+        """Return one trial per segment, with `pair` one way round in half of them."""
+        a, b = pair
+        return [
+            PlannedTrial(
+                position=0,
+                kind=kind,
+                segment=segment,
+                videos=self._videos(segment, *((a, b) if first_is_left else (b, a))),
+            )
+            for segment, first_is_left in zip(
+                segments, even_sides(len(segments), chance), strict=True
+            )
+        ]
+
+    def _videos(self, segment: Segment, left: str, right: str) -> tuple[Content, ...]:
+        shown = tuple(Stimulus.own(condition, segment.name) for condition in (left, right))
+        return (shown,) if self.layout == "composed" else tuple((one,) for one in shown)
+
+    def _catch(
+        self, segments: Sequence[Segment], chance: np.random.Generator
+    ) -> list[PlannedTrial]:
+        heard = drawn_segments(segments, self.catch.trials, chance)
+        pair = (self.catch_against, self.catch.condition)
+        return [
+            replace(trial, expected=1 + trial.conditions.index(self.catch_against))
+            for trial in self._pairs("catch", heard, pair, chance)
+        ]
+
+    def _attention(
+        self, segments: Sequence[Segment], pair: tuple[str, str], chance: np.random.Generator
+    ) -> list[PlannedTrial]:
+        if not self.attention.trials:
+            return []
+        heard = drawn_segments(segments, self.attention.trials, chance)
+        return [
+            replace(trial, instructed=int(chance.choice(INSTRUCTED)))
+            for trial in self._pairs("attention", heard, pair, chance)
+        ]
 
 
-def _sides(count: int, chance: np.random.Generator) -> list[bool]:
-    """Return `count` random sides, half of them True; an odd one is either by chance."""
-    start = int(chance.integers(2))
-    return shuffled([bool((start + index) % 2) for index in range(count)], chance)
+def pairwise(study: Study, where: object) -> PairwiseStudy:
+    """Return `study` if it is a pairwise one with comparisons to a reference.
+
+    Raises
+    ------
+    InputError
+        If it is of another protocol.
+    """
+    if not isinstance(study, PairwiseStudy):
+        raise InputError(
+            f"this works for pairwise studies, and the study's protocol is {study.protocol!r}",
+            where=where,
+            remedy="Take the answers out with 'motionjury export'",
+        )
+    return study
 
 
-def _catch_trials(
-    study: Study, segments: Sequence[Segment], chance: np.random.Generator
-) -> list[PlannedTrial]:
-    """Return the catch trials; a segment comes twice only when there are too few."""
-    heard: list[Segment] = []
-    while segments and len(heard) < study.catch.trials:
-        heard.extend(shuffled(segments, chance))
-    heard = heard[: study.catch.trials]
-    trials = _pairs("catch", heard, (study.catch_against, study.catch.condition), chance)
-    return [
-        replace(trial, expected="left" if trial.left == study.catch_against else "right")
-        for trial in trials
-    ]
-
-
-def _scattered(
-    catch: Sequence[PlannedTrial],
-    others: Sequence[PlannedTrial],
-    chance: np.random.Generator,
-    *,
-    may_lead: bool,
-) -> list[PlannedTrial]:
-    """Return `others` in their order with `catch` put into random gaps between them."""
-    gaps = np.arange(0 if may_lead else 1, len(others) + 1)
-    enough = len(gaps) >= len(catch)
-    before = sorted(chance.choice(gaps, size=len(catch), replace=not enough).tolist())
-    merged = list(others)
-    for gap, trial in sorted(zip(before, catch, strict=True), key=lambda at: at[0], reverse=True):
-        merged.insert(gap, trial)
-    return merged
+def comparison_name(reference: str, other: str) -> str:
+    """Return the name of the comparison of `reference` with `other`."""
+    return f"{reference}-{other}"

@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from studyapp.command.main import group
-from studyapp.definition.study import read_study
+from studyapp.definition.reading import read_study
 
 
 def invoke(*arguments: object) -> Result:

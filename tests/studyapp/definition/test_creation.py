@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
+from studyapp.definition.conditions import Condition
 from studyapp.definition.creation import TEMPLATES, add_condition, new_study
-from studyapp.definition.study import Condition, read_study
+from studyapp.definition.reading import read_study
 
 
 @pytest.mark.parametrize("template", TEMPLATES)

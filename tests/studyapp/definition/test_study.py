@@ -9,7 +9,9 @@ import tomlkit
 from motion.errors import InputError
 from renderer.surface import AVATARS
 from studyapp.definition.creation import new_study
-from studyapp.definition.study import Study, Video, read_study
+from studyapp.definition.protocols.pairwise import PairwiseStudy, pairwise
+from studyapp.definition.reading import read_study
+from studyapp.definition.study import Video
 
 
 @pytest.fixture
@@ -116,8 +118,8 @@ def test_a_question_may_name_the_emotion_and_nothing_else(study_file: Path) -> N
         read_study(study_file)
 
 
-def with_ground_truth(path: Path) -> Study:
-    return read_study(changed(path, conditions__ground_truth=tomlkit.table()))
+def with_ground_truth(path: Path) -> PairwiseStudy:
+    return pairwise(read_study(changed(path, conditions__ground_truth=tomlkit.table())), path)
 
 
 def test_catch_trials_show_the_ground_truth_where_there_is_one(study_file: Path) -> None:

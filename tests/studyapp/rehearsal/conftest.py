@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.stimuli import Stimuli, read_stimuli, write_stimuli
-from studyapp.definition.study import Study
 from studyapp.rehearsal.population import Population, default_population
 from tests.studyapp.made_study import make_study
 
 
 @pytest.fixture(scope="session")
-def study() -> Study:
+def study() -> PairwiseStudy:
     return make_study(
         conditions={
             "rule_based": {"generator": "rule_based"},
@@ -27,7 +27,7 @@ def study() -> Study:
 
 
 @pytest.fixture(scope="session")
-def population(study: Study) -> Population:
+def population(study: PairwiseStudy) -> Population:
     return default_population(study)
 
 

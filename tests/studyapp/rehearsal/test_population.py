@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from studyapp.definition.study import Study
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.rehearsal.population import Population, default_population
 
 
@@ -14,20 +14,20 @@ def test_the_conditions_every_study_knows_are_ordered_as_expected(population: Po
     assert rhythm["rule_based"] > rhythm["mismatched"] > rhythm["static"] > rhythm["broken"]
 
 
-def test_a_recording_beats_every_generator(study: Study) -> None:
+def test_a_recording_beats_every_generator(study: PairwiseStudy) -> None:
     conditions = {**study.conditions, "ground_truth": study.conditions["brought"]}
     quality = default_population(study.model_copy(update={"conditions": conditions})).quality
     assert max(quality, key=lambda name: quality[name]["rhythm"]) == "ground_truth"
 
 
-def test_unknown_conditions_are_ordered_by_the_file(study: Study) -> None:
+def test_unknown_conditions_are_ordered_by_the_file(study: PairwiseStudy) -> None:
     brought = {f"mine{index}": study.conditions["brought"] for index in range(5)}
     conditions = {"rule_based": study.conditions["rule_based"], **brought}
     quality = default_population(study.model_copy(update={"conditions": conditions})).quality
     assert [quality[name]["rhythm"] for name in brought] == [0.75, 0.5, 0.25, 0.0, 0.0]
 
 
-def test_a_condition_of_another_name_is_as_good_as_its_generator(study: Study) -> None:
+def test_a_condition_of_another_name_is_as_good_as_its_generator(study: PairwiseStudy) -> None:
     conditions = {**study.conditions, "frozen": study.conditions["static"]}
     quality = default_population(study.model_copy(update={"conditions": conditions})).quality
     assert quality["frozen"] == quality["static"]

@@ -5,13 +5,15 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.definition.study import Study
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.truth import expected_shares
 
 
-def test_the_truth_survives_its_file(study: Study, population: Population, tmp_path: Path) -> None:
+def test_the_truth_survives_its_file(
+    study: PairwiseStudy, population: Population, tmp_path: Path
+) -> None:
     truth = Truth(
         seed=1,
         study="0123",

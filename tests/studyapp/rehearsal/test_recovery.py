@@ -12,11 +12,11 @@ from analysis.exclusions import ExclusionResult, exclude, failed_catch_trials
 from analysis.preferences.win_share import Preference, compare
 from analysis.responses import responses_frame
 from motion.segment import EMOTIONS, Segment
-from studyapp.definition.study import Study, comparison_name
-from studyapp.design.counterbalancing import participant_trials
+from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import Rater, ShownPair
 from studyapp.rehearsal.truth import expected_shares
+from tests.studyapp.made_study import pair_plan
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 SEGMENTS = tuple(
@@ -25,19 +25,19 @@ SEGMENTS = tuple(
 )
 
 
-def simulated(study: Study, population: Population, seed: int) -> pd.DataFrame:
+def simulated(study: PairwiseStudy, population: Population, seed: int) -> pd.DataFrame:
     """Return what a rehearsal of `study` stores, without the server in between."""
     rows = []
     for other in study.others:
         comparison = comparison_name(study.reference, other)
         for number in range(study.participants_per_comparison):
             rater = Rater(population=population, seed=seed, name=f"{comparison} {number}")
-            for trial in participant_trials(study, SEGMENTS, other=other, number=number):
+            for trial in pair_plan(study, SEGMENTS, other=other, number=number):
                 pair = ShownPair(
                     position=trial.position,
                     segment=trial.segment.name,
-                    left=trial.left,
-                    right=trial.right,
+                    left=trial.conditions[0],
+                    right=trial.conditions[1],
                 )
                 catch = trial.kind == "catch"
                 rows.extend(
@@ -52,10 +52,10 @@ def simulated(study: Study, population: Population, seed: int) -> pd.DataFrame:
                         "kind": trial.kind,
                         "position": trial.position,
                         "question": question.name,
-                        "left_condition": trial.left,
-                        "right_condition": trial.right,
+                        "left_condition": pair.left,
+                        "right_condition": pair.right,
                         "value": rater.answer(pair, question.name),
-                        "expected": trial.expected or "",
+                        "expected": {None: "", 1: "left", 2: "right"}[trial.expected],
                         "seconds": 1.0,
                         "watched": 1.0,
                         "answered_at": NOON,
@@ -65,7 +65,9 @@ def simulated(study: Study, population: Population, seed: int) -> pd.DataFrame:
     return responses_frame(rows)
 
 
-def analysed(study: Study, responses: pd.DataFrame) -> tuple[ExclusionResult, list[Preference]]:
+def analysed(
+    study: PairwiseStudy, responses: pd.DataFrame
+) -> tuple[ExclusionResult, list[Preference]]:
     kept = exclude(responses, [failed_catch_trials(study.catch.max_failed)])
     pairs = [(comparison_name(study.reference, o), study.reference, o) for o in study.others]
     questions = [question.name for question in study.questions]
@@ -74,7 +76,7 @@ def analysed(study: Study, responses: pd.DataFrame) -> tuple[ExclusionResult, li
 
 @pytest.mark.slow
 def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
-    study: Study, population: Population
+    study: PairwiseStudy, population: Population
 ) -> None:
     held = []
     for seed in range(30):
@@ -91,7 +93,7 @@ def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
 
 
 def test_catch_trials_tell_inattentive_raters_from_attentive_ones(
-    study: Study, population: Population
+    study: PairwiseStudy, population: Population
 ) -> None:
     kept, _ = analysed(study, simulated(study, population, 1))
     excluded = {exclusion.study_session for exclusion in kept.exclusions}

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import StudySession
+from studyapp.models import StudySession, StudyVersion
 from studyapp.rehearsal.population import default_population
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
@@ -82,9 +82,10 @@ def test_real_answers_are_never_touched(begun: StudyFolder) -> None:
 def test_the_roster_tells_who_is_where(database: Database) -> None:
     now = datetime.now(UTC)
     shared: dict[str, Any] = {
-        "comparison": "a-b",
-        "reference": "a",
-        "other": "b",
+        "version": StudyVersion(number=1, design="d", definition="", operation={}, opened_at=now),
+        "arm": "a-b",
+        "arm_design": "d",
+        "conditions": ["a", "b"],
         "consented_at": now,
         "last_active_at": now,
     }

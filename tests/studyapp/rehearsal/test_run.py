@@ -19,8 +19,7 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import comparison_name
-from studyapp.design.counterbalancing import participant_trials
+from studyapp.definition.protocols.pairwise import comparison_name
 from studyapp.models import Place
 from studyapp.rehearsal.population import default_population
 from studyapp.rehearsal.raters import Rater, ShownPair
@@ -28,6 +27,7 @@ from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.export import responses_table
+from tests.studyapp.made_study import pair_plan
 
 ANSWER = ["place", "position", "question", "left_condition", "right_condition", "value"]
 
@@ -38,7 +38,7 @@ def answers(folder: StudyFolder) -> pd.DataFrame:
         table = responses_table(database)
         with database.reading() as session:
             places = {
-                str(place.study_session_id): f"{place.comparison} {place.number}"
+                str(place.study_session_id): f"{place.arm} {place.number}"
                 for place in session.scalars(select(Place))
             }
     return table.assign(place=table["study_session"].map(places))
@@ -100,15 +100,15 @@ def test_what_is_stored_is_what_every_rater_would_say(
     for other, number in product(study.others, range(study.participants_per_comparison)):
         place = f"{comparison_name(study.reference, other)} {number}"
         rater = Rater(population=default_population(study), seed=3, name=place)
-        for trial in participant_trials(study, segments, other=other, number=number):
+        for trial in pair_plan(study, segments, other=other, number=number):
             seen = ShownPair(
                 position=trial.position,
                 segment=trial.segment.name,
-                left=trial.left,
-                right=trial.right,
+                left=trial.conditions[0],
+                right=trial.conditions[1],
             )
             said.extend(
-                (place, trial.position, question.name, trial.left, trial.right, value)
+                (place, trial.position, question.name, *trial.conditions, value)
                 for question in study.questions
                 for value in [rater.answer(seen, question.name)]
             )

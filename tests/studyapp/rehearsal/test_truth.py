@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.definition.study import Study
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import Rater, ShownPair
 from studyapp.rehearsal.record import ExpectedShare
@@ -48,7 +48,7 @@ def attentive(population: Population) -> Population:
 
 @pytest.mark.parametrize("other", ["mismatched", "static"])
 def test_very_many_raters_agree_with_the_share_on_these_segments(
-    study: Study, attentive: Population, other: str
+    study: PairwiseStudy, attentive: Population, other: str
 ) -> None:
     truth = expected_shares(study, SEGMENTS, population=attentive, seed=4)
     counted = counted_share(attentive, seed=4, raters=range(3000), other=other, question="rhythm")
@@ -56,7 +56,7 @@ def test_very_many_raters_agree_with_the_share_on_these_segments(
 
 
 def test_very_many_studies_agree_with_the_share_over_all_segments(
-    study: Study, attentive: Population
+    study: PairwiseStudy, attentive: Population
 ) -> None:
     counted = [
         counted_share(attentive, seed=seed, raters=range(6), other="static", question="emotion")
@@ -68,7 +68,7 @@ def test_very_many_studies_agree_with_the_share_over_all_segments(
 
 
 def test_luck_of_the_segments_averages_out_over_studies(
-    study: Study, attentive: Population
+    study: PairwiseStudy, attentive: Population
 ) -> None:
     both = np.array(
         [
@@ -118,7 +118,9 @@ def test_a_known_share_is_reproduced_by_hand() -> None:
     assert win_share(population, 1.0, 0.0) == pytest.approx((right + not_left) / 2)
 
 
-def test_every_comparison_and_question_has_its_truth(study: Study, population: Population) -> None:
+def test_every_comparison_and_question_has_its_truth(
+    study: PairwiseStudy, population: Population
+) -> None:
     truth = expected_shares(study, SEGMENTS, population=population, seed=1)
     assert {(entry.comparison, entry.question) for entry in truth} == {
         (f"rule_based-{other}", question)

@@ -14,7 +14,7 @@ from studyapp.services.database import Database, database_url_of, sqlite_url
 
 
 def place(number: int) -> Place:
-    return Place(comparison="a-b", reference="a", other="b", number=number)
+    return Place(arm="a-b", design="d", number=number)
 
 
 def test_a_new_database_is_in_wal_mode_and_keeps_its_references(database: Database) -> None:
@@ -168,9 +168,9 @@ def test_reading_brings_an_older_schema_to_nothing_newer(
     path = tmp_path / "older.db"
     Database.open(sqlite_url(path)).close()
     before = files(tmp_path)
-    monkeypatch.setattr("studyapp.services.database._head", lambda: "0002")
+    monkeypatch.setattr("studyapp.services.database._head", lambda: "9999")
 
-    with pytest.raises(InputError, match=r"older\.db.*schema 0001.*motionjury serve"):
+    with pytest.raises(InputError, match=r"older\.db.*schema 0002.*motionjury serve"):
         Database.open_for_reading(sqlite_url(path))
     assert files(tmp_path) == before
 

@@ -13,28 +13,29 @@ from studyapp.services.database import Database, sqlite_url
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
-def held(database: Database) -> list[int]:
+def held(opened: Database) -> list[int]:
     """Return the study sessions that hold a place."""
-    with database.reading() as session:
+    with opened.reading() as session:
         places = session.scalars(select(Place).where(Place.study_session_id.is_not(None)))
         return [place.study_session_id or 0 for place in places]
 
 
 def test_a_participant_gets_a_place_and_all_trials(
-    database: Database, served: ServedStudy, clock: SetClock
+    opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
-    token = enrol(database, served, Arrival(visit="one"), clock)
+    token = enrol(opened, served, Arrival(visit="one"), clock)
 
-    with database.reading() as session:
+    with opened.reading() as session:
         study_session = session.scalars(select(StudySession)).one()
         assert study_session.token == token
         assert len(token) >= 22
         assert study_session.place is not None
         assert [trial.kind for trial in study_session.trials].count("catch") == 1
-        assert len({trial.media_token for trial in study_session.trials}) == 6
+        assert len({trial.token for trial in study_session.trials}) == 6
 
 
 @pytest.mark.parametrize(
@@ -48,12 +49,12 @@ def test_a_participant_gets_a_place_and_all_trials(
     ],
 )
 def test_who_comes_again_goes_on_where_they_were(
-    database: Database, served: ServedStudy, clock: SetClock, first: Arrival, second: Arrival
+    opened: Database, served: ServedStudy, clock: SetClock, first: Arrival, second: Arrival
 ) -> None:
-    token = enrol(database, served, first, clock)
+    token = enrol(opened, served, first, clock)
 
-    assert enrol(database, served, second, clock) == token
-    assert len(held(database)) == 1
+    assert enrol(opened, served, second, clock) == token
+    assert len(held(opened)) == 1
 
 
 @pytest.mark.parametrize(
@@ -65,49 +66,49 @@ def test_who_comes_again_goes_on_where_they_were(
     ],
 )
 def test_others_are_not_taken_for_them(
-    database: Database, served: ServedStudy, clock: SetClock, arrival: Arrival
+    opened: Database, served: ServedStudy, clock: SetClock, arrival: Arrival
 ) -> None:
-    known = enrol(database, served, Arrival(recruiter_participant="p", recruiter_study="s"), clock)
+    known = enrol(opened, served, Arrival(recruiter_participant="p", recruiter_study="s"), clock)
 
-    assert enrol(database, served, arrival, clock) != known
+    assert enrol(opened, served, arrival, clock) != known
 
 
 def test_a_full_study_says_so_and_takes_nobody(
-    database: Database, served: ServedStudy, clock: SetClock
+    opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     for number in range(4):
-        enrol(database, served, Arrival(visit=f"visit {number}"), clock)
+        enrol(opened, served, Arrival(visit=f"visit {number}"), clock)
 
     with pytest.raises(StudyFullError, match="all the participants it needs"):
-        enrol(database, served, Arrival(visit="late"), clock)
+        enrol(opened, served, Arrival(visit="late"), clock)
 
-    with database.reading() as session:
+    with opened.reading() as session:
         assert len(session.scalars(select(StudySession)).all()) == 4
 
 
 def test_the_place_of_a_silent_participant_goes_to_the_next(
-    database: Database, served: ServedStudy, clock: SetClock
+    opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
-    silent = Participant(database, served, clock).enrol("silent").begin()
+    silent = Participant(opened, served, clock).enrol("silent").begin()
     for number in range(3):
-        Participant(database, served, clock).enrol(f"done {number}").begin().take_all()
+        Participant(opened, served, clock).enrol(f"done {number}").begin().take_all()
     clock.advance(minutes=46)
 
-    enrol(database, served, Arrival(visit="late"), clock)
+    enrol(opened, served, Arrival(visit="late"), clock)
 
     assert silent.look().state == "lapsed"
-    assert len(held(database)) == 4
+    assert len(held(opened)) == 4
 
 
 def test_finished_participants_keep_their_places(
-    database: Database, served: ServedStudy, clock: SetClock
+    opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     for number in range(4):
-        Participant(database, served, clock).enrol(f"done {number}").begin().take_all()
+        Participant(opened, served, clock).enrol(f"done {number}").begin().take_all()
     clock.advance(days=30)
 
     with pytest.raises(StudyFullError):
-        enrol(database, served, Arrival(visit="late"), clock)
+        enrol(opened, served, Arrival(visit="late"), clock)
 
 
 def test_the_emptier_comparison_is_filled_first(
@@ -126,17 +127,19 @@ def test_the_emptier_comparison_is_filled_first(
     more = pairs.replace("mismatched", "static")
     stimuli.write_text(text[: text.rindex("]")] + "," + more + "]}", "utf-8")
     served = ServedStudy.read(tiny_study)
+    open_study(database, served, clock)
 
     for number in range(6):
         enrol(database, served, Arrival(visit=f"visit {number}"), clock)
 
     with database.reading() as session:
-        comparisons = Counter(session.scalars(select(StudySession.comparison)))
+        comparisons = Counter(session.scalars(select(StudySession.arm)))
     assert comparisons == {"rule_based-mismatched": 3, "rule_based-static": 3}
 
 
 def _arrive(folder: Path, url: str, names: list[str], results: multiprocessing.Queue[str]) -> None:
     database, served = Database.open(url), ServedStudy.read(folder)
+    open_study(database, served, Clock())
     for name in names:
         try:
             results.put(enrol(database, served, Arrival(visit=name), Clock()))

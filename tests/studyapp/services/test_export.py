@@ -3,15 +3,15 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from analysis.responses import COLUMNS, responses_frame
+from analysis.responses import responses_frame
 from studyapp.services.answering import skip_unplayable
-from studyapp.services.export import responses_table, study_sessions_table
+from studyapp.services.export import EXPORT_COLUMNS, responses_table, study_sessions_table
 from studyapp.services.taking_part import withdraw
 from tests.studyapp.taking_part_steps import Participant
 
 
 def test_an_empty_study_exports_the_columns(participant: Participant) -> None:
-    assert list(responses_table(participant.database).columns) == list(COLUMNS)
+    assert list(responses_table(participant.database).columns) == list(EXPORT_COLUMNS)
     assert responses_table(participant.database).empty
 
 
@@ -74,9 +74,9 @@ def test_the_participant_flow_counts_every_study_session(participant: Participan
     participant.take_trial()
     skip_unplayable(
         participant.database,
-        participant.served.study,
+        participant.served,
         participant.token,
-        participant.trial().media_token,
+        participant.trial().token,
         participant.clock,
     )
     other = Participant(participant.database, participant.served, participant.clock)
@@ -93,7 +93,7 @@ def test_the_participant_flow_counts_every_study_session(participant: Participan
 
 
 def test_the_watched_share_counts_what_was_played_once(participant: Participant) -> None:
-    first = participant.trial().media_token
+    first = participant.trial().token
     participant.clock.advance(seconds=9)
     participant.watch((0.0, 1.94), (0.0, 1.0))
     participant.answer(first)

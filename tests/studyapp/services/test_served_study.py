@@ -5,16 +5,21 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
+from studyapp.design.stimulus import Content, Stimulus
 from studyapp.services.served_study import ServedStudy
 from tests.studyapp.made_study import make_study
+
+
+def pair(segment: str, left: str, right: str) -> Content:
+    return (Stimulus.own(left, segment), Stimulus.own(right, segment))
 
 
 def test_both_orders_of_every_pair_are_served(tiny_study: Path) -> None:
     served = ServedStudy.read(tiny_study)
 
     assert len(served.videos) == 16
-    assert served.video("take-0", "broken", "rule_based") is not None
-    assert served.video("take-0", "broken", "mismatched") is None
+    assert pair("take-0", "broken", "rule_based") in served.videos
+    assert pair("take-0", "broken", "mismatched") not in served.videos
 
 
 def test_a_study_without_catch_trials_needs_no_videos_for_them() -> None:

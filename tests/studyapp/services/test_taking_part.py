@@ -4,7 +4,7 @@ import pytest
 
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.refusal import ConflictError, UnknownAddressError
-from studyapp.services.taking_part import look, video_key, withdraw
+from studyapp.services.taking_part import content_of, look, withdraw
 from tests.studyapp.taking_part_steps import Participant
 
 
@@ -72,28 +72,28 @@ def test_only_the_present_and_the_following_video_are_given_out(
     participant: Participant,
 ) -> None:
     first = participant.trial()
-    assert video_key(participant.database, first.media_token) is not None
-    assert video_key(participant.database, first.next_media_token or "") is not None
+    assert content_of(participant.database, first.videos[0].token) is not None
+    assert content_of(participant.database, first.next_videos[0]) is not None
 
     participant.take_trial()
     second = participant.trial()
-    assert video_key(participant.database, first.media_token) is None
-    assert video_key(participant.database, second.media_token) is not None
+    assert content_of(participant.database, first.videos[0].token) is None
+    assert content_of(participant.database, second.videos[0].token) is not None
 
     withdraw(participant.database, participant.token, participant.clock)
-    assert video_key(participant.database, second.media_token) is None
+    assert content_of(participant.database, second.videos[0].token) is None
 
 
 def test_a_video_two_trials_ahead_is_not_given_out(participant: Participant) -> None:
     participant.take_trial()
-    ahead = participant.trial().next_media_token
+    ahead = participant.trial().next_videos[0]
     other = Participant(participant.database, participant.served, participant.clock)
     other.enrol("other").begin().take_trial()
-    theirs = other.trial().next_media_token
+    theirs = other.trial().next_videos[0]
 
-    assert video_key(participant.database, ahead or "") is not None
-    assert video_key(participant.database, theirs or "") is not None
-    assert video_key(participant.database, "no token") is None
+    assert content_of(participant.database, ahead) is not None
+    assert content_of(participant.database, theirs) is not None
+    assert content_of(participant.database, "no token") is None
 
 
 def test_the_time_left_follows_the_participants_own_pace(participant: Participant) -> None:

@@ -46,7 +46,7 @@ def test_more_than_has_passed_is_refused_and_not_stored(participant: Participant
 
     with pytest.raises(UnacceptableError, match="than time has passed"):
         participant.watch((0.0, 2.0))
-    assert participant.trial().watched.intervals == ()
+    assert participant.trial().videos[0].watched.intervals == ()
 
 
 def test_many_small_reports_cannot_outrun_the_clock_either(participant: Participant) -> None:
@@ -63,7 +63,7 @@ def test_the_same_report_sent_twice_is_stored_once(participant: Participant) -> 
     participant.clock.advance(seconds=5)
 
     assert participant.watch((0.0, 1.0)) == participant.watch((0.0, 1.0))
-    assert participant.trial().watched.next_batch == 1
+    assert participant.trial().videos[0].watched.next_batch == 1
 
 
 def test_another_report_under_the_same_number_is_not_stored_and_the_answer_shows_it(
@@ -74,8 +74,8 @@ def test_another_report_under_the_same_number_is_not_stored_and_the_answer_shows
     participant.watch((0.0, 1.0))
 
     assert participant.watch((1.0, 2.0)) == pytest.approx(0.9)
-    assert participant.trial().watched.intervals == ((0.0, 1.0),)
-    assert participant.trial().watched.next_batch == 1
+    assert participant.trial().videos[0].watched.intervals == ((0.0, 1.0),)
+    assert participant.trial().videos[0].watched.next_batch == 1
 
 
 def test_what_lies_outside_the_video_does_not_count(participant: Participant) -> None:
@@ -86,50 +86,50 @@ def test_what_lies_outside_the_video_does_not_count(participant: Participant) ->
 
 
 def test_a_trial_that_is_not_shown_cannot_be_watched(participant: Participant) -> None:
-    following = participant.trial().next_media_token
+    following = participant.trial().next_videos[0]
     participant.clock.advance(seconds=60)
 
     with pytest.raises(ConflictError):
         record_watched(
             participant.database,
+            participant.served,
             participant.token,
-            following or "",
+            following,
             batch=0,
             intervals=[(0.0, 2.0)],
-            study=participant.served.study,
             clock=participant.clock,
         )
 
 
 def test_somebody_elses_trial_cannot_be_watched(participant: Participant) -> None:
     other = Participant(participant.database, participant.served, participant.clock)
-    theirs = other.enrol("another").begin().trial().media_token
+    theirs = other.enrol("another").begin().trial().videos[0].token
 
     with pytest.raises(NotTheirsError):
         record_watched(
             participant.database,
+            participant.served,
             participant.token,
             theirs,
             batch=0,
             intervals=[],
-            study=participant.served.study,
             clock=participant.clock,
         )
 
 
 def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) -> None:
-    media_token = participant.trial().media_token
+    video_token = participant.trial().videos[0].token
     participant.clock.advance(seconds=5)
     withdraw(participant.database, participant.token, participant.clock)
 
     with pytest.raises(ConflictError, match="withdrawn"):
         record_watched(
             participant.database,
+            participant.served,
             participant.token,
-            media_token,
+            video_token,
             batch=0,
             intervals=[(0.0, 2.0)],
-            study=participant.served.study,
             clock=participant.clock,
         )
     with participant.database.reading() as session:

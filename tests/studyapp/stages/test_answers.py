@@ -7,6 +7,7 @@ import pytest
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
 from studyapp.stages.answers import answers_to_report, export, read_answers
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
@@ -21,6 +22,7 @@ def answer_once(folder: StudyFolder, database_file: Path) -> None:
     """Let somebody answer the first trial and stop."""
     database = Database.open(sqlite_url(database_file))
     participant = Participant(database, ServedStudy.read(folder.root), SetClock())
+    open_study(database, participant.served, participant.clock)
     participant.enrol().begin().take_trial()
     database.close()
 

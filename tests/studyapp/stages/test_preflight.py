@@ -98,7 +98,7 @@ def test_pairs_that_their_size_tells_apart_are_an_error(ready: StudyFolder) -> N
         file.write((12).to_bytes(4, "big") + b"free" + bytes(4))
 
     assert findings_of(ready, Severity.ERROR) == [
-        f"the pairs of segment {pair.segment} differ in file size, which tells them apart"
+        f"the videos of segment {pair.segment} differ in file size, which tells them apart"
     ]
 
 
@@ -163,7 +163,9 @@ def test_an_empty_contact_is_warned_of_until_it_is_filled_in(ready: StudyFolder)
 
 def test_a_study_without_catch_trials_is_warned_of(ready: StudyFolder) -> None:
     change(ready, "catch", "trials", value=0)
-    assert any("no catch trials" in warning for warning in findings_of(ready, Severity.WARNING))
+    assert any(
+        "neither catch trials" in warning for warning in findings_of(ready, Severity.WARNING)
+    )
 
 
 def test_a_study_without_a_recording_says_what_its_catch_trials_show(

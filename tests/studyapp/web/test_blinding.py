@@ -9,9 +9,10 @@ import pytest
 from flask import Flask
 from flask.testing import FlaskClient
 from sqlalchemy import select
+from sqlalchemy.orm import selectinload
 from werkzeug.test import TestResponse
 
-from studyapp.models import Trial
+from studyapp.models import Trial, Video
 from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
@@ -21,6 +22,7 @@ CONDITIONS = r"rule_based|mismatched|broken|ground_truth"
 SECRETS = re.compile(
     rf"{CONDITIONS}|robin|take-\d|catch|\bmain\b(?!>)|repeat|expected|\.wav|videos/", re.I
 )
+LOADED = select(Trial).order_by(Trial.position).options(selectinload(Trial.videos))
 TOKEN = re.compile(r"[A-Za-z0-9_-]{32}")
 STATIC = Path(__file__).parents[3] / "studyapp" / "web" / "static"
 
@@ -60,7 +62,7 @@ def test_scripts_and_style_know_nothing_of_conditions(script: Path) -> None:
 
 
 def fetch(client: FlaskClient, trial: Trial, **headers: str) -> TestResponse:
-    return client.get(f"/media/{trial.media_token}.mp4", headers=headers, buffered=True)
+    return client.get(f"/media/{trial.videos[0].token}.mp4", headers=headers, buffered=True)
 
 
 @pytest.fixture
@@ -68,7 +70,7 @@ def two_videos(app: Flask, clock: SetClock) -> list[Trial]:
     """Return the present and the following trial of a participant."""
     Visitor(app, clock).enrol().begin().page()
     with app.app_context(), running().database.reading() as session:
-        return list(session.scalars(select(Trial).order_by(Trial.position)))[:2]
+        return list(session.scalars(LOADED))[:2]
 
 
 def test_videos_differ_in_no_header_but_their_length(app: Flask, two_videos: list[Trial]) -> None:
@@ -120,7 +122,7 @@ def test_tokens_tell_nothing_and_never_repeat(app: Flask, clock: SetClock) -> No
     for _ in range(2):
         Visitor(app, clock).enrol().begin()
     with app.app_context(), running().database.reading() as session:
-        tokens = [trial.media_token for trial in session.scalars(select(Trial))]
+        tokens = [video.token for video in session.scalars(select(Video))]
 
     assert len(set(tokens)) == len(tokens) == 12
     assert all(re.fullmatch(r"[A-Za-z0-9_-]{32}", token) for token in tokens)
@@ -133,6 +135,6 @@ def test_other_addresses_give_no_file(app: Flask, token: str) -> None:
 
 def test_a_video_two_ahead_is_not_served(app: Flask, two_videos: list[Trial]) -> None:
     with app.app_context(), running().database.reading() as session:
-        third = session.scalars(select(Trial).where(Trial.position == 3)).one()
+        third = list(session.scalars(LOADED))[2]
 
     assert fetch(app.test_client(), third).status_code == 404

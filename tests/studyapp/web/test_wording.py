@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from motion.freeze import CHANNELS
-from studyapp.definition.study import Question
+from studyapp.definition.questions import Question
 from studyapp.web.wording import CHANNEL_WORDS, SCALE, asked, frozen_words
 from tests.studyapp.made_study import make_study
 

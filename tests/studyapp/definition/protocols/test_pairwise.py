@@ -8,14 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motion.segment import EMOTIONS
-from studyapp.definition.study import Study
-from studyapp.design.counterbalancing import participant_trials
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.design.planned_trial import PlannedTrial
-from tests.studyapp.made_study import make_segments, make_study
+from tests.studyapp.made_study import make_segments, make_study, pair_plan
 
 
 @st.composite
-def designs(draw: st.DrawFn) -> tuple[Study, tuple[PlannedTrial, ...], int]:
+def designs(draw: st.DrawFn) -> tuple[PairwiseStudy, tuple[PlannedTrial, ...], int]:
     """Return a study, the trials of one participant, and how many segments there are."""
     trials = draw(st.integers(1, 30))
     study = make_study(
@@ -25,7 +24,7 @@ def designs(draw: st.DrawFn) -> tuple[Study, tuple[PlannedTrial, ...], int]:
         catch={"trials": draw(st.integers(0, 6))},
     )
     emotions = draw(st.lists(st.sampled_from(EMOTIONS), min_size=1, max_size=30))
-    plan = participant_trials(
+    plan = pair_plan(
         study, make_segments(emotions), other="static", number=draw(st.integers(0, 30))
     )
     return study, plan, len(emotions)
@@ -37,7 +36,7 @@ def of_kind(plan: tuple[PlannedTrial, ...], *kinds: str) -> list[PlannedTrial]:
 
 @given(designs())
 def test_every_analysed_segment_comes_once(
-    design: tuple[Study, tuple[PlannedTrial, ...], int],
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
 ) -> None:
     study, plan, segments = design
 
@@ -48,7 +47,7 @@ def test_every_analysed_segment_comes_once(
 
 @given(designs())
 def test_practice_comes_first_and_is_repeated_at_the_end_in_its_order(
-    design: tuple[Study, tuple[PlannedTrial, ...], int],
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
 ) -> None:
     study, plan, segments = design
     practice, repeats = of_kind(plan, "practice"), of_kind(plan, "repeat")
@@ -63,19 +62,19 @@ def test_practice_comes_first_and_is_repeated_at_the_end_in_its_order(
 
 @given(designs())
 def test_sides_are_balanced_among_the_analysed_the_practice_and_the_catch_trials(
-    design: tuple[Study, tuple[PlannedTrial, ...], int],
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
 ) -> None:
     study, plan, _ = design
 
     for kinds in (("main", "repeat"), ("practice",), ("catch",)):
         trials = of_kind(plan, *kinds)
-        left = sum(trial.left == study.reference for trial in trials)
+        left = sum(trial.conditions[0] == study.reference for trial in trials)
         assert abs(2 * left - len(trials)) <= 1
 
 
 @given(designs())
 def test_catch_trials_are_never_first_nor_among_the_practice_ones(
-    design: tuple[Study, tuple[PlannedTrial, ...], int],
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
 ) -> None:
     study, plan, _ = design
     catch = of_kind(plan, "catch")
@@ -87,22 +86,24 @@ def test_catch_trials_are_never_first_nor_among_the_practice_ones(
 
 @given(designs())
 def test_a_catch_trial_expects_the_side_without_the_flaw(
-    design: tuple[Study, tuple[PlannedTrial, ...], int],
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
 ) -> None:
     study, plan, _ = design
 
     for trial in plan:
         if trial.kind == "catch":
-            flawed = {"left": trial.right, "right": trial.left}[trial.expected or ""]
-            assert flawed == study.catch.condition
-            assert {trial.left, trial.right} == {study.catch_against, study.catch.condition}
+            assert trial.expected is not None
+            assert trial.conditions[trial.expected - 1] == study.catch_against
+            assert set(trial.conditions) == {study.catch_against, study.catch.condition}
         else:
             assert trial.expected is None
-            assert {trial.left, trial.right} == {study.reference, "static"}
+            assert set(trial.conditions) == {study.reference, "static"}
 
 
 @given(designs())
-def test_positions_count_from_one(design: tuple[Study, tuple[PlannedTrial, ...], int]) -> None:
+def test_positions_count_from_one(
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
+) -> None:
     _, plan, _ = design
 
     assert [trial.position for trial in plan] == list(range(1, len(plan) + 1))
@@ -112,14 +113,14 @@ def test_catch_trials_do_not_follow_each_other_in_a_study_of_amuses_size() -> No
     segments = make_segments(EMOTIONS * 3)
 
     for number in range(50):
-        plan = participant_trials(make_study(), segments, other="static", number=number)
+        plan = pair_plan(make_study(), segments, other="static", number=number)
         positions = [trial.position for trial in of_kind(plan, "catch")]
         assert all(b - a > 1 for a, b in itertools.pairwise(positions))
 
 
 def test_the_same_place_always_has_the_same_trials() -> None:
     segments = make_segments(EMOTIONS)
-    plans = [participant_trials(make_study(), segments, other="static", number=4) for _ in "ab"]
+    plans = [pair_plan(make_study(), segments, other="static", number=4) for _ in "ab"]
 
     assert plans[0] == plans[1]
 
@@ -130,8 +131,8 @@ def test_other_places_have_other_trials(difference: dict[str, object]) -> None:
     here: dict[str, object] = {"other": "static", "number": 4}
 
     def order(place: dict[str, object]) -> list[tuple[str, bool]]:
-        plan = participant_trials(make_study(), segments, **place)  # type: ignore[arg-type]
-        return [(trial.segment.name, trial.left == "rule_based") for trial in plan]
+        plan = pair_plan(make_study(), segments, **place)  # type: ignore[arg-type]
+        return [(trial.segment.name, trial.conditions[0] == "rule_based") for trial in plan]
 
     assert order(here) != order(here | difference)
 
@@ -139,11 +140,10 @@ def test_other_places_have_other_trials(difference: dict[str, object]) -> None:
 def test_over_participants_sides_and_catch_positions_are_spread() -> None:
     segments = make_segments(EMOTIONS * 3)
     plans = [
-        participant_trials(make_study(), segments, other="static", number=number)
-        for number in range(200)
+        pair_plan(make_study(), segments, other="static", number=number) for number in range(200)
     ]
 
-    first_left = Counter(plan[0].left == "rule_based" for plan in plans)
+    first_left = Counter(plan[0].conditions[0] == "rule_based" for plan in plans)
     catch_positions = {trial.position for plan in plans for trial in of_kind(plan, "catch")}
     assert 70 <= first_left[True] <= 130
     assert catch_positions == set(range(4, 31))

@@ -1,0 +1,59 @@
+"""What of a study may change while it runs, and a digest of what may not."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from typing import Any, Final
+
+from motion.segment import Segment
+from studyapp.definition.study import Study
+from studyapp.design.arm import Arm
+
+OPERATION: Final[dict[str, Any]] = {
+    "name": True,
+    "open": True,
+    "lease_minutes": True,
+    "participants": True,
+    "participants_per_comparison": True,
+    "page": {"organisation", "contact", "minutes", "payment"},
+}
+"""Keys that may change while the study runs; all others are its design."""
+
+
+def operation_part(study: Study) -> dict[str, Any]:
+    """Return the keys of `study` that may change while it runs, as plain data."""
+    return study.model_dump(mode="json", include=OPERATION)
+
+
+def operation_changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[str, ...]:
+    """Return what differs between two operation parts, as ``key: before -> after``."""
+    old, new = _flat(before), _flat(after)
+    return tuple(
+        f"{key}: {old.get(key)!r} -> {new.get(key)!r}"
+        for key in sorted({*old, *new})
+        if old.get(key) != new.get(key)
+    )
+
+
+def design_digest(study: Study, segments: Sequence[Segment]) -> str:
+    """Return what changes with anything that decides what participants see and are asked."""
+    # Keys that say what would be so without them do not count: writing one down, or a new
+    # release that knows more of them, is no other design.
+    design = study.model_dump(mode="json", exclude=OPERATION, exclude_defaults=True)
+    heard = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
+    state = json.dumps([study.protocol, design, heard])
+    return hashlib.sha256(state.encode()).hexdigest()
+
+
+def arm_digest(study: Study, arm: Arm, segments: Sequence[Segment]) -> str:
+    """Return what changes with anything that decides what participants of `arm` see."""
+    return design_digest(study.design_of(arm), segments)
+
+
+def _flat(part: dict[str, Any]) -> dict[str, Any]:
+    inner = part.get("page", {})
+    return {k: v for k, v in part.items() if k != "page"} | {
+        f"page.{key}": value for key, value in inner.items()
+    }

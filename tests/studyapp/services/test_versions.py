@@ -1,0 +1,184 @@
+"""The design of a study that people have taken part in stays as it is, or becomes a new version."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select, update
+
+from motion.errors import InputError
+from studyapp.models import AuditLine, Place, StudySession, StudyVersion
+from studyapp.services.database import Database
+from studyapp.services.refusal import StudyFullError
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+Change = Callable[..., ServedStudy]
+
+
+@pytest.fixture
+def change(tiny_study: Path) -> Change:
+    """Return a function that changes the study file and reads the study anew."""
+
+    def make(old: str, new: str) -> ServedStudy:
+        path = tiny_study / "study.toml"
+        text = path.read_text("utf-8")
+        assert old in text
+        path.write_text(text.replace(old, new), "utf-8")
+        return ServedStudy.read(tiny_study)
+
+    return make
+
+
+def versions(database: Database) -> list[StudyVersion]:
+    with database.reading() as session:
+        return list(session.scalars(select(StudyVersion).order_by(StudyVersion.number)))
+
+
+def audit(database: Database) -> list[tuple[str, str]]:
+    with database.reading() as session:
+        return [(line.event, line.detail) for line in session.scalars(select(AuditLine))]
+
+
+def test_the_definition_is_kept_with_the_study_sessions_it_was_served_to(
+    participant: Participant, tiny_study: Path
+) -> None:
+    with participant.database.reading() as session:
+        version = session.scalars(select(StudySession)).one().version
+    assert version.number == 1
+    assert version.design == participant.served.design
+    assert version.definition == (tiny_study / "study.toml").read_text("utf-8")
+
+
+def test_opening_twice_changes_nothing(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    open_study(opened, served, clock)
+
+    assert len(versions(opened)) == 1
+    assert audit(opened) == []
+
+
+def test_a_design_that_nobody_has_seen_may_change(
+    opened: Database, change: Change, clock: SetClock
+) -> None:
+    served = change("trials = 4", "trials = 3")
+
+    open_study(opened, served, clock)
+
+    assert [(v.number, v.design) for v in versions(opened)] == [(1, served.design)]
+
+
+def test_a_changed_design_is_refused_once_somebody_has_come(
+    participant: Participant, change: Change
+) -> None:
+    changed = change("rhythm of the speech", "beat of the speech")
+
+    with pytest.raises(InputError, match=r"design has changed.*--new-version"):
+        open_study(participant.database, changed, participant.clock)
+    assert len(versions(participant.database)) == 1
+
+
+def test_a_new_version_keeps_earlier_answers_apart(
+    participant: Participant, change: Change
+) -> None:
+    participant.take_all()
+    changed = change("rhythm of the speech", "beat of the speech")
+
+    open_study(participant.database, changed, participant.clock, new_version=True)
+    Participant(participant.database, changed, participant.clock).enrol("later")
+
+    with participant.database.reading() as session:
+        numbers = [known.version.number for known in session.scalars(select(StudySession))]
+        places = session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all()
+        assert len({place.design for place in places}) == 2
+    assert numbers == [1, 2]
+    assert audit(participant.database) == [("new version", "version 2")]
+
+
+def test_who_is_in_the_middle_of_what_has_changed_cannot_go_on(
+    participant: Participant, change: Change
+) -> None:
+    participant.take_trial()
+    changed = change("rhythm of the speech", "beat of the speech")
+
+    open_study(participant.database, changed, participant.clock, new_version=True)
+
+    later = Participant(participant.database, changed, participant.clock, participant.token)
+    assert later.look().state == "lapsed"
+
+
+def test_an_added_condition_leaves_the_other_comparisons_as_they_are(
+    participant: Participant, tiny_study: Path, change: Change
+) -> None:
+    participant.take_trial()
+    stimuli = tiny_study / "stimuli.json"
+    text = stimuli.read_text("utf-8")
+    pairs = text[text.index('"pairs": [') + len('"pairs": [') : text.rindex("]")]
+    more = pairs.replace("mismatched", "static")
+    stimuli.write_text(text[: text.rindex("]")] + "," + more + "]}", "utf-8")
+    changed = change("[conditions.mismatched]", "[conditions.mismatched]\n[conditions.static]")
+
+    open_study(participant.database, changed, participant.clock, new_version=True)
+
+    later = Participant(participant.database, changed, participant.clock, participant.token)
+    assert later.trial().position == 2
+    others = [Participant(participant.database, changed, participant.clock) for _ in range(3)]
+    with participant.database.reading() as session:
+        for number, other in enumerate(others):
+            other.enrol(f"visit {number}")
+        arms = sorted(session.scalars(select(StudySession.arm)))
+    assert arms == ["rule_based-mismatched"] * 2 + ["rule_based-static"] * 2
+
+
+def test_operation_may_change_and_leaves_a_line(participant: Participant, change: Change) -> None:
+    changed = change("participants_per_comparison = 4", "participants_per_comparison = 6")
+    change('contact = "gestures@example.org"', 'contact = "lab@example.org"')
+    changed = change("minutes = 10", "minutes = 12")
+
+    open_study(participant.database, changed, participant.clock)
+
+    assert len(versions(participant.database)) == 1
+    assert audit(participant.database) == [
+        (
+            "operation changed",
+            "page.contact: 'gestures@example.org' -> 'lab@example.org'; "
+            "page.minutes: 10 -> 12; participants_per_comparison: 4 -> 6",
+        )
+    ]
+    with participant.database.reading() as session:
+        assert len(session.scalars(select(Place)).all()) == 6
+    assert participant.trial().position == 1
+
+
+def test_data_from_before_designs_were_noted_count_for_the_present_one(
+    participant: Participant,
+) -> None:
+    database, served = participant.database, participant.served
+    participant.take_trial()
+    with database.writing() as session:
+        session.execute(update(StudyVersion).values(design="", definition="", operation={}))
+        session.execute(update(StudySession).values(arm_design=""))
+        session.execute(update(Place).values(design=""))
+
+    open_study(database, served, participant.clock)
+
+    assert [version.design for version in versions(database)] == [served.design]
+    assert participant.trial().position == 2
+    with database.reading() as session:
+        assert len(session.scalars(select(Place)).all()) == 4
+
+
+def test_a_closed_study_lets_nobody_in_and_everybody_finish(
+    participant: Participant, change: Change
+) -> None:
+    closed = change('title = "Gestures', 'open = false\ntitle = "Gestures')
+    open_study(participant.database, closed, participant.clock)
+    inside = Participant(participant.database, closed, participant.clock, participant.token)
+
+    with pytest.raises(StudyFullError, match="takes no new participants"):
+        Participant(participant.database, closed, participant.clock).enrol("new")
+    assert inside.take_all()
