@@ -18,7 +18,7 @@ from studyapp.definition.conditions import Condition
 from studyapp.definition.reading import parse_study
 from studyapp.definition.study import Study
 
-TEMPLATES: Final = ("pairwise",)
+TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch")
 
 
 def new_study(
@@ -43,16 +43,17 @@ def new_study(
         The study's name, and what participants see as its title.
     reference : str, optional
         The condition every other one is compared with; also the source of the template's
-        mismatched condition.
+        mismatched condition. For pairwise studies.
     trials : int, optional
-        Pairs each participant judges.
+        Pairs each participant judges. For pairwise studies.
     conditions : mapping, optional
         Replaces the template's conditions.
 
     Raises
     ------
     InputError
-        If the file exists, the template is unknown, or the result would not be a valid study.
+        If the file exists, the template is unknown or does not have a key that is given, or the
+        result would not be a valid study.
     """
     if path.exists():
         raise InputError(
@@ -68,8 +69,14 @@ def new_study(
     document = tomlkit.parse(text)
     document["name"] = check_name(name, "study")
     for key, value in (("title", title), ("reference", reference), ("trials", trials)):
-        if value is not None:
-            document[key] = value
+        if value is None:
+            continue
+        if key not in document:
+            raise InputError(
+                f"a {template} study has no key {key!r}",
+                remedy="Leave the option out and edit the study file",
+            )
+        document[key] = value
     if trials is not None:
         document["practice"] = min(int(document["practice"]), max(trials // 2, 0))
     if conditions is not None:

@@ -60,6 +60,20 @@ class FormQuestion(Section):
             raise ValueError("eligible names something that is not among the choices")
         return self
 
+    @property
+    def offered(self) -> tuple[str, ...]:
+        """The answers of a choice or a scale, in their order."""
+        if self.kind == "scale":
+            return tuple(str(step) for step in range(self.low, self.high + 1))
+        return self.choices
+
+    def label(self, answer: str) -> str:
+        """Return what stands beside one of the answers `offered`."""
+        if self.kind == "scale" and self.choices:
+            words = {str(self.low): self.choices[0], str(self.high): self.choices[1]}
+            return f"{answer} – {words[answer]}" if answer in words else answer
+        return answer
+
     def problem(self, answer: str) -> str:
         """Say why `answer` cannot be accepted; empty where it can."""
         if not answer.strip():

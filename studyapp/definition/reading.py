@@ -11,14 +11,26 @@ from typing import Final
 from pydantic import ValidationError
 
 from motion.errors import InputError
+from studyapp.definition.protocols.mismatch import MismatchStudy
 from studyapp.definition.protocols.pairwise import PairwiseStudy
+from studyapp.definition.protocols.ranking import RankingStudy
+from studyapp.definition.protocols.rating import RatingStudy
 from studyapp.definition.study import Study
 from studyapp.definition.validation import explain
 
-PROTOCOLS: Final[Mapping[str, type[Study]]] = MappingProxyType({"pairwise": PairwiseStudy})
+PROTOCOLS: Final[Mapping[str, type[Study]]] = MappingProxyType(
+    {
+        "pairwise": PairwiseStudy,
+        "rating": RatingStudy,
+        "ranking": RankingStudy,
+        "mismatch": MismatchStudy,
+    }
+)
 """Every protocol under its name."""
 
-ALIASES: Final[Mapping[str, str]] = MappingProxyType({"amuse": "pairwise"})
+ALIASES: Final[Mapping[str, str]] = MappingProxyType(
+    {"amuse": "pairwise", "s2ue": "rating", "diffsheg": "ranking"}
+)
 """The papers whose studies the protocols follow."""
 
 DEFAULT_PROTOCOL: Final = "pairwise"

@@ -138,8 +138,8 @@ class Study(Section, ABC):
         """Return what may be answered to `question` in `trial`."""
 
     @abstractmethod
-    def favours(self, trial: Trial, answers: Answers, number: int) -> bool:
-        """Tell whether every one of `answers` sets stimulus `number` above the others."""
+    def prefers(self, answers: Answers, better: int, worse: int) -> bool:
+        """Tell whether `answers` set stimulus `better` above `worse` on every question."""
 
     def asks(self, trial: Trial) -> tuple[Ask, ...]:
         """Return the answers that `trial` asks for, in the page's order."""
@@ -150,7 +150,9 @@ class Study(Section, ABC):
                 values=self.values(question, trial),
                 reasons=question.reason_names,
             )
-            for stimulus in (range(1, trial.judged + 1) if self.asks_each_stimulus else (None,))
+            for stimulus in (
+                range(1, len(trial.conditions) + 1) if self.asks_each_stimulus else (None,)
+            )
             for question in self.questions
             if question.belongs_to(trial.part)
         )
@@ -165,7 +167,8 @@ class Study(Section, ABC):
         if trial.instructed is not None:
             return self.disobeys(trial, answers)
         if trial.expected is not None:
-            return not self.favours(trial, answers, trial.expected)
+            flawed = 1 + trial.conditions.index(self.catch.condition)
+            return not self.prefers(answers, trial.expected, flawed)
         return False
 
     def disobeys(self, trial: Trial, answers: Answers) -> bool:

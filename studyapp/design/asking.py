@@ -61,8 +61,8 @@ class Trial(Protocol):
         """The part of the study it belongs to."""
 
     @property
-    def judged(self) -> int:
-        """How many stimuli are judged."""
+    def conditions(self) -> tuple[str, ...]:
+        """The conditions judged, number 1 first."""
 
     @property
     def expected(self) -> int | None:

@@ -49,6 +49,21 @@ def scattered(
     return merged
 
 
+def scattered_by_part(
+    extra: Sequence[PlannedTrial], others: Sequence[PlannedTrial], chance: np.random.Generator
+) -> list[PlannedTrial]:
+    """Return `others` in their order with each of `extra` somewhere in its own part.
+
+    What belongs to another part can look otherwise, which would tell that it is extra. None of
+    `extra` comes first of all.
+    """
+    merged: list[PlannedTrial] = []
+    for part in dict.fromkeys(trial.part for trial in others):
+        own, more = ([t for t in trials if t.part == part] for trials in (others, extra))
+        merged += scattered(more, own, chance, may_lead=bool(merged))
+    return merged
+
+
 def numbered(trials: Iterable[PlannedTrial]) -> tuple[PlannedTrial, ...]:
     """Return `trials` with their positions, from 1."""
     return tuple(

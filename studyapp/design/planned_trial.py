@@ -60,8 +60,3 @@ class PlannedTrial:
     def conditions(self) -> tuple[str, ...]:
         """The conditions judged, number 1 first."""
         return tuple(stimulus.condition for stimulus in self.stimuli)
-
-    @property
-    def judged(self) -> int:
-        """How many stimuli are judged."""
-        return len(self.stimuli)

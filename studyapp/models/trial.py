@@ -92,11 +92,6 @@ class Trial(Base):
         return self.answered_at is not None or self.unplayable_at is not None
 
     @property
-    def judged(self) -> int:
-        """How many stimuli are judged; the reference is not."""
-        return sum(stimulus.number > 0 for stimulus in self.stimuli)
-
-    @property
-    def judged_conditions(self) -> tuple[str, ...]:
-        """The conditions judged, number 1 first."""
+    def conditions(self) -> tuple[str, ...]:
+        """The conditions judged, number 1 first; the reference is not."""
         return tuple(shown.condition for shown in self.stimuli if shown.number > 0)

@@ -59,7 +59,7 @@ class Eyes:
             raise BrokenPageError(page, "shows a video that is no trial of this rehearsal")
         sitting = trial.study_session
         place = "no place" if sitting.place is None else str(sitting.place.number)
-        left, right = trial.judged_conditions
+        left, right = trial.conditions
         return Sight(
             rater=f"{sitting.arm} {place}",
             pair=ShownPair(

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import secrets
-from datetime import datetime
-from typing import Final
-
 from studyapp.clock import Clock
-from studyapp.models import Response, StudySession, Trial
+from studyapp.models import Response, Trial
 from studyapp.services.answer_fields import Fields, Given, read_fields
 from studyapp.services.database import Database
+from studyapp.services.finishing import move_on
 from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.sitting import current_trial, find, require_present, trial_of
+from studyapp.services.sitting import find, require_present, trial_of
 from studyapp.services.watching import missing_seconds
-
-CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
-"""Letters and digits that are not taken for one another."""
-
-CODE_LENGTH: Final = 12
 
 
 def answer(
@@ -78,7 +70,7 @@ def answer(
         ]
         trial.answered_at = now
         trial.seconds = clock.seconds_since(shown_at)
-        _move_on(study_session, now)
+        move_on(study_session, served.study, now)
 
 
 def skip_unplayable(
@@ -100,7 +92,7 @@ def skip_unplayable(
         require_present(study_session, trial)
         now = clock.now()
         trial.unplayable_at = now
-        _move_on(study_session, now)
+        move_on(study_session, served.study, now)
 
 
 def _require_same(trial: Trial, given: Given) -> None:
@@ -112,14 +104,4 @@ def _require_same(trial: Trial, given: Given) -> None:
         raise ConflictError(
             "You have already answered this page, and your first answer is stored.",
             "An answer cannot be changed once it is sent. Please go on with the next page.",
-        )
-
-
-def _move_on(study_session: StudySession, now: datetime) -> None:
-    """Note the activity; after the last trial, complete the study session."""
-    study_session.last_active_at = now
-    if current_trial(study_session) is None:
-        study_session.completed_at = now
-        study_session.completion_code = "".join(
-            secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH)
         )

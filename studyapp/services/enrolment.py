@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import secrets
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Final
 
@@ -16,10 +17,12 @@ from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content
 from studyapp.models import Place, StudySession, Trial, TrialStimulus, Video
 from studyapp.services.database import Database
+from studyapp.services.form_answers import entrance_answers
 from studyapp.services.places import least_filled, release_stale
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import present_version
+from studyapp.services.votes import votes_so_far
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""
@@ -40,12 +43,15 @@ class Arrival:
         recruiter's studies.
     recruiter_study, recruiter_session : str
         The recruiter's names for the study and the sitting; may be empty.
+    form : mapping of question name to text
+        What was answered under eligibility and consent.
     """
 
     visit: str | None = None
     recruiter_participant: str | None = None
     recruiter_study: str = ""
     recruiter_session: str = ""
+    form: Mapping[str, str] = field(default_factory=dict)
 
 
 def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str:
@@ -57,6 +63,8 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
     ------
     StudyFullError
         If no place is open.
+    UnacceptableError, IneligibleError
+        If the answers under eligibility and consent do not let them take part.
     """
     for _ in range(ATTEMPTS):
         try:
@@ -80,6 +88,7 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
             "The study takes no new participants at the moment.",
             "Thank you for your interest. You can try later with the same link.",
         )
+    answers = entrance_answers(served.study, arrival.form, now)
     release_stale(session, served, now)
     place = least_filled(session, served)
     if place is None:
@@ -100,7 +109,8 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
         conditions=list(served.arms[place.arm, place.design].conditions),
         consented_at=now,
         last_active_at=now,
-        trials=_trials(served, place),
+        trials=_trials(session, served, place),
+        form_answers=answers,
     )
     session.add(study_session)
     place.study_session = study_session
@@ -116,9 +126,10 @@ def _is_same(arrival: Arrival) -> ColumnElement[bool]:
     )
 
 
-def _trials(served: ServedStudy, place: Place) -> list[Trial]:
+def _trials(session: Session, served: ServedStudy, place: Place) -> list[Trial]:
     arm = served.arms[place.arm, place.design]
-    planned = served.study.plan(arm, place.number, served.segments)
+    votes = votes_so_far(session, served)
+    planned = served.study.plan(arm, place.number, served.segments, votes)
     return [_trial(served, trial) for trial in planned]
 
 

@@ -36,5 +36,9 @@ class StudyFullError(ConflictError):
     """No place is open."""
 
 
+class IneligibleError(RefusalError):
+    """The study does not look for this person."""
+
+
 class UnacceptableError(RefusalError):
     """An answer is missing or out of range, or the video is not yet watched."""

@@ -8,6 +8,8 @@ from typing import Literal
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from studyapp.definition.form import Stage
+from studyapp.definition.study import Study
 from studyapp.models import StudySession, Trial, Video
 from studyapp.services.refusal import ConflictError, NotTheirsError, UnknownAddressError
 
@@ -51,6 +53,19 @@ def state_of(study_session: StudySession) -> State:
 def current_trial(study_session: StudySession) -> Trial | None:
     """Return the trial to be shown, None when there is none left."""
     return next((trial for trial in study_session.trials if not trial.settled), None)
+
+
+def form_due(study_session: StudySession, study: Study) -> Stage | None:
+    """Return the stage of questions about the participant that is to be answered now, if any."""
+    if study_session.started_at is None:
+        stage: Stage = "demographics"
+    elif current_trial(study_session) is None:
+        stage = "closing"
+    else:
+        return None
+    answered = {answer.question for answer in study_session.form_answers}
+    asked = {question.name for question in study.form.asked(stage)}
+    return stage if asked - answered else None
 
 
 def require_present(study_session: StudySession, trial: Trial) -> datetime:

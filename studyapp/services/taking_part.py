@@ -10,6 +10,7 @@ from typing import Final
 from sqlalchemy import select
 
 from studyapp.clock import Clock
+from studyapp.definition.form import Stage
 from studyapp.definition.study import Study
 from studyapp.design.asking import Ask
 from studyapp.design.stimulus import Content, Stimulus
@@ -18,7 +19,7 @@ from studyapp.services.database import Database
 from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.sitting import State, current_trial, find, state_of
+from studyapp.services.sitting import State, current_trial, find, form_due, state_of
 from studyapp.services.watching import Watched, watched_so_far
 
 SECONDS_FOR_ANSWERS: Final = 15.0
@@ -89,11 +90,14 @@ class Situation:
     ----------
     presentations, practice : int
         How many trials there are, and how many of them are practice.
+    form : {'demographics', 'closing'} or None
+        Questions about the participant that are to be answered before anything else.
     """
 
     state: State
     presentations: int
     practice: int
+    form: Stage | None = None
     completion_code: str | None = None
     trial: ShownTrial | None = None
 
@@ -118,6 +122,9 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
             state=state,
             presentations=len(study_session.trials),
             practice=sum(planned.kind == "practice" for planned in study_session.trials),
+            form=form_due(study_session, served.study)
+            if state in ("instructed", "started")
+            else None,
             completion_code=study_session.completion_code,
             trial=_shown(study_session, trial, served.study)
             if state == "started" and trial is not None
@@ -155,11 +162,12 @@ def _shown_video(video: Video, coverage: float) -> ShownVideo:
     )
 
 
-def begin(database: Database, token: str, clock: Clock) -> None:
-    """Start the trials; beginning twice changes nothing."""
+def begin(database: Database, served: ServedStudy, token: str, clock: Clock) -> None:
+    """Start the trials; beginning twice changes nothing, and beginning too early neither."""
     with database.writing() as session:
         study_session = find(session, token)
-        if state_of(study_session) == "instructed":
+        waiting = form_due(study_session, served.study) is not None
+        if state_of(study_session) == "instructed" and not waiting:
             study_session.started_at = study_session.last_active_at = clock.now()
 
 

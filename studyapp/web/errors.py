@@ -10,6 +10,7 @@ from werkzeug.exceptions import HTTPException
 
 from studyapp.services.refusal import (
     ConflictError,
+    IneligibleError,
     NotTheirsError,
     RefusalError,
     StudyFullError,
@@ -21,6 +22,7 @@ from studyapp.web.running import running
 STATUS: Final[dict[type[RefusalError], int]] = {
     UnknownAddressError: 404,
     NotTheirsError: 403,
+    IneligibleError: 403,
     StudyFullError: 409,
     ConflictError: 409,
     UnacceptableError: 422,

@@ -12,9 +12,11 @@ from flask import Blueprint, jsonify, redirect, render_template, request, url_fo
 from flask.typing import ResponseReturnValue
 from pydantic import ValidationError
 
+from studyapp.definition.form import Stage
 from studyapp.services.answer_fields import Fields
 from studyapp.services.answering import answer, skip_unplayable
 from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.form_answers import answer_form
 from studyapp.services.refusal import UnacceptableError
 from studyapp.services.taking_part import ShownTrial, begin, look, withdraw
 from studyapp.services.watching import record_watched
@@ -27,20 +29,16 @@ pages = Blueprint("participant", __name__)
 
 RECRUITER_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
 RECRUITER_NAME: Final = re.compile(r"[\x21-\x7e]{1,200}")
+FORM_FIELD: Final = "form:"
+"""Stands before the names of questions about the participant; no question's name holds a colon."""
+
 VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")
 
 
 @pages.get("/")
 def consent() -> ResponseReturnValue:
     """Say what the study is and ask for consent; nothing is stored."""
-    here = running()
-    return render_template(
-        "consent.html",
-        study=here.study,
-        paragraphs=[text for text in here.study.page.consent.split("\n\n") if text.strip()],
-        visit=secrets.token_urlsafe(24),
-        recruiter=_recruiter(request.args),
-    )
+    return _consent_page(secrets.token_urlsafe(24), _recruiter(request.args))
 
 
 @pages.post("/")
@@ -58,8 +56,13 @@ def start() -> ResponseReturnValue:
         recruiter_participant=recruiter.get("PROLIFIC_PID"),
         recruiter_study=recruiter.get("STUDY_ID", ""),
         recruiter_session=recruiter.get("SESSION_ID", ""),
+        form=_form_fields(),
     )
-    token = enrol(here.database, here.served, arrival, here.clock)
+    try:
+        token = enrol(here.database, here.served, arrival, here.clock)
+    except UnacceptableError as refusal:
+        problem = f"{refusal.what} {refusal.remedy}"
+        return _consent_page(visit, recruiter, problem=problem, given=arrival.form), 422
     return _to_where_they_stand(token)
 
 
@@ -69,11 +72,24 @@ def stand(token: str) -> ResponseReturnValue:
     return _where_they_stand(token)
 
 
+@pages.post("/take/<token>/form/<any(demographics, closing):stage>")
+def form(token: str, stage: Stage) -> ResponseReturnValue:
+    """Store what the participant says about themselves."""
+    here = running()
+    given = _form_fields()
+    try:
+        answer_form(here.database, here.served, token, stage, given, here.clock)
+    except UnacceptableError as refusal:
+        problem = f"{refusal.what} {refusal.remedy}"
+        return _form_page(token, stage, problem=problem, given=given), 422
+    return _to_where_they_stand(token)
+
+
 @pages.post("/take/<token>/begin")
 def begin_trials(token: str) -> ResponseReturnValue:
     """Leave the instructions."""
     here = running()
-    begin(here.database, token, here.clock)
+    begin(here.database, here.served, token, here.clock)
     return _to_where_they_stand(token)
 
 
@@ -146,6 +162,8 @@ def _to_where_they_stand(token: str) -> ResponseReturnValue:
 def _where_they_stand(token: str, *, problem: str = "", given: Fields | None = None) -> str:
     here = running()
     situation = look(here.database, here.served, token, here.clock)
+    if situation.form is not None:
+        return _form_page(token, situation.form)
     if situation.trial is not None:
         return _trial_page(token, situation.trial, problem, given or {})
     return render_template(
@@ -172,6 +190,49 @@ def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> s
         problem=problem,
         given=given,
     )
+
+
+def _consent_page(
+    visit: str,
+    recruiter: Mapping[str, str],
+    *,
+    problem: str = "",
+    given: Mapping[str, str] | None = None,
+) -> str:
+    study = running().study
+    return render_template(
+        "consent.html",
+        study=study,
+        paragraphs=[text for text in study.page.consent.split("\n\n") if text.strip()],
+        visit=visit,
+        recruiter=recruiter,
+        problem=problem,
+        given=given or {},
+    )
+
+
+def _form_page(
+    token: str, stage: Stage, *, problem: str = "", given: Mapping[str, str] | None = None
+) -> str:
+    study = running().study
+    return render_template(
+        "form.html",
+        study=study,
+        token=token,
+        stage=stage,
+        questions=study.form.asked(stage),
+        problem=problem,
+        given=given or {},
+    )
+
+
+def _form_fields() -> dict[str, str]:
+    """Return the answers about the participant that were sent, under their questions' names."""
+    return {
+        name.removeprefix(FORM_FIELD): value
+        for name, value in request.form.items()
+        if name.startswith(FORM_FIELD)
+    }
 
 
 def _recruiter(values: Mapping[str, str]) -> dict[str, str]:

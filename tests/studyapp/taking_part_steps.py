@@ -44,7 +44,7 @@ class Participant:
         return self
 
     def begin(self) -> Participant:
-        begin(self.database, self.token, self.clock)
+        begin(self.database, self.served, self.token, self.clock)
         return self
 
     def look(self) -> Situation:

@@ -8,6 +8,9 @@ trials are scattered among the others. What the paper leaves open is decided her
   half show the reference on the left, and an odd one falls to either side by chance. Practice
   and catch trials are balanced each among themselves.
 - A repeat draws its side anew, so that an answer cannot be given from the memory of a side.
+- With ``comparisons = "all_pairs"`` every participant meets all conditions: pairs come equally
+  often, along a ring drawn once per study. With ``"adaptive"`` they are chosen, when a participant
+  comes, by how much an answer is worth under what has been answered so far.
 - A catch trial is never among the practice trials and never the first trial; two of them do not
   follow each other as long as there are enough places between the others.
 """
@@ -16,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import Final, Literal
 
 import numpy as np
@@ -28,20 +32,19 @@ from studyapp.definition.conditions import Condition, with_sources
 from studyapp.definition.questions import Question
 from studyapp.definition.section import Name
 from studyapp.definition.study import GROUND_TRUTH, Study
+from studyapp.design.adaptive import Pair, worthiest_pairs
 from studyapp.design.allocation import allocate_segments, shuffled
 from studyapp.design.arm import Arm
 from studyapp.design.asking import Answers, Trial
 from studyapp.design.order import drawn_segments, even_sides, numbered, scattered
 from studyapp.design.planned_trial import Kind, PlannedTrial
+from studyapp.design.preference import PREFERENCES, prefer_side
 from studyapp.design.stimulus import Content, Stimulus
 from studyapp.design.tally import NO_VOTES, Tally
 from studyapp.design.trial_count import TrialCount, planned_trials
 
 PUBLISHED_PAIRS: Final = 24
 """Pairs that a participant of AMUSE's study judged."""
-
-PREFERENCES: Final = range(-2, 3)
-"""From -2, clearly the first (A), to 2, clearly the second (B)."""
 
 INSTRUCTED: Final = (-2, -1, 1, 2)
 """What an attention check may ask for: not the middle, which the undecided choose anyway."""
@@ -52,10 +55,16 @@ class PairwiseStudy(Study):
 
     Attributes
     ----------
+    comparisons : {'with_reference', 'all_pairs', 'adaptive'}
+        Every other condition with the reference, each with participants of its own; or all
+        pairs of conditions, within each participant, evenly or where they are worth most.
     reference : str
-        The condition that every other condition is compared with.
+        The condition that every other condition is compared with, and that stands first in the
+        names of pairs.
     participants_per_comparison : int
-        Places of each comparison; AMUSE has 25.
+        Places of each comparison with the reference; AMUSE has 25.
+    participants : int
+        Places of a study that compares all pairs.
     trials : int
         Pairs each participant is asked about in the analysed trials, at most; three per emotion
         in AMUSE.
@@ -68,8 +77,10 @@ class PairwiseStudy(Study):
     """
 
     protocol: Literal["pairwise"] = "pairwise"
+    comparisons: Literal["with_reference", "all_pairs", "adaptive"] = "with_reference"
     reference: Name
     participants_per_comparison: int = Field(25, ge=1, le=10_000)
+    participants: int = Field(60, ge=1, le=100_000)
     trials: int = Field(24, ge=1, le=500)
     practice: int = Field(3, ge=0, le=20)
     announce_practice: bool = False
@@ -82,6 +93,9 @@ class PairwiseStudy(Study):
         problems = super().problems()
         if self.reference not in self.conditions:
             problems.append(f"reference {self.reference!r} is no condition of it ({known})")
+        unused = "participants" if self.has_reference_arms else "participants_per_comparison"
+        if unused in self.model_fields_set:
+            problems.append(f"{unused} has no meaning with comparisons = {self.comparisons!r}")
         if self.practice > self.trials:
             problems.append(f"practice {self.practice} is more than trials {self.trials}")
         if self.layout == "composed" and any(c.videos for c in self.conditions.values()):
@@ -94,6 +108,16 @@ class PairwiseStudy(Study):
         return tuple(name for name in self.conditions if name != self.reference)
 
     @property
+    def has_reference_arms(self) -> bool:
+        """Whether each comparison with the reference has participants of its own."""
+        return self.comparisons == "with_reference"
+
+    @property
+    def follows_votes(self) -> bool:
+        """Whether what is shown depends on what was answered before."""
+        return self.comparisons == "adaptive"
+
+    @property
     def catch_against(self) -> str:
         """The condition that catch trials show beside the flawed motion."""
         if self.catch.against is not None:
@@ -102,7 +126,10 @@ class PairwiseStudy(Study):
 
     @property
     def arms(self) -> tuple[Arm, ...]:
-        """One arm per comparison."""
+        """One arm per comparison with the reference, or one for all pairs."""
+        if not self.has_reference_arms:
+            everything = (self.reference, *self.others)
+            return (Arm(name="all", conditions=everything, places=self.participants),)
         return tuple(
             Arm(
                 name=comparison_name(self.reference, other),
@@ -120,7 +147,7 @@ class PairwiseStudy(Study):
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
         """Every (left, right) a participant may be shown: both orders of each pair."""
-        compared = [(self.reference, other) for other in self.others]
+        compared = [pair for arm in self.arms for pair in combinations(arm.conditions, 2)]
         if self.catch.trials:
             compared.append((self.catch_against, self.catch.condition))
         return tuple(pair for a, b in compared for pair in ((a, b), (b, a)))
@@ -138,23 +165,22 @@ class PairwiseStudy(Study):
         self, arm: Arm, number: int, segments: Sequence[Segment], votes: Tally = NO_VOTES
     ) -> tuple[PlannedTrial, ...]:
         """Return practice, then main with catch and attention among them, then the repeats."""
-        del votes
         count = self.count(segments)
         comparison = (self.seed, *arm.name.encode())
         chance = np.random.default_rng([number + 1, *comparison])
         chosen = shuffled(
             allocate_segments(segments, self.trials, number=number, seed=comparison), chance
         )
-        first, rest = chosen[: count.practice], chosen[count.practice :]
-        pair = (arm.conditions[0], arm.conditions[1])
-        practice = self._pairs("practice", first, pair, chance)
-        analysed = self._pairs("main", [*rest, *first], pair, chance)
+        shown = list(zip(chosen, self._compared(arm, number, len(chosen), votes), strict=True))
+        first, rest = shown[: count.practice], shown[count.practice :]
+        practice = self._pairs("practice", first, chance)
+        analysed = self._pairs("main", [*rest, *first], chance)
         main, repeats = analysed[: count.main], analysed[count.main :]
         repeats = [
             replace(trial, kind="repeat", repeats=position)
             for position, trial in enumerate(repeats, start=1)
         ]
-        extra = [*self._catch(segments, chance), *self._attention(segments, pair, chance)]
+        extra = [*self._catch(segments, chance), *self._attention(segments, shown, chance)]
         later = scattered(extra, [*main, *repeats], chance, may_lead=bool(practice))
         return numbered([*practice, *later])
 
@@ -182,22 +208,20 @@ class PairwiseStudy(Study):
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
         """Return the five levels of preference."""
         del question, trial
-        return PREFERENCES
+        return PREFERENCES[5]
 
-    def favours(self, trial: Trial, answers: Answers, number: int) -> bool:
-        """Tell whether every answer prefers side `number`, slightly or clearly."""
-        del trial
-        return all((value > 0) if number == 2 else (value < 0) for value in answers.values())
+    def prefers(self, answers: Answers, better: int, worse: int) -> bool:
+        """Tell whether every answer prefers side `better`, slightly or clearly."""
+        del worse
+        return prefer_side(answers, better)
 
     def _pairs(
         self,
         kind: Kind,
-        segments: Sequence[Segment],
-        pair: tuple[str, str],
+        shown: Sequence[tuple[Segment, Pair]],
         chance: np.random.Generator,
     ) -> list[PlannedTrial]:
-        """Return one trial per segment, with `pair` one way round in half of them."""
-        a, b = pair
+        """Return one trial per segment and pair, one way round in half of them."""
         return [
             PlannedTrial(
                 position=0,
@@ -205,10 +229,21 @@ class PairwiseStudy(Study):
                 segment=segment,
                 videos=self._videos(segment, *((a, b) if first_is_left else (b, a))),
             )
-            for segment, first_is_left in zip(
-                segments, even_sides(len(segments), chance), strict=True
+            for (segment, (a, b)), first_is_left in zip(
+                shown, even_sides(len(shown), chance), strict=True
             )
         ]
+
+    def _compared(self, arm: Arm, number: int, count: int, votes: Tally) -> list[Pair]:
+        """Return the pairs that a participant compares, one for each of `count` segments."""
+        pairs = list(combinations(arm.conditions, 2))
+        chance = np.random.default_rng([number + 1, self.seed, len(pairs)])
+        if self.follows_votes:
+            return worthiest_pairs(arm.conditions, votes, count, chance)
+        ring = shuffled(pairs, np.random.default_rng([self.seed, len(pairs)]))
+        return shuffled(
+            [ring[(number * count + step) % len(ring)] for step in range(count)], chance
+        )
 
     def _videos(self, segment: Segment, left: str, right: str) -> tuple[Content, ...]:
         shown = tuple(Stimulus.own(condition, segment.name) for condition in (left, right))
@@ -221,18 +256,23 @@ class PairwiseStudy(Study):
         pair = (self.catch_against, self.catch.condition)
         return [
             replace(trial, expected=1 + trial.conditions.index(self.catch_against))
-            for trial in self._pairs("catch", heard, pair, chance)
+            for trial in self._pairs("catch", [(segment, pair) for segment in heard], chance)
         ]
 
     def _attention(
-        self, segments: Sequence[Segment], pair: tuple[str, str], chance: np.random.Generator
+        self,
+        segments: Sequence[Segment],
+        shown: Sequence[tuple[Segment, Pair]],
+        chance: np.random.Generator,
     ) -> list[PlannedTrial]:
+        """Return checks that show some of the pairs of `shown` with any speech."""
         if not self.attention.trials:
             return []
         heard = drawn_segments(segments, self.attention.trials, chance)
+        pairs = [shown[index % len(shown)][1] for index in range(len(heard))]
         return [
             replace(trial, instructed=int(chance.choice(INSTRUCTED)))
-            for trial in self._pairs("attention", heard, pair, chance)
+            for trial in self._pairs("attention", list(zip(heard, pairs, strict=True)), chance)
         ]
 
 
@@ -244,9 +284,9 @@ def pairwise(study: Study, where: object) -> PairwiseStudy:
     InputError
         If it is of another protocol.
     """
-    if not isinstance(study, PairwiseStudy):
+    if not isinstance(study, PairwiseStudy) or not study.has_reference_arms:
         raise InputError(
-            f"this works for pairwise studies, and the study's protocol is {study.protocol!r}",
+            "this works for pairwise comparisons with a reference, and the study is another one",
             where=where,
             remedy="Take the answers out with 'motionjury export'",
         )

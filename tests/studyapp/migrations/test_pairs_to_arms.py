@@ -133,7 +133,7 @@ def test_answers_and_places_of_the_first_schema_are_there_in_the_second(first: P
         main, catch = participant.trials
         assert [shown.condition for shown in main.stimuli] == ["ours", "theirs"]
         assert main.responses[0].value == 1
-        assert (catch.expected, catch.judged_conditions) == (2, ("broken", "ours"))
+        assert (catch.expected, catch.conditions) == (2, ("broken", "ours"))
         assert catch.responses[0].value == -1
         (video,) = catch.videos
         assert (video.token, video.duration) == ("media-2", 2.5)

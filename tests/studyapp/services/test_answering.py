@@ -6,7 +6,8 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.models import Response, StudySession
-from studyapp.services.answering import CODE_LENGTH, CODE_LETTERS, skip_unplayable
+from studyapp.services.answering import skip_unplayable
+from studyapp.services.finishing import CODE_LENGTH, CODE_LETTERS
 from studyapp.services.refusal import (
     ConflictError,
     NotTheirsError,

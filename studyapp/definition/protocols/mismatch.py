@@ -1,0 +1,242 @@
+"""mismatch: which of two speeches a motion fits, and how real motions look without any.
+
+After the GENEA evaluations (Kucherenko et al. 2023; the leaderboard of arXiv 2511.01233). The
+task ``fit`` shows one motion twice, with its own and with another segment's speech, in two
+players. The task ``realism`` shows two conditions without sound. What is decided here:
+
+- The other speech of a segment is the same for all participants and conditions: the next one, in
+  an order drawn once per study, that is at least as long. So each motion needs two videos only.
+- Conditions, or pairs of them, come equally often; sides are balanced within a participant.
+- Catch trials belong to the task ``realism``; with the task ``fit`` alone there are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Final, Literal
+
+import numpy as np
+from pydantic import Field
+
+from motion.segment import Segment
+from studyapp.definition.conditions import Catch
+from studyapp.definition.questions import Question
+from studyapp.definition.study import Study
+from studyapp.design.allocation import allocate_segments, even_quotas, shuffled
+from studyapp.design.arm import Arm
+from studyapp.design.asking import Answers, Trial
+from studyapp.design.order import drawn_segments, even_sides, numbered, scattered_by_part
+from studyapp.design.planned_trial import Kind, PlannedTrial
+from studyapp.design.preference import PREFERENCES, Levels, prefer_side
+from studyapp.design.stimulus import Content, Stimulus
+from studyapp.design.tally import NO_VOTES, Tally
+
+FIT: Final = "fit"
+REALISM: Final = "realism"
+
+SLACK: Final = 0.05
+"""Seconds by which another speech may be shorter than the motion."""
+
+Shown = tuple[Segment, Stimulus, Stimulus]
+"""What a trial is about, and the two stimuli of it."""
+
+
+class MismatchQuestion(Question):
+    """A question between two players.
+
+    Attributes
+    ----------
+    levels : {2, 3, 5}
+        How many answers there are: A or B; with 'no difference'; or clearly and slightly each.
+    """
+
+    levels: Levels = 3
+
+
+class MismatchStudy(Study):
+    """Whether motion fits its speech, and whether it looks real.
+
+    Attributes
+    ----------
+    participants : int
+        How many are wanted.
+    fit, realism : int
+        Trials of each task; 0 leaves a task out.
+    """
+
+    protocol: Literal["mismatch"] = "mismatch"
+    participants: int = Field(30, ge=1, le=100_000)
+    fit: int = Field(24, ge=0, le=500)
+    realism: int = Field(0, ge=0, le=500)
+    catch: Catch = Catch(trials=0)
+    questions: tuple[MismatchQuestion, ...] = Field(min_length=1, max_length=8, strict=False)
+
+    def problems(self) -> list[str]:
+        """Return everything that does not fit together."""
+        problems = super().problems()
+        if not self.parts:
+            problems.append("fit and realism are both 0, so there is no task")
+        if self.realism and len(self.conditions) < 2:
+            problems.append("realism compares conditions, and there is only one")
+        if self.catch.trials and not self.realism:
+            problems.append("catch trials belong to the task realism, which has no trials")
+        return problems
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The tasks."""
+        return tuple(name for name, n in ((FIT, self.fit), (REALISM, self.realism)) if n)
+
+    @property
+    def arms(self) -> tuple[Arm, ...]:
+        """One arm: everybody judges all conditions."""
+        return (Arm(name="all", conditions=tuple(self.conditions), places=self.participants),)
+
+    def contents(self, segments: Sequence[Segment]) -> Iterator[Content]:
+        """Yield every motion with its own and with another speech, and without sound."""
+        other = self._other_speech(segments)
+        for condition in self.conditions if self.fit else ():
+            for segment in segments:
+                for stimulus in _both_ways(condition, segment, other):
+                    yield (stimulus,)
+        muted = self.conditions if self.realism else ()
+        caught = (self.catch_against, self.catch.condition) if self.catch.trials else ()
+        for condition in dict.fromkeys((*muted, *caught)):
+            for segment in segments:
+                yield (_muted(condition, segment),)
+
+    def plan(
+        self, arm: Arm, number: int, segments: Sequence[Segment], votes: Tally = NO_VOTES
+    ) -> tuple[PlannedTrial, ...]:
+        """Return the tasks one after the other, catch trials and attention checks among them."""
+        del arm, votes
+        chance = np.random.default_rng([number + 1, self.seed])
+        fit = self._trials("main", FIT, self._fitting(number, segments, chance), chance)
+        real = self._trials("main", REALISM, self._real(number, segments, chance), chance)
+        extra = [*self._catch(segments, chance), *self._attention([*fit, *real], chance)]
+        return numbered(scattered_by_part(extra, [*fit, *real], chance))
+
+    def values(self, question: Question, trial: Trial) -> Sequence[int]:
+        """Return the levels of preference that the question has."""
+        del trial
+        levels = next(asked.levels for asked in self.questions if asked.name == question.name)
+        return PREFERENCES[levels]
+
+    def prefers(self, answers: Answers, better: int, worse: int) -> bool:
+        """Tell whether every answer prefers side `better`, however little."""
+        del worse
+        return prefer_side(answers, better)
+
+    def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
+        """Say which motions outlast the other speech they are shown with."""
+        by_name = {segment.name: segment for segment in segments}
+        short = [
+            name
+            for name, speech in self._other_speech(segments).items()
+            if by_name[speech].duration < by_name[name].duration - SLACK
+        ]
+        return (
+            (f"no other speech is as long as that of {', '.join(short)}: it ends before them",)
+            if self.fit and short
+            else ()
+        )
+
+    def _other_speech(self, segments: Sequence[Segment]) -> dict[str, str]:
+        """Return, for each segment, the other one whose speech its motion is shown with."""
+        ring = shuffled(segments, np.random.default_rng([self.seed, len(segments)]))
+        other = {}
+        for index, segment in enumerate(ring):
+            following = [*ring[index + 1 :], *ring[:index]]
+            enough = [s for s in following if s.duration >= segment.duration - SLACK]
+            longest = sorted(following, key=lambda s: s.duration, reverse=True)
+            for chosen in (enough or longest)[:1]:
+                other[segment.name] = chosen.name
+        return other
+
+    def _fitting(
+        self, number: int, segments: Sequence[Segment], chance: np.random.Generator
+    ) -> list[Shown]:
+        other = self._other_speech(segments)
+        available = {condition: len(other) for condition in self.conditions}
+        return shuffled(
+            [
+                (segment, *_both_ways(condition, segment, other))
+                for condition, count in even_quotas(available, self.fit, number).items()
+                for segment in allocate_segments(
+                    segments if other else (),
+                    count,
+                    number=number,
+                    seed=(self.seed, *condition.encode()),
+                )
+            ],
+            chance,
+        )
+
+    def _real(
+        self, number: int, segments: Sequence[Segment], chance: np.random.Generator
+    ) -> list[Shown]:
+        pairs = {f"{a} {b}": (a, b) for a, b in combinations(self.conditions, 2)}
+        available = dict.fromkeys(pairs, len(segments))
+        return shuffled(
+            [
+                (segment, _muted(pairs[name][0], segment), _muted(pairs[name][1], segment))
+                for name, count in even_quotas(available, self.realism, number).items()
+                for segment in allocate_segments(
+                    segments, count, number=number, seed=(self.seed, *name.encode())
+                )
+            ],
+            chance,
+        )
+
+    def _trials(
+        self, kind: Kind, part: str, shown: Sequence[Shown], chance: np.random.Generator
+    ) -> list[PlannedTrial]:
+        """Return a trial each, the first stimulus on the left in half of them."""
+        return [
+            PlannedTrial(
+                position=0,
+                kind=kind,
+                part=part,
+                segment=segment,
+                videos=((first,), (second,)) if first_is_left else ((second,), (first,)),
+            )
+            for (segment, first, second), first_is_left in zip(
+                shown, even_sides(len(shown), chance), strict=True
+            )
+        ]
+
+    def _catch(
+        self, segments: Sequence[Segment], chance: np.random.Generator
+    ) -> list[PlannedTrial]:
+        right, flawed = self.catch_against, self.catch.condition
+        shown = [
+            (segment, _muted(right, segment), _muted(flawed, segment))
+            for segment in drawn_segments(segments, self.catch.trials, chance)
+        ]
+        return [
+            replace(trial, expected=1 + trial.conditions.index(right))
+            for trial in self._trials("catch", REALISM, shown, chance)
+        ]
+
+    def _attention(
+        self, ordinary: Sequence[PlannedTrial], chance: np.random.Generator
+    ) -> list[PlannedTrial]:
+        """Return checks that look like some of the ordinary trials."""
+        count = min(self.attention.trials, len(ordinary))
+        return [
+            replace(trial, kind="attention", instructed=int(chance.choice((-1, 1))))
+            for trial in shuffled(ordinary, chance)[:count]
+        ]
+
+
+def _both_ways(
+    condition: str, segment: Segment, other: dict[str, str]
+) -> tuple[Stimulus, Stimulus]:
+    own = Stimulus.own(condition, segment.name)
+    return own, replace(own, speech=other.get(segment.name))
+
+
+def _muted(condition: str, segment: Segment) -> Stimulus:
+    return Stimulus(condition=condition, segment=segment.name, speech=None)

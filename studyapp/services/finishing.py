@@ -1,0 +1,28 @@
+"""Finishing: the completion code, which exists only when everything is answered."""
+
+from __future__ import annotations
+
+import secrets
+from datetime import datetime
+from typing import Final
+
+from studyapp.definition.study import Study
+from studyapp.models import StudySession
+from studyapp.services.sitting import current_trial, form_due
+
+CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
+"""Letters and digits that are not taken for one another."""
+
+CODE_LENGTH: Final = 12
+
+
+def move_on(study_session: StudySession, study: Study, now: datetime) -> None:
+    """Note the activity; after the last answer of all, complete the study session."""
+    study_session.last_active_at = now
+    if study_session.started_at is None or current_trial(study_session) is not None:
+        return
+    if form_due(study_session, study) is None:
+        study_session.completed_at = now
+        study_session.completion_code = "".join(
+            secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH)
+        )

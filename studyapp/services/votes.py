@@ -1,0 +1,42 @@
+"""The votes so far, for studies that choose their pairs by them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session, aliased
+
+from analysis.responses import ANALYSED_KINDS
+from studyapp.design.tally import NO_VOTES, Tally
+from studyapp.models import Response, StudySession, Trial, TrialStimulus
+from studyapp.services.served_study import ServedStudy
+
+
+def votes_so_far(session: Session, served: ServedStudy) -> Tally:
+    """Return how often each condition was preferred on the study's first question.
+
+    Empty for studies that do not look at it. A slight preference counts as a clear one, and no
+    difference as half a vote for both.
+    """
+    if not served.study.follows_votes:
+        return NO_VOTES
+    first, second = aliased(TrialStimulus), aliased(TrialStimulus)
+    rows = session.execute(
+        select(first.condition, second.condition, Response.value)
+        .join(Trial, Trial.id == Response.trial_id)
+        .join(StudySession, StudySession.id == Trial.study_session_id)
+        .join(first, (first.trial_id == Trial.id) & (first.number == 1))
+        .join(second, (second.trial_id == Trial.id) & (second.number == 2))
+        .where(
+            Trial.kind.in_(ANALYSED_KINDS),
+            Response.question == served.study.questions[0].name,
+            StudySession.withdrawn_at.is_(None),
+        )
+    )
+    votes: defaultdict[tuple[str, str], float] = defaultdict(float)
+    for a, b, value in rows:
+        share = 0.5 if value == 0 else float(value > 0)
+        votes[b, a] += share
+        votes[a, b] += 1 - share
+    return dict(votes)
