@@ -224,10 +224,15 @@ class MismatchStudy(Study):
         self, ordinary: Sequence[PlannedTrial], chance: np.random.Generator
     ) -> list[PlannedTrial]:
         """Return checks that look like some of the ordinary trials."""
-        count = min(self.attention.trials, len(ordinary))
+        count = self.attention.trials if ordinary else 0
+        looks = shuffled(ordinary, chance)
         return [
-            replace(trial, kind="attention", instructed=int(chance.choice((-1, 1))))
-            for trial in shuffled(ordinary, chance)[:count]
+            replace(
+                looks[index % len(looks)],
+                kind="attention",
+                instructed=int(chance.choice((-1, 1))),
+            )
+            for index in range(count)
         ]
 
 
