@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.definition.finished_videos import finished_video, seconds_of
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.media import Media
+from studyapp.definition.stimuli import ClipVideo, Stimuli, write_stimuli
+from studyapp.design.stimulus import Stimulus
+from tests.finished_study import PROTOCOLS, SEGMENTS, write_finished_study, write_short_video
+from tests.studyapp.made_study import make_study
+
+OTHER = Stimulus(condition="ours", segment="one", speech="two")
+MUTED = Stimulus(condition="ours", segment="one", speech=None)
+
+
+@pytest.fixture
+def finished(tmp_path: Path) -> StudyFolder:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, "mismatch", tmp_path / "short.mp4")
+    return StudyFolder(tmp_path)
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_finished_videos_need_neither_speech_nor_rendering(tmp_path: Path, protocol: str) -> None:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, protocol, tmp_path / "short.mp4")
+    folder = StudyFolder(tmp_path)
+    study = folder.study()
+    segments = folder.segments_of(study)
+    media = Media.of(folder, study)
+
+    assert [segment.name for segment in segments] == sorted(SEGMENTS)
+    for content in study.contents(segments):
+        found = media.find(content)
+        assert found is not None
+        assert found.file.is_file()
+        assert found.duration == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_finished_video_with_another_speech_lies_beside_its_own() -> None:
+    own = Stimulus.own("ours", "one")
+
+    assert finished_video(Path("v"), own) == Path("v/ours/one.mp4")
+    assert finished_video(Path("v"), OTHER) == Path("v/ours/one@two.mp4")
+    assert finished_video(Path("v"), MUTED) == Path("v/ours/one.mp4")
+
+
+def test_a_segment_that_one_condition_lacks_is_none(finished: StudyFolder) -> None:
+    (finished.videos / "theirs" / "two.mp4").unlink()
+
+    assert [s.name for s in finished.segments_of(finished.study())] == ["one", "three"]
+
+
+def test_a_finished_video_that_is_none_is_named(finished: StudyFolder) -> None:
+    path = finished.videos / "ours" / "one.mp4"
+    path.write_bytes(b"no video")
+
+    with pytest.raises(InputError, match=r"no video that can be played"):
+        seconds_of(path)
+
+
+def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> None:
+    clip = ClipVideo(segment="one", condition="ours", file="videos/a.mp4", duration=2.0, key="k")
+    other = clip.model_copy(update={"speech": "two", "file": "videos/b.mp4"})
+    write_stimuli(tmp_path / "stimuli.json", Stimuli(clips=(clip, other)))
+    conditions = {"ours": {}, "theirs": {}}
+    study = make_study(reference="ours", conditions=conditions)
+    media = Media.of(StudyFolder(tmp_path), study)
+
+    def name(stimulus: Stimulus) -> str | None:
+        found = media.find((stimulus,))
+        return None if found is None else found.file.name
+
+    assert name(Stimulus.own("ours", "one")) == name(MUTED) == "a.mp4"
+    assert name(OTHER) == "b.mp4"
+    assert name(Stimulus.own("theirs", "one")) is None

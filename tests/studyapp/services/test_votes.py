@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from studyapp.services.database import Database
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.taking_part import withdraw
+from studyapp.services.versions import open_study
+from studyapp.services.votes import votes_so_far
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+def tally(participant: Participant, served: ServedStudy) -> dict[tuple[str, str], float]:
+    with participant.database.reading() as session:
+        return dict(votes_so_far(session, served))
+
+
+def adaptive(participant: Participant) -> ServedStudy:
+    """Return the study as one that follows votes."""
+    study = participant.served.study.model_copy(update={"comparisons": "adaptive"})
+    return replace(participant.served, study=study)
+
+
+def test_analysed_answers_to_the_first_question_count(participant: Participant) -> None:
+    participant.take_all()
+    served = adaptive(participant)
+
+    votes = tally(participant, served)
+
+    # 3 main and 1 repeat; B was always preferred, whoever it was.
+    assert sum(votes.values()) == 4
+    assert set(votes) == {("rule_based", "mismatched"), ("mismatched", "rule_based")}
+
+
+def test_no_difference_is_half_a_vote_for_both(participant: Participant) -> None:
+    while participant.look().trial is not None:
+        participant.take_trial({"rhythm": "0", "emotion": "2"})
+
+    assert set(tally(participant, adaptive(participant)).values()) == {2.0}
+
+
+def test_who_withdrew_does_not_vote(participant: Participant) -> None:
+    for _ in range(3):
+        participant.take_trial()
+    withdraw(participant.database, participant.token, participant.clock)
+
+    assert tally(participant, adaptive(participant)) == {}
+
+
+def test_other_studies_look_at_no_votes(participant: Participant) -> None:
+    participant.take_all()
+
+    assert tally(participant, participant.served) == {}
+
+
+def test_an_adaptive_study_asks_next_about_what_is_least_known(
+    tiny_study: Path, database: Database, clock: SetClock
+) -> None:
+    path = tiny_study / "study.toml"
+    text = path.read_text("utf-8").replace("participants_per_comparison = 4", "participants = 4")
+    path.write_text(f'comparisons = "adaptive"\n{text}', "utf-8")
+    served = ServedStudy.read(tiny_study)
+    open_study(database, served, clock)
+
+    assert Participant(database, served, clock).enrol().begin().take_all()
