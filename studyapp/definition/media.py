@@ -49,9 +49,7 @@ class Media:
         InputError
             If something must have been rendered and nothing was.
         """
-        names = (*study.conditions, *((study.catch.condition,) if study.catch.trials else ()))
-        only_finished = all(study.is_finished(name) for name in names)
-        stimuli = Stimuli() if only_finished else read_stimuli(folder.stimuli)
+        stimuli = Stimuli() if study.only_finished else read_stimuli(folder.stimuli)
         return cls(folder=folder, study=study, rendered=_rendered(folder, stimuli))
 
     def find(self, content: Content) -> VideoFile | None:

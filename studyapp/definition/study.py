@@ -237,6 +237,12 @@ class Study(Section, ABC):
             return self.catch.videos
         return self.conditions[condition].videos
 
+    @property
+    def only_finished(self) -> bool:
+        """Whether finished videos of everything are brought, so that nothing is rendered."""
+        caught = (self.catch.condition,) if self.catch.trials else ()
+        return all(self.is_finished(name) for name in (*self.conditions, *caught))
+
     def generated(self) -> dict[str, Condition]:
         """Return every condition with a generator, the catch condition last, sources first."""
         made = generated(self.conditions)

@@ -65,7 +65,7 @@ def generate(
         Called with (clips done, clips in all) after each clip.
     """
     study = folder.study()
-    segments = folder.segments()
+    segments = folder.segments_of(study)
     conditions = study.generated()
     made = kept = 0
     for name, condition in conditions.items():

@@ -28,7 +28,7 @@ KIND_WORDS: Final[Mapping[Kind, str]] = MappingProxyType(
         "main": "main",
         "repeat": "practice ones again (analysed)",
         "catch": "catch",
-        "attention": "attention checks",
+        "attention": "attention",
     }
 )
 
@@ -76,8 +76,7 @@ def _media_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
         study.contents(tuple(segments.values())),
         key=lambda content: order.index(content[0].segment),
     )
-    rendered = any(not study.is_finished(content[0].condition) for content in contents)
-    if rendered and not folder.stimuli.exists():
+    if not study.only_finished and not folder.stimuli.exists():
         yield Finding(Severity.ERROR, "the study has no videos yet", "Run 'motionjury render'")
         return
     media = Media.of(folder, study)
@@ -134,7 +133,9 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     segments = folder.segments_of(study)
     plan = study.plan(study.arms[0], 0, segments)
     counts = Counter(trial.kind for trial in plan)
-    said = ", ".join(f"{counts[kind]} {words}" for kind, words in KIND_WORDS.items())
+    said = ", ".join(
+        f"{counts[kind]} {words}" for kind, words in KIND_WORDS.items() if counts[kind]
+    )
     yield Finding(Severity.NOTE, f"a participant sees {len(plan)} trials: {said}")
     for sentence in (*study.notes(segments), *study_notes(study)):
         yield Finding(Severity.NOTE, sentence.rstrip("."))

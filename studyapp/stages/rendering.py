@@ -48,6 +48,8 @@ def render(
 ) -> RenderCount:
     """Render each clip and pair that is missing or no longer fits what it shows.
 
+    Finished videos that were brought are only given equal sizes.
+
     What is finished is recorded at once, so that an interrupted run goes on where it was. A
     video that cannot be made is reported and the rest goes on.
 
@@ -60,6 +62,9 @@ def render(
     on_done : callable
         Called with (videos done, videos to do) after each.
     """
+    if folder.study().only_finished:
+        hide_sizes(folder)
+        return RenderCount(made=0, kept=0, failures=())
     plan = RenderPlan.of(folder)
     current = _current_files(folder)
     pairs = [pair for pair in plan.pairs if current.get(pair.file) != pair.key]

@@ -10,6 +10,7 @@ from jinja2 import StrictUndefined
 
 from motion.errors import InputError
 from studyapp.clock import Clock
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
@@ -54,6 +55,7 @@ def create_app(
     if rehearsal_speed is not None and not rehearsal_speed > 0:
         raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
     served = ServedStudy.read(folder)
+    _require_pages(served, folder)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal_speed is not None)
     app = StudyWeb("studyapp.web")
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
@@ -70,3 +72,14 @@ def create_app(
     register_error_pages(app)
     protect(app)
     return app
+
+
+def _require_pages(served: ServedStudy, folder: Path) -> None:
+    """Raise `InputError` unless there are pages for trials such as those of `served`."""
+    study = served.study
+    if not isinstance(study, PairwiseStudy) or study.layout != "composed":
+        raise InputError(
+            "participants' pages show composed pairs, and this study shows its videos otherwise",
+            where=folder,
+            remedy='Serve a pairwise study with layout = "composed"',
+        )
