@@ -15,7 +15,6 @@ import pandas as pd
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from motion.errors import InputError
-from motion.files import replacing
 
 ANALYSED_KINDS: Final = ("main", "repeat")
 """Kinds of trial whose answers are analysed; practice and catch trials and attention
@@ -166,12 +165,6 @@ def responses_frame(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
         As `read_responses`, naming the row's place in `rows`.
     """
     return _frame(rows, [f"response {number}" for number, _ in enumerate(rows, start=1)])
-
-
-def write_responses(path: Path, responses: pd.DataFrame) -> None:
-    """Write a tidy table as CSV, whole or not at all."""
-    with replacing(path) as draft:
-        responses.to_csv(draft, index=False, lineterminator="\n", columns=list(COLUMNS))
 
 
 def _frame(rows: Sequence[Mapping[str, Any]], places: Sequence[str]) -> pd.DataFrame:

@@ -9,7 +9,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
 from analysis.responses import COLUMNS
-from studyapp.models import StudySession, Trial, TrialStimulus, Video
+from studyapp.models import FormAnswer, StudySession, Trial, TrialStimulus, Video
 from studyapp.services.database import Database
 from studyapp.services.sitting import state_of
 from studyapp.services.watching import watched_share
@@ -51,6 +51,8 @@ STUDY_SESSION_COLUMNS: Final = (
     "answered",
     "unplayable",
 )
+
+FORM_COLUMNS: Final = ("study_session", "stage", "question", "value")
 
 
 def responses_table(database: Database) -> pd.DataFrame:
@@ -194,3 +196,24 @@ def study_sessions_table(database: Database) -> pd.DataFrame:
             )
         ]
     return pd.DataFrame(rows, columns=list(STUDY_SESSION_COLUMNS))
+
+
+def form_answers_table(database: Database) -> pd.DataFrame:
+    """Return what participants said about themselves, one row per answered question.
+
+    Returns
+    -------
+    DataFrame
+        Columns `FORM_COLUMNS`; who withdrew is left out.
+    """
+    with database.reading() as session:
+        rows = [
+            (str(answer.study_session_id), answer.stage, answer.question, answer.value)
+            for answer in session.scalars(
+                select(FormAnswer)
+                .join(FormAnswer.study_session)
+                .where(StudySession.withdrawn_at.is_(None))
+                .order_by(FormAnswer.study_session_id, FormAnswer.id)
+            )
+        ]
+    return pd.DataFrame(rows, columns=list(FORM_COLUMNS))

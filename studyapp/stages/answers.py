@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import pandas as pd
 
-from analysis.responses import responses_frame, write_responses
+from analysis.responses import responses_frame
+from motion.files import replacing
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import Database, database_url_of
-from studyapp.services.export import STUDY_SESSION_COLUMNS, responses_table, study_sessions_table
+from studyapp.services.export import (
+    EXPORT_COLUMNS,
+    STUDY_SESSION_COLUMNS,
+    form_answers_table,
+    responses_table,
+    study_sessions_table,
+)
 
 Source = Literal["participants", "rehearsal"]
 
@@ -47,10 +56,20 @@ class Answers:
 
 
 def export(folder: StudyFolder, path: Path, *, rehearsal: bool) -> int:
-    """Write the real responses, or the rehearsal's, as tidy CSV and return their number."""
-    answers = read_answers(folder, "rehearsal" if rehearsal else "participants")
-    write_responses(path, answers.responses)
-    return len(answers.responses)
+    """Write the real responses, or the rehearsal's, as tidy CSV and return their number.
+
+    What participants said about themselves goes to ``<name>_form.csv`` beside it, where the study
+    asks for anything.
+    """
+    with _opened(folder, "rehearsal" if rehearsal else "participants") as database:
+        if database is None:
+            table, form = pd.DataFrame(columns=list(EXPORT_COLUMNS)), pd.DataFrame()
+        else:
+            table, form = responses_table(database), form_answers_table(database)
+    _write(path, table)
+    if not form.empty:
+        _write(path.with_name(f"{path.stem}_form.csv"), form)
+    return len(table)
 
 
 def answers_to_report(folder: StudyFolder) -> Answers:
@@ -65,15 +84,11 @@ def answers_to_report(folder: StudyFolder) -> Answers:
 
 def read_answers(folder: StudyFolder, origin: Source) -> Answers:
     """Return the answers of participants or of a rehearsal; the database is left as it is."""
-    url = database_url_of(folder.root, rehearsal=origin == "rehearsal")
-    database = Database.open_for_reading(url)
-    if database is None:
-        return Answers("none", responses_frame([]), _nobody())
-    try:
+    with _opened(folder, origin) as database:
+        if database is None:
+            return Answers("none", responses_frame([]), _nobody())
         responses = responses_table(database)
         study_sessions = study_sessions_table(database)
-    finally:
-        database.close()
     rows = [
         dict(zip(responses.columns, row, strict=True))
         for row in responses.itertuples(index=False, name=None)
@@ -83,3 +98,20 @@ def read_answers(folder: StudyFolder, origin: Source) -> Answers:
 
 def _nobody() -> pd.DataFrame:
     return pd.DataFrame(columns=list(STUDY_SESSION_COLUMNS))
+
+
+@contextmanager
+def _opened(folder: StudyFolder, origin: Source) -> Iterator[Database | None]:
+    """Give the database that holds the answers, to be read; None where there is none yet."""
+    url = database_url_of(folder.root, rehearsal=origin == "rehearsal")
+    database = Database.open_for_reading(url)
+    try:
+        yield database
+    finally:
+        if database is not None:
+            database.close()
+
+
+def _write(path: Path, table: pd.DataFrame) -> None:
+    with replacing(path) as draft:
+        table.to_csv(draft, index=False, lineterminator="\n")

@@ -62,6 +62,7 @@ def check(folder: StudyFolder) -> list[Finding]:
     findings = [
         *_media_findings(folder, study),
         *_motion_findings(folder, study),
+        *_freeze_findings(study),
         *_page_findings(study),
         *_design_findings(folder, study),
     ]
@@ -117,6 +118,16 @@ def _size_findings(sizes: Mapping[str, set[int]]) -> Iterator[Finding]:
                 f"the videos of segment {segment} differ in file size, which tells them apart",
                 "Run 'motionjury render'",
             )
+
+
+def _freeze_findings(study: Study) -> Iterator[Finding]:
+    finished = [name for name in study.conditions if study.is_finished(name)]
+    if study.freeze and finished:
+        yield Finding(
+            Severity.WARNING,
+            f"freeze holds nothing still in the finished videos of {listed(finished)}",
+            "Bring videos that hold it still: participants are told that it is",
+        )
 
 
 def _page_findings(study: Study) -> Iterator[Finding]:

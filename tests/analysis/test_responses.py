@@ -4,7 +4,7 @@ import csv
 
 import pytest
 
-from analysis.responses import COLUMNS, read_responses, responses_frame, write_responses
+from analysis.responses import COLUMNS, read_responses, responses_frame
 from motion.errors import InputError
 
 
@@ -18,7 +18,7 @@ def write_rows(path, rows, columns=COLUMNS):
 
 def test_a_written_table_reads_back_as_it_was(tmp_path, simulated_study):
     responses = simulated_study(participants=2, segments=4, practice=1).responses()
-    write_responses(tmp_path / "responses.csv", responses)
+    responses.to_csv(tmp_path / "responses.csv", index=False)
     assert read_responses(tmp_path / "responses.csv").equals(responses)
 
 

@@ -8,6 +8,7 @@ from sqlalchemy import select
 from studyapp.models import FormAnswer, StudySession
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.export import form_answers_table
 from studyapp.services.form_answers import answer_form
 from studyapp.services.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
@@ -105,6 +106,8 @@ def test_questions_come_before_the_trials_and_after_them(asking: Participant) ->
     assert (asking.look().form, asking.look().completion_code) == ("closing", None)
     tell(asking, "closing", {"comment": "Good."})
     assert asking.look().completion_code
+    table = form_answers_table(asking.database)
+    assert table["question"].tolist() == ["adult", "age", "work", "comment"]
     assert stored(asking) == [
         ("eligibility", "adult", "yes"),
         ("demographics", "age", "31"),

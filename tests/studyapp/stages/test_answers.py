@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from analysis.responses import read_responses
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
@@ -62,8 +63,9 @@ def test_export_writes_either_the_real_answers_or_the_rehearsals(
     answer_once(folder, folder.rehearsal)
 
     assert export(folder, tmp_path / "real.csv", rehearsal=False) == 0
+    assert read_responses(tmp_path / "real.csv").empty
     assert export(folder, tmp_path / "rehearsed.csv", rehearsal=True) == 2
-    assert len((tmp_path / "rehearsed.csv").read_text("utf-8").splitlines()) == 3
+    assert len(read_responses(tmp_path / "rehearsed.csv")) == 2
 
 
 def test_the_answers_of_an_unfinished_study_session_do_not_count_as_completed(
