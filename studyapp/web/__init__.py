@@ -7,18 +7,22 @@ participant. What programs may rely on:
 ==============================  ================================================================
 ``GET /``                       consent. The form posts to ``/`` and leads to ``/take/<token>``;
                                 it carries ``visit`` and, where the recruiter gave them in the
-                                address, ``PROLIFIC_PID``, ``STUDY_ID`` and ``SESSION_ID``.
+                                address, ``PROLIFIC_PID``, ``STUDY_ID`` and ``SESSION_ID``; questions
+                                about the participant have fields named ``form:<question>``.
 ``GET /take/<token>``           where the participant stands: instructions, a trial, the end.
+``POST /take/<token>/form/<stage>``  more such questions, ``demographics`` or ``closing``.
 ``POST /take/<token>/begin``    the instructions' form.
 ``POST /take/<token>/answers``  the trial's form ``<form id="answers">``: a hidden ``trial`` and
                                 for each question one radio group of its name, values -2 (clearly
-                                A) to 2 (clearly B). The same answers may be sent twice.
+                                A) to 2 (clearly B); an answer about one video is named
+                                ``<question>:<number>``, reasons ticked beside an answer
+                                ``<its name>:reasons``. The same answers may be sent twice.
 ``POST /take/<token>/unplayable``  the form ``<form id="unplayable">``: ``trial`` alone.
 ``POST`` the ``data-watched-url`` of ``<video id="pair">``
                                 JSON ``{"batch": n, "intervals": [[from, to], ...]}``, seconds of
-                                the video that were played; n counts the reports of a trial from
+                                the video that were played; n counts the reports of a video from
                                 0. The answer holds ``missing``, the seconds still to be played.
-``GET /media/<media token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its
+``GET /media/<video token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its
                                 length as ``data-duration``.
 ``<output id="completion-code">``  on the last page, the completion code.
 ==============================  ================================================================
