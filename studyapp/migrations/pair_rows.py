@@ -16,7 +16,8 @@ def with_arms(old: Rows) -> Rows:
     The design of what there is was never noted: version 1 has an empty digest until the study
     is served again.
     """
-    sessions = [_with_arm(row) for row in old["study_sessions"]]
+    numbers = {row["study_session_id"]: row["number"] for row in old["places"]}
+    sessions = [_with_arm(row, numbers.get(row["id"])) for row in old["study_sessions"]]
     return {
         "study_versions": _unknown_version(sessions),
         "study_sessions": sessions,
@@ -69,7 +70,7 @@ def without_arms(new: Rows) -> Rows:
     return {
         "study_sessions": [
             {
-                **_without(row, "version_id", "arm", "arm_design", "conditions"),
+                **_without(row, "version_id", "arm", "arm_design", "number", "conditions"),
                 "comparison": row["arm"],
                 "reference": row["conditions"][0],
                 "other": row["conditions"][1],
@@ -107,12 +108,13 @@ def _unknown_version(sessions: list[Row]) -> list[Row]:
     return [{**version, "opened_at": opened}]
 
 
-def _with_arm(row: Row) -> Row:
+def _with_arm(row: Row, number: int | None) -> Row:
     return {
         **_without(row, "comparison", "reference", "other"),
         "version_id": 1,
         "arm": row["comparison"],
         "arm_design": "",
+        "number": number,
         "conditions": [row["reference"], row["other"]],
     }
 

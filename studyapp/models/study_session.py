@@ -34,6 +34,8 @@ class StudySession(Base):
     arm, arm_design : str
         The arm of the place and what its participants are asked (see `Place`), also after the
         place is given to somebody else.
+    number : int or None
+        The place's number, which the trials were planned by; None where nobody noted it.
     conditions : list of str
         What this participant compares, the reference first.
     consented_at, started_at, last_active_at, completed_at, withdrawn_at : datetime
@@ -60,6 +62,7 @@ class StudySession(Base):
     version_id: Mapped[int] = mapped_column(ForeignKey("study_versions.id"))
     arm: Mapped[str] = mapped_column(String(202))
     arm_design: Mapped[str] = mapped_column(String(64))
+    number: Mapped[int | None]
     conditions: Mapped[list[str]] = mapped_column(JSON)
     consented_at: Mapped[datetime]
     started_at: Mapped[datetime | None]

@@ -106,6 +106,7 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
         version=present_version(session, served),
         arm=place.arm,
         arm_design=place.design,
+        number=place.number,
         conditions=list(served.arms[place.arm, place.design].conditions),
         consented_at=now,
         last_active_at=now,

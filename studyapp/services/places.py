@@ -62,15 +62,18 @@ def least_filled(session: Session, served: ServedStudy) -> Place | None:
     return None
 
 
-def open_place(session: Session, key: ArmKey, places: int) -> Place | None:
-    """Return the first open one of the `places` places of an arm, None if it is full."""
+def open_place(
+    session: Session, key: ArmKey, places: int, *, number: int | None = None
+) -> Place | None:
+    """Return the first open one of the `places` places of an arm, None if there is none.
+
+    With `number`, no other place than that one is looked at.
+    """
+    wanted = Place.number < places if number is None else Place.number == number
     return session.scalars(
         select(Place)
         .where(
-            Place.arm == key[0],
-            Place.design == key[1],
-            Place.number < places,
-            Place.study_session_id.is_(None),
+            Place.arm == key[0], Place.design == key[1], wanted, Place.study_session_id.is_(None)
         )
         .order_by(Place.number)
         .limit(1)
@@ -79,15 +82,18 @@ def open_place(session: Session, key: ArmKey, places: int) -> Place | None:
 
 
 def regain_place(session: Session, served: ServedStudy, study_session: StudySession) -> None:
-    """Give a participant back a place of their arm, if one was lost and one is open.
+    """Give a participant back the place that was lost to a pause, if nobody else has it now.
 
-    Not where the study has changed since: its pages would no longer fit their trials.
+    No other place will do: its trials are other ones. And none where the study has changed
+    since: its pages would no longer fit the trials.
     """
     if study_session.place is not None or study_session.withdrawn_at is not None:
         return
     key = (study_session.arm, study_session.arm_design)
     if key in served.arms:
-        study_session.place = open_place(session, key, served.arms[key].places)
+        study_session.place = open_place(
+            session, key, served.arms[key].places, number=study_session.number
+        )
         session.flush()
 
 

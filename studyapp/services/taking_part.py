@@ -105,8 +105,7 @@ class Situation:
 def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> Situation:
     """Return where the participant stands, and mark the present trial as shown.
 
-    A participant who lost the place to a long pause gets another one of the same arm back, if
-    one is open.
+    A participant who lost the place to a long pause gets it back, if nobody else has it now.
     """
     with database.writing() as session:
         study_session = find(session, token)

@@ -7,8 +7,8 @@ participant. What programs may rely on:
 ==============================  ================================================================
 ``GET /``                       consent. The form posts to ``/`` and leads to ``/take/<token>``;
                                 it carries ``visit`` and, where the recruiter gave them in the
-                                address, ``PROLIFIC_PID``, ``STUDY_ID`` and ``SESSION_ID``; questions
-                                about the participant have fields named ``form:<question>``.
+                                address, ``PROLIFIC_PID``, ``STUDY_ID`` and ``SESSION_ID``;
+                                questions about the participant are fields ``form:<question>``.
 ``GET /take/<token>``           where the participant stands: instructions, a trial, the end.
 ``POST /take/<token>/form/<stage>``  more such questions, ``demographics`` or ``closing``.
 ``POST /take/<token>/begin``    the instructions' form.

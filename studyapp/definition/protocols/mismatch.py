@@ -27,8 +27,9 @@ from studyapp.definition.study import Study
 from studyapp.design.allocation import allocate_segments, even_quotas, shuffled
 from studyapp.design.arm import Arm
 from studyapp.design.asking import Answers, Trial
-from studyapp.design.order import drawn_segments, even_sides, numbered, scattered_by_part
-from studyapp.design.planned_trial import Kind, PlannedTrial
+from studyapp.design.order import drawn_segments, numbered, scattered_by_part
+from studyapp.design.pair_trials import Shown, pair_trials
+from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.preference import PREFERENCES, Levels, prefer_side
 from studyapp.design.stimulus import Content, Stimulus
 from studyapp.design.tally import NO_VOTES, Tally
@@ -38,9 +39,6 @@ REALISM: Final = "realism"
 
 SLACK: Final = 0.05
 """Seconds by which another speech may be shorter than the motion."""
-
-Shown = tuple[Segment, Stimulus, Stimulus]
-"""What a trial is about, and the two stimuli of it."""
 
 
 class MismatchQuestion(Question):
@@ -113,8 +111,12 @@ class MismatchStudy(Study):
         """Return the tasks one after the other, catch trials and attention checks among them."""
         del arm, votes
         chance = np.random.default_rng([number + 1, self.seed])
-        fit = self._trials("main", FIT, self._fitting(number, segments, chance), chance)
-        real = self._trials("main", REALISM, self._real(number, segments, chance), chance)
+        fit = pair_trials(
+            "main", self._fitting(number, segments, chance), chance, composed=False, part=FIT
+        )
+        real = pair_trials(
+            "main", self._real(number, segments, chance), chance, composed=False, part=REALISM
+        )
         extra = [*self._catch(segments, chance), *self._attention([*fit, *real], chance)]
         return numbered(scattered_by_part(extra, [*fit, *real], chance))
 
@@ -190,23 +192,6 @@ class MismatchStudy(Study):
             chance,
         )
 
-    def _trials(
-        self, kind: Kind, part: str, shown: Sequence[Shown], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
-        """Return a trial each, the first stimulus on the left in half of them."""
-        return [
-            PlannedTrial(
-                position=0,
-                kind=kind,
-                part=part,
-                segment=segment,
-                videos=((first,), (second,)) if first_is_left else ((second,), (first,)),
-            )
-            for (segment, first, second), first_is_left in zip(
-                shown, even_sides(len(shown), chance), strict=True
-            )
-        ]
-
     def _catch(
         self, segments: Sequence[Segment], chance: np.random.Generator
     ) -> list[PlannedTrial]:
@@ -217,7 +202,7 @@ class MismatchStudy(Study):
         ]
         return [
             replace(trial, expected=1 + trial.conditions.index(right))
-            for trial in self._trials("catch", REALISM, shown, chance)
+            for trial in pair_trials("catch", shown, chance, composed=False, part=REALISM)
         ]
 
     def _attention(

@@ -36,7 +36,8 @@ from studyapp.design.adaptive import Pair, worthiest_pairs
 from studyapp.design.allocation import allocate_segments, shuffled
 from studyapp.design.arm import Arm
 from studyapp.design.asking import Answers, Trial
-from studyapp.design.order import drawn_segments, even_sides, numbered, scattered
+from studyapp.design.order import drawn_segments, numbered, scattered
+from studyapp.design.pair_trials import pair_trials, pair_videos
 from studyapp.design.planned_trial import Kind, PlannedTrial
 from studyapp.design.preference import PREFERENCES, prefer_side
 from studyapp.design.stimulus import Content, Stimulus
@@ -98,7 +99,7 @@ class PairwiseStudy(Study):
             problems.append(f"{unused} has no meaning with comparisons = {self.comparisons!r}")
         if self.practice > self.trials:
             problems.append(f"practice {self.practice} is more than trials {self.trials}")
-        if self.layout == "composed" and any(c.videos for c in self.conditions.values()):
+        if self.is_composed and any(c.videos for c in self.conditions.values()):
             problems.append('finished videos cannot be composed: set layout = "players"')
         return problems
 
@@ -111,6 +112,11 @@ class PairwiseStudy(Study):
     def has_reference_arms(self) -> bool:
         """Whether each comparison with the reference has participants of its own."""
         return self.comparisons == "with_reference"
+
+    @property
+    def is_composed(self) -> bool:
+        """Whether both sides of a pair are in one video."""
+        return self.layout == "composed"
 
     @property
     def follows_votes(self) -> bool:
@@ -156,9 +162,13 @@ class PairwiseStudy(Study):
         """Yield what every video shows that a participant may meet, each once."""
         yield from dict.fromkeys(
             content
-            for pair in self.pairs
+            for a, b in self.pairs
             for segment in segments
-            for content in self._videos(segment, *pair)
+            for content in pair_videos(
+                Stimulus.own(a, segment.name),
+                Stimulus.own(b, segment.name),
+                composed=self.is_composed,
+            )
         )
 
     def plan(
@@ -216,23 +226,13 @@ class PairwiseStudy(Study):
         return prefer_side(answers, better)
 
     def _pairs(
-        self,
-        kind: Kind,
-        shown: Sequence[tuple[Segment, Pair]],
-        chance: np.random.Generator,
+        self, kind: Kind, shown: Sequence[tuple[Segment, Pair]], chance: np.random.Generator
     ) -> list[PlannedTrial]:
-        """Return one trial per segment and pair, one way round in half of them."""
-        return [
-            PlannedTrial(
-                position=0,
-                kind=kind,
-                segment=segment,
-                videos=self._videos(segment, *((a, b) if first_is_left else (b, a))),
-            )
-            for (segment, (a, b)), first_is_left in zip(
-                shown, even_sides(len(shown), chance), strict=True
-            )
+        own = [
+            (segment, Stimulus.own(a, segment.name), Stimulus.own(b, segment.name))
+            for segment, (a, b) in shown
         ]
+        return pair_trials(kind, own, chance, composed=self.is_composed)
 
     def _compared(self, arm: Arm, number: int, count: int, votes: Tally) -> list[Pair]:
         """Return the pairs that a participant compares, one for each of `count` segments."""
@@ -244,10 +244,6 @@ class PairwiseStudy(Study):
         return shuffled(
             [ring[(number * count + step) % len(ring)] for step in range(count)], chance
         )
-
-    def _videos(self, segment: Segment, left: str, right: str) -> tuple[Content, ...]:
-        shown = tuple(Stimulus.own(condition, segment.name) for condition in (left, right))
-        return (shown,) if self.layout == "composed" else tuple((one,) for one in shown)
 
     def _catch(
         self, segments: Sequence[Segment], chance: np.random.Generator

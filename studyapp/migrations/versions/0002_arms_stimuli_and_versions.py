@@ -78,6 +78,7 @@ def _create_tables() -> None:
         sa.Column("version_id", sa.Integer(), nullable=False),
         sa.Column("arm", sa.String(length=202), nullable=False),
         sa.Column("arm_design", sa.String(length=64), nullable=False),
+        sa.Column("number", sa.Integer(), nullable=True),
         sa.Column("conditions", sa.JSON(), nullable=False),
         sa.Column("consented_at", sa.DateTime(timezone=True), nullable=False),
         sa.Column("started_at", sa.DateTime(timezone=True), nullable=True),

@@ -3,6 +3,8 @@ from __future__ import annotations
 import pytest
 
 from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.export import responses_table
+from studyapp.services.places import release_stale
 from studyapp.services.refusal import ConflictError, UnknownAddressError
 from studyapp.services.taking_part import content_of, look, withdraw
 from tests.studyapp.taking_part_steps import Participant
@@ -34,21 +36,37 @@ def test_an_unknown_address_is_refused(participant: Participant) -> None:
         look(participant.database, participant.served, "nobody", participant.clock)
 
 
-def test_who_comes_back_after_a_lapse_goes_on_when_a_place_is_open(
-    participant: Participant,
-) -> None:
+def lapse(participant: Participant) -> None:
+    """Let the participant fall silent for so long that the next arrival releases the place."""
     participant.take_trial()
     participant.clock.advance(minutes=46)
-    fill(participant, 4)
-    assert participant.look().state == "lapsed"
 
-    participant.clock.advance(minutes=46)
-    enrol(participant.database, participant.served, Arrival(visit="new"), participant.clock)
+
+def test_who_comes_back_to_a_place_still_free_goes_on_where_they_were(
+    participant: Participant,
+) -> None:
+    lapse(participant)
+    with participant.database.writing() as session:
+        release_stale(session, participant.served, participant.clock.now())
 
     situation = participant.look()
+
     assert situation.state == "started"
     assert situation.trial is not None
     assert situation.trial.position == 2
+
+
+def test_who_comes_back_to_a_place_given_on_is_not_asked_to_go_on(
+    participant: Participant,
+) -> None:
+    lapse(participant)
+    fill(participant, 1)
+
+    assert participant.look().state == "lapsed"
+    participant.clock.advance(minutes=46)
+    fill(participant, 2)
+    assert participant.look().state == "lapsed"
+    assert len(responses_table(participant.database)) == 2
 
 
 def test_withdrawing_ends_it_and_opens_the_place(participant: Participant) -> None:
