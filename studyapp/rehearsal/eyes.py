@@ -67,6 +67,7 @@ class Eyes:
                 segment=trial.segment,
                 left=left,
                 right=right,
+                instructed=trial.instructed,
             ),
         )
 

@@ -27,12 +27,15 @@ class ShownPair:
         Which presentation of the study session it is.
     left, right : str
         The conditions under A and B.
+    instructed : int or None
+        The answer that the page asks for, on an attention check.
     """
 
     position: int
     segment: str
     left: str
     right: str
+    instructed: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +82,8 @@ class Rater:
         noise = stream(self.seed, "answer", self.name, shown.position, question)
         if not self.attentive:
             return int(noise.integers(-CLEAREST, CLEAREST, endpoint=True))
+        if shown.instructed is not None:
+            return shown.instructed
         latent = (
             self.utility(shown.right, shown.segment, question)
             - self.utility(shown.left, shown.segment, question)

@@ -14,7 +14,7 @@ from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
-from studyapp.web import media, participant
+from studyapp.web import entrance, media, participant
 from studyapp.web.errors import register_error_pages
 from studyapp.web.headers import protect
 from studyapp.web.running import Running, attach
@@ -67,6 +67,7 @@ def create_app(
     )
     open_study(here.database, served, here.clock)
     attach(app, here)
+    app.register_blueprint(entrance.pages)
     app.register_blueprint(participant.pages)
     app.register_blueprint(media.pages)
     register_error_pages(app)

@@ -1,12 +1,8 @@
-"""The participant's way: consent, instructions, trials, completion code."""
+"""The participant's way: questions about them, instructions, trials, completion code."""
 
 from __future__ import annotations
 
-import re
-import secrets
-from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Final
 
 from flask import Blueprint, jsonify, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
@@ -15,55 +11,17 @@ from pydantic import ValidationError
 from studyapp.definition.form import Stage
 from studyapp.services.answer_fields import Fields
 from studyapp.services.answering import answer, skip_unplayable
-from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.form_answers import answer_form
 from studyapp.services.refusal import UnacceptableError
 from studyapp.services.taking_part import ShownTrial, begin, look, withdraw
 from studyapp.services.watching import record_watched
+from studyapp.web.about_participant import form_fields, form_page
 from studyapp.web.errors import wants_json
 from studyapp.web.running import running
 from studyapp.web.watch_report import WatchReport
 from studyapp.web.wording import SCALE, asked_questions, frozen_words
 
 pages = Blueprint("participant", __name__)
-
-RECRUITER_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
-RECRUITER_NAME: Final = re.compile(r"[\x21-\x7e]{1,200}")
-FORM_FIELD: Final = "form:"
-"""Stands before the names of questions about the participant; no question's name holds a colon."""
-
-VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")
-
-
-@pages.get("/")
-def consent() -> ResponseReturnValue:
-    """Say what the study is and ask for consent; nothing is stored."""
-    return _consent_page(secrets.token_urlsafe(24), _recruiter(request.args))
-
-
-@pages.post("/")
-def start() -> ResponseReturnValue:
-    """Enrol the participant, or bring them back to where they were."""
-    here = running()
-    recruiter = _recruiter(request.form)
-    visit = request.form.get("visit", "")
-    if not recruiter and not VISIT.fullmatch(visit):
-        raise UnacceptableError(
-            "The start did not come from the start page.", "Please open the study's link again."
-        )
-    arrival = Arrival(
-        visit=None if recruiter else visit,
-        recruiter_participant=recruiter.get("PROLIFIC_PID"),
-        recruiter_study=recruiter.get("STUDY_ID", ""),
-        recruiter_session=recruiter.get("SESSION_ID", ""),
-        form=_form_fields(),
-    )
-    try:
-        token = enrol(here.database, here.served, arrival, here.clock)
-    except UnacceptableError as refusal:
-        problem = f"{refusal.what} {refusal.remedy}"
-        return _consent_page(visit, recruiter, problem=problem, given=arrival.form), 422
-    return _to_where_they_stand(token)
 
 
 @pages.get("/take/<token>")
@@ -76,13 +34,13 @@ def stand(token: str) -> ResponseReturnValue:
 def form(token: str, stage: Stage) -> ResponseReturnValue:
     """Store what the participant says about themselves."""
     here = running()
-    given = _form_fields()
+    given = form_fields()
     try:
         answer_form(here.database, here.served, token, stage, given, here.clock)
     except UnacceptableError as refusal:
         problem = f"{refusal.what} {refusal.remedy}"
-        return _form_page(token, stage, problem=problem, given=given), 422
-    return _to_where_they_stand(token)
+        return form_page(token, stage, problem=problem, given=given), 422
+    return to_where_they_stand(token)
 
 
 @pages.post("/take/<token>/begin")
@@ -90,7 +48,7 @@ def begin_trials(token: str) -> ResponseReturnValue:
     """Leave the instructions."""
     here = running()
     begin(here.database, here.served, token, here.clock)
-    return _to_where_they_stand(token)
+    return to_where_they_stand(token)
 
 
 @pages.post("/take/<token>/answers")
@@ -105,7 +63,7 @@ def answers(token: str) -> ResponseReturnValue:
             raise
         problem = f"{refusal.what} {refusal.remedy}"
         return _where_they_stand(token, problem=problem, given=fields), 422
-    return _to_where_they_stand(token)
+    return to_where_they_stand(token)
 
 
 @pages.post("/take/<token>/unplayable")
@@ -113,7 +71,7 @@ def unplayable(token: str) -> ResponseReturnValue:
     """Go on without the video that does not play."""
     here = running()
     skip_unplayable(here.database, here.served, token, request.form.get("trial", ""), here.clock)
-    return _to_where_they_stand(token)
+    return to_where_they_stand(token)
 
 
 @pages.post("/take/<token>/watched/<video_token>")
@@ -149,10 +107,11 @@ def confirm_withdrawal(token: str) -> ResponseReturnValue:
     """Take the consent back."""
     here = running()
     withdraw(here.database, token, here.clock)
-    return _to_where_they_stand(token)
+    return to_where_they_stand(token)
 
 
-def _to_where_they_stand(token: str) -> ResponseReturnValue:
+def to_where_they_stand(token: str) -> ResponseReturnValue:
+    """Lead to the page that shows where the participant stands, in the way that was asked for."""
     address = url_for("participant.stand", token=token)
     if wants_json():
         return jsonify(next=address)
@@ -163,7 +122,7 @@ def _where_they_stand(token: str, *, problem: str = "", given: Fields | None = N
     here = running()
     situation = look(here.database, here.served, token, here.clock)
     if situation.form is not None:
-        return _form_page(token, situation.form)
+        return form_page(token, situation.form)
     if situation.trial is not None:
         return _trial_page(token, situation.trial, problem, given or {})
     return render_template(
@@ -190,57 +149,3 @@ def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> s
         problem=problem,
         given=given,
     )
-
-
-def _consent_page(
-    visit: str,
-    recruiter: Mapping[str, str],
-    *,
-    problem: str = "",
-    given: Mapping[str, str] | None = None,
-) -> str:
-    study = running().study
-    return render_template(
-        "consent.html",
-        study=study,
-        paragraphs=[text for text in study.page.consent.split("\n\n") if text.strip()],
-        visit=visit,
-        recruiter=recruiter,
-        problem=problem,
-        given=given or {},
-    )
-
-
-def _form_page(
-    token: str, stage: Stage, *, problem: str = "", given: Mapping[str, str] | None = None
-) -> str:
-    study = running().study
-    return render_template(
-        "form.html",
-        study=study,
-        token=token,
-        stage=stage,
-        questions=study.form.asked(stage),
-        problem=problem,
-        given=given or {},
-    )
-
-
-def _form_fields() -> dict[str, str]:
-    """Return the answers about the participant that were sent, under their questions' names."""
-    return {
-        name.removeprefix(FORM_FIELD): value
-        for name, value in request.form.items()
-        if name.startswith(FORM_FIELD)
-    }
-
-
-def _recruiter(values: Mapping[str, str]) -> dict[str, str]:
-    """Return the recruiter's names; none at all where it did not name the participant."""
-    names = {name: values[name] for name in RECRUITER_NAMES if values.get(name)}
-    if any(not RECRUITER_NAME.fullmatch(value) for value in names.values()):
-        raise UnacceptableError(
-            "The link holds a participant name that cannot be used.",
-            "Please open the study once more from the page that sent you here.",
-        )
-    return names if "PROLIFIC_PID" in names else {}

@@ -89,6 +89,13 @@ def test_an_inattentive_rater_answers_at_random_even_where_a_flaw_is_visible() -
     assert all(count == pytest.approx(400, rel=0.2) for count in counts.values())
 
 
+@pytest.mark.parametrize("wanted", [-2, -1, 1, 2])
+def test_an_attentive_rater_does_what_an_attention_check_asks(wanted: int) -> None:
+    check = replace(shown(left="flaw", right="a"), instructed=wanted)
+
+    assert Rater(population=FAIR, seed=5, name="r").answer(check, "q") == wanted
+
+
 def test_the_stated_share_of_raters_is_inattentive() -> None:
     population = replace(FAIR, inattentive=0.3)
     inattentive = [
