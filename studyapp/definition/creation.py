@@ -73,7 +73,7 @@ def new_study(
             continue
         if key not in document:
             raise InputError(
-                f"a {template} study has no key {key!r}",
+                f"the template {template!r} does not set {key!r}",
                 remedy="Leave the option out and edit the study file",
             )
         document[key] = value

@@ -80,6 +80,9 @@ class Study(Section, ABC):
         An unfinished participant who does nothing for so long gives the place back.
     open : bool
         Whether new participants are let in.
+    replace_excluded : bool
+        Whether a participant who fails more catch trials or attention checks than allowed opens
+        the place again for somebody else.
     freeze : tuple of str
         Channels held still in every stimulus, so that what a condition happens to contain
         cannot give it away.
@@ -95,6 +98,7 @@ class Study(Section, ABC):
     protocol: str
     lease_minutes: int = Field(45, ge=5, le=1440)
     open: bool = True
+    replace_excluded: bool = False
     seed: int = Field(1, ge=0, le=2**32 - 1)
     freeze: tuple[str, ...] = Field((), strict=False)
     conditions: dict[Name, Condition] = Field(min_length=1)

@@ -8,6 +8,7 @@ from typing import Final
 
 from studyapp.definition.study import Study
 from studyapp.models import StudySession
+from studyapp.services.exclusion import is_excluded
 from studyapp.services.sitting import current_trial, form_due
 
 CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
@@ -17,7 +18,10 @@ CODE_LENGTH: Final = 12
 
 
 def move_on(study_session: StudySession, study: Study, now: datetime) -> None:
-    """Note the activity; after the last answer of all, complete the study session."""
+    """Note the activity; after the last answer of all, complete the study session.
+
+    Where the study says so, who is excluded opens the place again for somebody else.
+    """
     study_session.last_active_at = now
     if study_session.started_at is None or current_trial(study_session) is not None:
         return
@@ -26,3 +30,5 @@ def move_on(study_session: StudySession, study: Study, now: datetime) -> None:
         study_session.completion_code = "".join(
             secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH)
         )
+        if study.replace_excluded and is_excluded(study, study_session):
+            study_session.place = None

@@ -87,7 +87,8 @@ def regain_place(session: Session, served: ServedStudy, study_session: StudySess
     No other place will do: its trials are other ones. And none where the study has changed
     since: its pages would no longer fit the trials.
     """
-    if study_session.place is not None or study_session.withdrawn_at is not None:
+    over = study_session.withdrawn_at is not None or study_session.completed_at is not None
+    if over or study_session.place is not None:
         return
     key = (study_session.arm, study_session.arm_design)
     if key in served.arms:

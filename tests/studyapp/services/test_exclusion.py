@@ -1,0 +1,84 @@
+"""Whoever fails too much leaves the place to somebody else, where the study says so."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select
+
+from studyapp.models import Place, StudySession, Trial
+from studyapp.services.database import Database
+from studyapp.services.export import responses_table
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+def arrive(
+    folder: Path, database: Database, clock: SetClock, *, replace: bool, max_failed: int = 0
+) -> Participant:
+    """Return a participant at the first trial of a study with a catch and an attention trial."""
+    path = folder / "study.toml"
+    text = path.read_text("utf-8").replace(
+        "[catch]\ntrials = 1", f"[catch]\ntrials = 1\nmax_failed = {max_failed}"
+    )
+    head = f"replace_excluded = {str(replace).lower()}\n"
+    path.write_text(f"{head}{text}\n[attention]\ntrials = 1\nmax_failed = 0\n", "utf-8")
+    served = ServedStudy.read(folder)
+    open_study(database, served, clock)
+    return Participant(database, served, clock).enrol().begin()
+
+
+def finish(participant: Participant, *, careless: str = "") -> None:
+    """Answer everything well, but for the trial of the kind `careless`."""
+    while (shown := participant.look().trial) is not None:
+        with participant.database.reading() as session:
+            trial = session.scalars(select(Trial).where(Trial.token == shown.token)).one()
+        good = trial.instructed or (1 if trial.expected == 2 else -1)
+        value = str(-good if trial.kind == careless else good)
+        participant.take_trial({"rhythm": value, "emotion": value})
+
+
+def holders(database: Database) -> int:
+    with database.reading() as session:
+        taken = select(Place).where(Place.study_session_id.is_not(None))
+        return len(session.scalars(taken).all())
+
+
+@pytest.mark.parametrize("careless", ["catch", "attention"])
+def test_who_fails_opens_the_place_again_and_keeps_code_and_answers(
+    tiny_study: Path, database: Database, clock: SetClock, careless: str
+) -> None:
+    participant = arrive(tiny_study, database, clock, replace=True)
+
+    finish(participant, careless=careless)
+
+    assert participant.look().state == "completed"
+    assert participant.look().completion_code
+    assert holders(database) == 0
+    assert len(responses_table(database)) == 14
+    Participant(database, participant.served, clock).enrol("next")
+    with database.reading() as session:
+        numbers = [known.number for known in session.scalars(select(StudySession))]
+    assert numbers == [0, 0]
+    assert participant.look().state == "completed"
+
+
+@pytest.mark.parametrize(
+    ("replace", "max_failed", "careless"),
+    [(True, 0, ""), (True, 0, "main"), (True, 1, "catch"), (False, 0, "catch")],
+)
+def test_otherwise_the_place_stays_filled(
+    tiny_study: Path,
+    database: Database,
+    clock: SetClock,
+    replace: bool,
+    max_failed: int,
+    careless: str,
+) -> None:
+    participant = arrive(tiny_study, database, clock, replace=replace, max_failed=max_failed)
+
+    finish(participant, careless=careless)
+
+    assert holders(database) == 1
