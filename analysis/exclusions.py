@@ -165,6 +165,30 @@ def count_failed_catch_trials(responses: pd.DataFrame) -> pd.Series[int]:
     return failed.reindex(sessions, fill_value=0).astype("int64")
 
 
+def failed_attention_checks(allowed: int) -> ExclusionRule:
+    """Return the rule that removes study sessions with more failed attention checks than `allowed`.
+
+    A check is failed when any of its questions is not answered as it asks.
+    """
+    checks = f"{allowed} attention {'check' if allowed == 1 else 'checks'}"
+
+    def apply(responses: pd.DataFrame) -> Reasons:
+        checked = responses[responses["kind"] == "attention"]
+        wrong = checked["value"].astype(str) != checked["instructed"]
+        per_trial = wrong.groupby([checked["study_session"], checked["position"]]).any()
+        failed = per_trial.groupby("study_session").sum()
+        return {
+            str(session): f"{count} attention {'check' if count == 1 else 'checks'} failed"
+            for session, count in failed[failed > allowed].items()
+        }
+
+    return ExclusionRule(
+        name="failed attention checks",
+        description=f"failed {f'more than {checks}' if allowed else 'an attention check'}",
+        apply=apply,
+    )
+
+
 def exclude(responses: pd.DataFrame, rules: Sequence[ExclusionRule]) -> ExclusionResult:
     """Apply `rules` in order and return what they did.
 

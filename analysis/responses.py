@@ -49,6 +49,8 @@ class Response(BaseModel):
         -2 clearly left, -1 slightly left, 0 no difference, 1 slightly right, 2 clearly right.
     expected : {'left', 'right', ''}
         The right answer of a catch trial; empty for every other kind.
+    instructed : str
+        The answer that an attention check asks for, as a number; empty for every other kind.
     seconds : float
         Time from the trial's start to its answer, in seconds.
     watched : float
@@ -76,9 +78,12 @@ class Response(BaseModel):
     seconds: Annotated[float, Field(ge=0, allow_inf_nan=False)]
     watched: Annotated[float, Field(ge=0, le=1)]
     answered_at: AwareDatetime
+    instructed: Annotated[str, Field(pattern="^(-?[12]|0)?$")] = ""
 
     @model_validator(mode="after")
     def _sides_fit_the_conditions(self) -> Self:
+        if (self.kind == "attention") != bool(self.instructed):
+            raise ValueError("instructed is for attention checks, and for all of them")
         shown = {self.left_condition, self.right_condition}
         if self.kind != "catch":
             if shown != {self.reference, self.other} or len(shown) != 2:
@@ -97,6 +102,11 @@ class Response(BaseModel):
 
 COLUMNS: Final = tuple(Response.model_fields)
 
+REQUIRED_COLUMNS: Final = tuple(
+    name for name, column in Response.model_fields.items() if column.is_required()
+)
+"""What a file must have; the other columns are empty where it does not."""
+
 
 def read_responses(path: Path) -> pd.DataFrame:
     """Read and check a CSV file of responses.
@@ -104,7 +114,8 @@ def read_responses(path: Path) -> pd.DataFrame:
     Parameters
     ----------
     path : Path
-        UTF-8 CSV with a header line that holds at least `COLUMNS`; further columns are ignored.
+        UTF-8 CSV with a header line that holds at least `REQUIRED_COLUMNS`; columns that
+        are not among `COLUMNS` are ignored.
 
     Returns
     -------
@@ -121,7 +132,7 @@ def read_responses(path: Path) -> pd.DataFrame:
         with path.open(encoding="utf-8-sig", newline="") as stream:
             reader = csv.DictReader(stream)
             header = reader.fieldnames or ()
-            missing = [name for name in COLUMNS if name not in header]
+            missing = [name for name in REQUIRED_COLUMNS if name not in header]
             if missing:
                 raise InputError(
                     f"column {', '.join(missing)} is missing",

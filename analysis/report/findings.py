@@ -10,7 +10,9 @@ import pandas as pd
 
 from analysis.exclusions import (
     ExclusionResult,
+    ExclusionRule,
     exclude,
+    failed_attention_checks,
     failed_catch_trials,
     incomplete_sessions,
 )
@@ -68,6 +70,7 @@ def find(inputs: ReportInputs) -> Findings:
         (
             incomplete_sessions(presentations, len(inputs.questions), inputs.completed),
             failed_catch_trials(inputs.max_failed_catch),
+            *_attention_rules(inputs),
         ),
     )
     questions = tuple(inputs.questions)
@@ -82,6 +85,11 @@ def find(inputs: ReportInputs) -> Findings:
         side_bias=side_bias(exclusion.analysed, questions),
         metrics=study_metrics(inputs.clips, inputs.speech, frozen=inputs.frozen),
     )
+
+
+def _attention_rules(inputs: ReportInputs) -> tuple[ExclusionRule, ...]:
+    allowed = inputs.max_failed_attention
+    return () if allowed is None else (failed_attention_checks(allowed),)
 
 
 def verdict(preference: Preference) -> Verdict:

@@ -50,7 +50,11 @@ def flow_section(inputs: ReportInputs, findings: Findings) -> Section:
     return Section(
         anchor="flow",
         heading="Who is analysed, who is left out",
-        paragraphs=(_catch_words(inputs), _quality(inputs, findings)),
+        paragraphs=(
+            _catch_words(inputs),
+            *_attention_words(inputs),
+            _quality(inputs, findings),
+        ),
         tables=(flow_table, *((reasons,) if exclusion.exclusions else ())),
     )
 
@@ -62,6 +66,16 @@ def _catch_words(inputs: ReportInputs) -> str:
         f"answered with a slight or clear preference for {wording.name(inputs.catch_reference)}; "
         f"{_too_many(inputs.max_failed_catch)} the whole study session. "
         "Practice and catch trials are never analysed; practice trials shown again at the end are."
+    )
+
+
+def _attention_words(inputs: ReportInputs) -> tuple[str, ...]:
+    if inputs.max_failed_attention is None:
+        return ()
+    return (
+        "Attention checks look like every other page and ask for one certain answer. One is failed "
+        "when any of its questions is answered otherwise; "
+        f"{_too_many(inputs.max_failed_attention)} the whole study session.",
     )
 
 

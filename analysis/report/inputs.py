@@ -52,6 +52,8 @@ class ReportInputs:
         Name of each question to its text, in the study's order.
     max_failed_catch : int
         More failed catch trials than this exclude a study session.
+    max_failed_attention : int or None
+        More failed attention checks than this exclude a study session; None without any.
     responses : DataFrame
         Tidy responses (`analysis.responses`); without rows where origin is 'none'.
     clips : mapping of condition to mapping of segment to path
@@ -93,6 +95,7 @@ class ReportInputs:
     presentations: int | None = None
     study_sessions: Mapping[str, int] | None = None
     completed: frozenset[str] = frozenset()
+    max_failed_attention: int | None = None
 
     def __post_init__(self) -> None:
         if (self.origin == "none") != self.responses.empty:

@@ -34,7 +34,6 @@ EXPORT_COLUMNS: Final = (
     "speech",
     "left_speech",
     "right_speech",
-    "instructed",
     "reasons",
 )
 """What the analysis reads, and what other protocols have to say beside it."""

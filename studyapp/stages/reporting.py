@@ -31,6 +31,7 @@ def report(folder: StudyFolder) -> Path:
         conditions=tuple(study.conditions),
         questions={question.name: question.text for question in study.questions},
         max_failed_catch=study.catch.max_failed,
+        max_failed_attention=study.attention.max_failed if study.attention.trials else None,
         responses=answers.responses,
         clips={
             name: {

@@ -5,6 +5,7 @@ import pytest
 from analysis.exclusions import (
     count_failed_catch_trials,
     exclude,
+    failed_attention_checks,
     failed_catch_trials,
     incomplete_sessions,
 )
@@ -113,3 +114,26 @@ def test_no_answers_give_an_empty_result():
     assert result.flow == ()
     assert result.sessions_answered == 0
     assert [(o.reached, o.removed) for o in result.outcomes] == [(0, 0), (0, 0)]
+
+
+@pytest.mark.parametrize(
+    ("values", "allowed", "reason"),
+    [
+        ((1, 1), 0, None),
+        ((1, 2), 0, "1 attention check failed"),
+        ((1, 2), 1, None),
+    ],
+)
+def test_an_attention_check_is_failed_by_any_other_answer_than_the_one_asked_for(
+    answer, values, allowed, reason
+):
+    rows = [
+        answer(kind="attention", position=2, question=question, value=value, instructed="1")
+        for question, value in zip(("synchronisation", "emotion"), values, strict=True)
+    ]
+    others = [answer(study_session=name, position=1) for name in ("s1", "s2")]
+
+    result = exclude(responses_frame([*rows, *others]), [failed_attention_checks(allowed)])
+
+    assert [e.reason for e in result.exclusions] == ([reason] if reason else [])
+    assert set(result.everyone["kind"]) == {"main"}

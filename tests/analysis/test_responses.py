@@ -36,6 +36,12 @@ def test_further_columns_are_ignored_and_order_does_not_matter(tmp_path, answer)
     assert tuple(read_responses(path).columns) == COLUMNS
 
 
+def test_a_table_without_attention_checks_need_not_have_their_column(tmp_path, answer):
+    columns = [name for name in COLUMNS if name != "instructed"]
+    path = write_rows(tmp_path / "r.csv", [answer()], columns)
+    assert read_responses(path)["instructed"].tolist() == [""]
+
+
 @pytest.mark.parametrize(
     ("column", "value", "said"),
     [
@@ -66,6 +72,8 @@ def test_a_bad_value_is_named_with_file_line_and_column(tmp_path, answer, column
         ({"left_condition": "third"}, "not the reference and the other"),
         ({"left_condition": "other"}, "not the reference and the other"),
         ({"expected": "left"}, "only for catch trials"),
+        ({"kind": "attention"}, "instructed is for attention checks"),
+        ({"instructed": "1"}, "instructed is for attention checks"),
         ({"kind": "catch"}, "expected is not the side opposite"),
         ({"kind": "catch", "expected": "right"}, "expected is not the side opposite"),
         ({"kind": "catch", "other": "broken", "expected": "left"}, "one of them 'other'"),
