@@ -71,8 +71,7 @@ def _note(
     last = versions[-1] if versions else None
     if last is not None and last.design == UNKNOWN_DESIGN:
         return _adopt(session, served, last, now)
-    if last is not None and session.scalars(select(StudySession.id).limit(1)).first() is None:
-        # Nobody has seen it: it is not kept.
+    if last is not None and not _was_seen(session, last):
         session.delete(last)
         session.flush()
         last = versions[-2] if len(versions) > 1 else None
@@ -96,6 +95,12 @@ def _note(
     if made.number > 1:
         session.add(AuditLine(at=now, event="new version", detail=f"version {made.number}"))
     return made
+
+
+def _was_seen(session: Session, version: StudyVersion) -> bool:
+    """Tell whether anybody has enrolled in `version`."""
+    seen = select(StudySession.id).where(StudySession.version_id == version.id).limit(1)
+    return session.scalars(seen).first() is not None
 
 
 def _adopt(

@@ -99,6 +99,19 @@ def test_a_new_version_keeps_earlier_answers_apart(
     assert audit(participant.database) == [("new version", "version 2")]
 
 
+def test_a_new_version_that_nobody_has_seen_may_change_too(
+    participant: Participant, change: Change
+) -> None:
+    second = change("rhythm of the speech", "beat of the speech")
+    open_study(participant.database, second, participant.clock, new_version=True)
+    third = change("beat of the speech", "pulse of the speech")
+
+    open_study(participant.database, third, participant.clock)
+
+    known = [(version.number, version.design) for version in versions(participant.database)]
+    assert known == [(1, participant.served.design), (2, third.design)]
+
+
 def test_who_is_in_the_middle_of_what_has_changed_cannot_go_on(
     participant: Participant, change: Change
 ) -> None:
