@@ -40,26 +40,33 @@ class TrialCount:
 
 
 def planned_trials(
-    segments: Sequence[Segment], *, trials: int, practice: int, catch: int, attention: int = 0
+    segments: Sequence[Segment],
+    *,
+    trials: int,
+    practice: int,
+    catch: int,
+    attention: int = 0,
+    rounds: int = 1,
 ) -> TrialCount:
     """Count the trials of one participant with these segments.
 
-    Every analysed trial has a segment of its own, so a study with fewer segments than its file
-    asks for shows each of them once.
+    A segment comes in at most `rounds` analysed trials, so a study with fewer segments than its
+    file asks for shows each of them so often.
     """
-    pairs = min(trials, len(segments))
+    pairs = min(trials, rounds * len(segments))
     discarded = min(practice, pairs)
     sentences = []
     if pairs < trials:
         sentences.append(
             f"each participant judges {pairs} pairs instead of {trials}, because the study "
-            f"has {len(segments)} segments and shows each of them once"
+            f"has {len(segments)} segments and shows each of them "
+            f"{'once' if rounds == 1 else f'{rounds} times'}"
         )
     if discarded < practice:
         sentences.append(
             f"{discarded} trials are practice instead of {practice}, for the same reason"
         )
-    sentences.extend(_uneven_emotions(segments, pairs))
+    sentences.extend(_uneven_emotions(segments, pairs / rounds))
     return TrialCount(
         practice=discarded,
         main=pairs - discarded,
@@ -70,12 +77,12 @@ def planned_trials(
     )
 
 
-def _uneven_emotions(segments: Sequence[Segment], pairs: int) -> list[str]:
-    """Say which emotions have too few segments for an even share of `pairs`."""
+def _uneven_emotions(segments: Sequence[Segment], pairs: float) -> list[str]:
+    """Say which emotions have too few segments for an even share of `pairs` different ones."""
     available = Counter(segment.emotion for segment in segments)
     if not available:
         return []
-    share = pairs // len(available)
+    share = int(pairs // len(available))
     short = {emotion: count for emotion, count in available.items() if count < share}
     if not short:
         return []

@@ -9,7 +9,8 @@ trials are scattered among the others. What the paper leaves open is decided her
   and catch trials are balanced each among themselves.
 - A repeat draws its side anew, so that an answer cannot be given from the memory of a side.
 - With ``comparisons = "all_pairs"`` every participant meets all conditions: pairs come equally
-  often, along a ring drawn once per study. With ``"adaptive"`` they are chosen, when a participant
+  often, along a ring drawn once per study, and a segment may come as often as a condition has
+  others to be compared with. With ``"adaptive"`` they are chosen, when a participant
   comes, by how much an answer is worth under what has been answered so far.
 - A catch trial is never among the practice trials and never the first trial; two of them do not
   follow each other as long as there are enough places between the others.
@@ -178,9 +179,7 @@ class PairwiseStudy(Study):
         count = self.count(segments)
         comparison = (self.seed, *arm.name.encode())
         chance = np.random.default_rng([number + 1, *comparison])
-        chosen = shuffled(
-            allocate_segments(segments, self.trials, number=number, seed=comparison), chance
-        )
+        chosen = shuffled(self._heard(segments, count.analysed, number, comparison), chance)
         shown = list(zip(chosen, self._compared(arm, number, len(chosen), votes), strict=True))
         first, rest = shown[: count.practice], shown[count.practice :]
         practice = self._pairs("practice", first, chance)
@@ -202,6 +201,7 @@ class PairwiseStudy(Study):
             practice=self.practice,
             catch=self.catch.trials,
             attention=self.attention.trials,
+            rounds=1 if self.has_reference_arms else len(self.conditions) - 1,
         )
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
@@ -233,6 +233,16 @@ class PairwiseStudy(Study):
             for segment, (a, b) in shown
         ]
         return pair_trials(kind, own, chance, composed=self.is_composed)
+
+    def _heard(
+        self, segments: Sequence[Segment], count: int, number: int, seed: tuple[int, ...]
+    ) -> list[Segment]:
+        """Return the segments of `count` trials; none comes again before all others have come."""
+        heard: list[Segment] = []
+        while len(heard) < count:
+            following = (*seed, len(heard)) if heard else seed
+            heard += allocate_segments(segments, count - len(heard), number=number, seed=following)
+        return heard
 
     def _compared(self, arm: Arm, number: int, count: int, votes: Tally) -> list[Pair]:
         """Return the pairs that a participant compares, one for each of `count` segments."""

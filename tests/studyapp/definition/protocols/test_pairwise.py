@@ -6,6 +6,7 @@ from collections import Counter
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from motion.segment import EMOTIONS
 from studyapp.definition.protocols.pairwise import PairwiseStudy
@@ -147,3 +148,56 @@ def test_over_participants_sides_and_catch_positions_are_spread() -> None:
     catch_positions = {trial.position for plan in plans for trial in of_kind(plan, "catch")}
     assert 70 <= first_left[True] <= 130
     assert catch_positions == set(range(4, 31))
+
+
+def tournament(count: int, trials: int) -> PairwiseStudy:
+    """Return a study of all pairs of `count` conditions."""
+    names = {f"c{index}": {} for index in range(count)}
+    return make_study(comparisons="all_pairs", reference="c0", conditions=names, trials=trials)
+
+
+def test_all_pairs_come_before_any_comes_again() -> None:
+    study = tournament(5, trials=10)
+
+    plan = study.plan(study.arms[0], 0, make_segments(EMOTIONS * 2))
+
+    pairs = Counter(frozenset(trial.conditions) for trial in of_kind(plan, "main", "repeat"))
+    assert len(pairs) == 10
+    assert set(pairs.values()) == {1}
+
+
+def test_few_segments_come_again_with_other_pairs_but_not_before_all_have_come() -> None:
+    study = tournament(5, trials=40)
+
+    plan = study.plan(study.arms[0], 0, make_segments(EMOTIONS))
+
+    heard = Counter(trial.segment.name for trial in of_kind(plan, "main", "repeat"))
+    assert set(heard.values()) == {4}
+    assert len(heard) == 8
+    assert "shows each of them 4 times" in " ".join(study.notes(make_segments(EMOTIONS)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"comparisons": "all_pairs", "participants_per_comparison": 5}, "has no meaning"),
+        ({"participants": 5}, "participants has no meaning"),
+        ({"conditions": {"rule_based": {"videos": True}, "b": {}}}, "cannot be composed"),
+    ],
+)
+def test_what_does_not_fit_is_named(changes: dict[str, object], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        make_study(**changes)
+
+
+@pytest.mark.parametrize("reference", ["rule_based", "static"])
+def test_a_repeat_shows_the_pair_of_its_practice_trial(reference: str) -> None:
+    study = make_study(comparisons="all_pairs", reference=reference)
+
+    plan = study.plan(study.arms[0], 3, make_segments(EMOTIONS))
+
+    for repeat in of_kind(plan, "repeat"):
+        shown = plan[(repeat.repeats or 0) - 1]
+        assert shown.kind == "practice"
+        assert shown.segment == repeat.segment
+        assert set(shown.conditions) == set(repeat.conditions)
