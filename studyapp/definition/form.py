@@ -67,6 +67,15 @@ class FormQuestion(Section):
             return tuple(str(step) for step in range(self.low, self.high + 1))
         return self.choices
 
+    @property
+    def example(self) -> str:
+        """An answer with which a person can take part."""
+        if self.kind == "text":
+            return "–"
+        if self.kind == "number":
+            return str(self.low)
+        return (self.eligible or self.offered)[0]
+
     def label(self, answer: str) -> str:
         """Return what stands beside one of the answers `offered`."""
         if self.kind == "scale" and self.choices:

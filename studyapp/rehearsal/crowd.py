@@ -19,6 +19,7 @@ from studyapp.rehearsal.participant import Participant, Visit, answer_trial
 from studyapp.rehearsal.probes import Probe, probe_trial
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import Roster
+from studyapp.web.about_participant import FORM_FIELD
 
 STAGGER: Final = 0.05
 """Seconds between the first arrivals."""
@@ -98,6 +99,11 @@ class Crowd:
         participant = Participant(
             entrance=f"/?PROLIFIC_PID={name}&STUDY_ID=rehearsal&SESSION_ID={name}",
             questions=tuple(question.name for question in self.study.questions),
+            about={
+                f"{FORM_FIELD}{question.name}": question.example
+                for stage in self.study.form.stages()
+                for question in self.study.form.asked(stage)
+            },
             population=self.truth.population,
             seed=self.truth.seed,
             eyes=self.eyes,

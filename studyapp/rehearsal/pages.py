@@ -42,6 +42,8 @@ class Form:
         Tick boxes without which a browser would not send it.
     choices : mapping of name to tuple of str
         Values that each radio group offers.
+    lines : tuple of str
+        Names of fields that take a line of text or a number.
     buttons : tuple of (name, value)
         Submit buttons; the name is empty where a button sends nothing itself.
     """
@@ -51,6 +53,7 @@ class Form:
     hidden: Fields
     required_ticks: Fields
     choices: Mapping[str, tuple[str, ...]]
+    lines: tuple[str, ...]
     buttons: Fields
 
     @property
@@ -71,6 +74,8 @@ class Form:
         if not self.buttons:
             raise BrokenPageError(self.page, "has no button to send its form with")
         for question, value in answers.items():
+            if question in self.lines:
+                continue
             if question not in self.choices:
                 raise BrokenPageError(self.page, f"does not ask the question {question!r}")
             if value not in self.choices[question]:
@@ -78,7 +83,7 @@ class Form:
                 raise BrokenPageError(
                     self.page, f"offers no {value!r} for {question!r} (only {offered})"
                 )
-        unknown = sorted(set(self.choices) - set(answers))
+        unknown = sorted({*self.choices, *self.lines} - set(answers))
         if unknown:
             raise BrokenPageError(
                 self.page, f"asks {', '.join(unknown)}, which the study does not know"
@@ -196,6 +201,7 @@ class Page:
         hidden: list[tuple[str, str]] = []
         ticks: list[tuple[str, str]] = []
         choices: dict[str, tuple[str, ...]] = {}
+        lines: list[str] = []
         buttons: list[tuple[str, str]] = []
         for control in self._controls(form):
             name, value = str(control.get("name", "")), str(control.get("value", ""))
@@ -208,6 +214,8 @@ class Page:
                     ticks.append((name, value or "on"))
                 case "radio":
                     choices[name] = (*choices.get(name, ()), value)
+                case "text" | "number":
+                    lines.append(name)
                 case "submit":
                     buttons.append((name, value))
         return Form(
@@ -216,6 +224,7 @@ class Page:
             hidden=tuple(hidden),
             required_ticks=tuple(ticks),
             choices=choices,
+            lines=tuple(lines),
             buttons=tuple(buttons),
         )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from threading import Event
 from typing import Final
@@ -91,6 +91,8 @@ class Participant:
         The link it was given.
     questions : tuple of str
         What the study asks in every trial.
+    about : mapping of field name to text
+        What it says of itself wherever a page asks for it.
     population, seed
         Whom it is drawn from; the place it gets decides which rater it is.
     eyes : Eyes
@@ -105,6 +107,7 @@ class Participant:
 
     entrance: str
     questions: tuple[str, ...]
+    about: Mapping[str, str]
     population: Population
     seed: int
     eyes: Eyes
@@ -136,11 +139,16 @@ class Participant:
                 raise BrokenPageError(page, "comes back though it was filled in as it asks")
             before = step
             if not page.asks:
-                page = visit.send(page.next_form())
+                page = visit.send(*self._about(page.next_form()))
                 continue
             page = answer(visit, page, self._answers(page))
             answer = answer_trial
         return code
+
+    def _about(self, form: Form) -> tuple[Form, dict[str, str]]:
+        """Return `form` and what this participant answers of what it asks."""
+        asked = {*form.choices, *form.lines}
+        return form, {name: value for name, value in self.about.items() if name in asked}
 
     def _answers(self, page: Page) -> dict[str, str]:
         """Return this participant's answers to the pair on `page`."""

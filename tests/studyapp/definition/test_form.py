@@ -42,6 +42,14 @@ def test_any_text_is_judged_without_an_error(answer: str) -> None:
         question.problem(answer)
 
 
+@pytest.mark.parametrize(
+    "question", [YES_NO, AGE, SCALE, asked(kind="text"), asked(choices=["a", "b"], eligible=["b"])]
+)
+def test_an_example_can_be_answered_and_lets_a_person_in(question: FormQuestion) -> None:
+    assert question.problem(question.example) == ""
+    assert not question.eligible or question.example in question.eligible
+
+
 def test_a_scale_names_its_ends() -> None:
     assert [SCALE.label(step) for step in SCALE.offered] == [
         "1 – never", "2", "3", "4", "5 – always",

@@ -20,6 +20,7 @@ from studyapp.rehearsal.probes import probe_trial
 from studyapp.services.database import Database, sqlite_url
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
+from tests.studyapp.services.test_form_answers import FORM
 
 SPEED = 200.0
 
@@ -58,6 +59,7 @@ def participant(folder: StudyFolder, eyes: Eyes) -> Participant:
     return Participant(
         entrance="/?PROLIFIC_PID=p1&STUDY_ID=s&SESSION_ID=x",
         questions=("rhythm", "emotion"),
+        about={},
         population=default_population(folder.study()),
         seed=1,
         eyes=eyes,
@@ -79,6 +81,18 @@ def test_the_link_opened_again_shows_the_same_completion_code(
         code = participant.take_part(client)
     with browser(app) as client:
         assert participant.take_part(client) == code
+
+
+def test_questions_about_the_participant_are_answered_wherever_they_come(
+    folder: StudyFolder, participant: Participant
+) -> None:
+    definition = folder.definition
+    definition.write_text(definition.read_text("utf-8") + FORM, "utf-8")
+    form = folder.study().form
+    about = {f"form:{q.name}": q.example for stage in form.stages() for q in form.asked(stage)}
+    made = create_app(folder.root, rehearsal_speed=SPEED)
+    with closing(made.extensions[EXTENSION].database), browser(made) as client:
+        assert replace(participant, about=about).take_part(client)
 
 
 @pytest.mark.parametrize(
