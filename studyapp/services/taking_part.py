@@ -59,6 +59,10 @@ class ShownTrial:
         The how manyth trial of how many.
     part : str
         The part of the study it belongs to.
+    part_number, parts : int
+        The how manyth part of how many; 1 of 1 where all trials are alike.
+    begins_part : bool
+        Whether it is the first trial of its part.
     asks : tuple of Ask
         The answers it asks for.
     instructed : int or None
@@ -75,6 +79,9 @@ class ShownTrial:
     position: int
     presentations: int
     part: str
+    part_number: int
+    parts: int
+    begins_part: bool
     asks: tuple[Ask, ...]
     instructed: int | None
     is_practice: bool
@@ -136,6 +143,8 @@ def _shown(study_session: StudySession, trial: Trial, study: Study) -> ShownTria
     paces = [known.seconds for known in study_session.trials if known.seconds is not None]
     duration = sum(video.duration for video in trial.videos)
     pace = median(paces) if paces else duration + SECONDS_FOR_ANSWERS
+    parts = list(dict.fromkeys(known.part for known in study_session.trials))
+    first = next(known for known in study_session.trials if known.part == trial.part)
     return ShownTrial(
         token=trial.token,
         videos=tuple(_shown_video(video, study.watching.coverage) for video in trial.videos),
@@ -143,6 +152,9 @@ def _shown(study_session: StudySession, trial: Trial, study: Study) -> ShownTria
         position=trial.position,
         presentations=len(study_session.trials),
         part=trial.part,
+        part_number=1 + parts.index(trial.part),
+        parts=len(parts),
+        begins_part=trial is first,
         asks=study.asks(trial),
         instructed=trial.instructed,
         is_practice=trial.kind == "practice",

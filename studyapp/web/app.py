@@ -10,7 +10,8 @@ from jinja2 import StrictUndefined
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.definition.protocols.pairwise import PairwiseStudy
+from studyapp.definition.protocols.ranking import RankingStudy
+from studyapp.definition.scales import RatingQuestion
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
@@ -78,9 +79,14 @@ def create_app(
 def _require_pages(served: ServedStudy, folder: Path) -> None:
     """Raise `InputError` unless there are pages for trials such as those of `served`."""
     study = served.study
-    if not isinstance(study, PairwiseStudy) or study.layout != "composed":
-        raise InputError(
-            "participants' pages show composed pairs, and this study shows its videos otherwise",
-            where=folder,
-            remedy='Serve a pairwise study with layout = "composed"',
-        )
+    if isinstance(study, RankingStudy):
+        what = "a ranking"
+    elif any(isinstance(q, RatingQuestion) and q.scale == "slider" for q in study.questions):
+        what = "a slider"
+    else:
+        return
+    raise InputError(
+        f"participants' pages cannot show {what} yet",
+        where=folder,
+        remedy="Serve a study of another protocol or with other scales",
+    )

@@ -18,8 +18,9 @@ from studyapp.services.watching import record_watched
 from studyapp.web.about_participant import form_fields, form_page
 from studyapp.web.errors import wants_json
 from studyapp.web.running import running
+from studyapp.web.trial_page import trial_page
 from studyapp.web.watch_report import WatchReport
-from studyapp.web.wording import SCALE, asked_questions, frozen_words
+from studyapp.web.wording import frozen_words
 
 pages = Blueprint("participant", __name__)
 
@@ -143,9 +144,7 @@ def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> s
         study=study,
         token=token,
         trial=trial,
-        video=trial.videos[0],
-        questions=asked_questions(study, trial),
-        scale=SCALE,
+        page=trial_page(study, trial),
         problem=problem,
         given=given,
     )

@@ -23,9 +23,11 @@ export class Answers extends EventTarget {
   }
 
   unanswered() {
-    return this.questions.flatMap((question, index) =>
-      question.querySelector(":checked") ? [] : [index + 1],
-    );
+    return this.open().map((question) => question.dataset.needed);
+  }
+
+  open() {
+    return this.questions.filter((question) => !question.querySelector(":checked"));
   }
 
   restore() {
@@ -43,14 +45,13 @@ export class Answers extends EventTarget {
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || !/^[1-5]$/.test(event.key)) return;
     const focused = document.activeElement?.closest(".question");
-    const question = focused ?? this.questions[(this.unanswered()[0] ?? 0) - 1];
+    const question = focused ?? this.open()[0];
     if (!question) return;
-    question.querySelectorAll("[type=radio]")[Number(event.key) - 1].click();
+    question.querySelectorAll("[type=radio]")[Number(event.key) - 1]?.click();
     event.preventDefault();
   }
 
   focusFirstUnanswered() {
-    const number = this.unanswered()[0];
-    if (number) this.questions[number - 1].querySelector("[type=radio]").focus();
+    this.open()[0]?.querySelector("[type=radio]").focus();
   }
 }

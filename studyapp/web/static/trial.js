@@ -1,33 +1,29 @@
-// A trial: playing the pair, seeing that it was played, answering, and going on.
+// A trial: playing its videos, seeing that they were played, answering, and going on.
 
 import { Answers } from "./answers.js";
-import { Playback } from "./playback.js";
+import { makePlayers } from "./players.js";
 import { Submission } from "./submission.js";
-import { WatchEvidence } from "./watch_evidence.js";
+import { WatchedVideos } from "./watched_videos.js";
 
-const video = document.getElementById("pair");
-const evidence = new WatchEvidence(video);
+const videos = [...document.querySelectorAll("main video")];
+const evidence = new WatchedVideos(videos);
 const answers = new Answers(document.getElementById("answers"));
 const needed = document.getElementById("needed");
 const watched = document.getElementById("watched");
+const LISTED = 3; // more of them are counted
 let fetchedAhead = false;
 
-function listed(numbers) {
-  const last = numbers.slice(-1);
-  return numbers.length > 1 ? `${numbers.slice(0, -1).join(", ")} and ${last}` : `${last}`;
+function listed(texts) {
+  const last = texts.slice(-1);
+  return texts.length > 1 ? `${texts.slice(0, -1).join(", ")} and ${last}` : `${last}`;
 }
 
 function missing() {
-  const parts = evidence.missing > 0 ? ["play the pair to the end"] : [];
-  const numbers = answers.unanswered();
-  if (numbers.length) parts.push(`answer ${listed(numbers)}`);
+  const parts = evidence.needed ? [evidence.needed] : [];
+  const unanswered = answers.unanswered();
+  if (unanswered.length > LISTED) parts.push(`${unanswered.length} answers`);
+  else if (unanswered.length) parts.push(`answer ${listed(unanswered)}`);
   return parts;
-}
-
-function watchedText() {
-  if (evidence.missing <= 0) return "Watched ✓";
-  if (evidence.silent) return "Turn the sound on, please";
-  return `Watched: still ${Math.ceil(evidence.missing)} s`;
 }
 
 function show() {
@@ -38,27 +34,37 @@ function show() {
   if (needed.textContent !== words) needed.textContent = words;
   needed.classList.toggle("complete", parts.length === 0);
   if (!parts.length) needed.classList.remove("asked");
-  watched.textContent = watchedText();
+  watched.textContent = evidence.words;
   watched.classList.toggle("complete", evidence.missing <= 0);
   if (evidence.missing <= 0) fetchAhead();
 }
 
-// Only the next pair, and only when this one no longer needs the line.
-function fetchAhead() {
-  if (fetchedAhead || !video.dataset.following) return;
+// Only the next trial, one video after the other, and only when this one no longer needs the line.
+async function fetchAhead() {
+  const following = document.querySelector("[data-following]")?.dataset.following;
+  if (fetchedAhead || !following) return;
   fetchedAhead = true;
-  fetch(video.dataset.following, { priority: "low" }).catch(() => {
+  try {
+    for (const address of following.split(" ")) {
+      const answer = await fetch(address, { priority: "low" });
+      await answer.blob();
+    }
+  } catch {
     fetchedAhead = false;
-  });
+  }
 }
 
-new Playback(video, document.getElementById("controls"));
+makePlayers(videos, document.getElementById("volume"));
+watched.closest("[hidden]")?.removeAttribute("hidden");
+
 // A video that fails shows the way on by itself.
 function showTrouble() {
   document.querySelector(".trouble").open = true;
 }
-if (video.error) showTrouble();
-video.addEventListener("error", showTrouble);
+for (const video of videos) {
+  if (video.error) showTrouble();
+  video.addEventListener("error", showTrouble);
+}
 
 const submission = new Submission(answers, evidence, missing);
 evidence.addEventListener("change", show);

@@ -1,4 +1,4 @@
-// Which parts of the video were really played. The server decides whether that is enough; here
+// Which parts of a video were really played. The server decides whether that is enough; here
 // it is measured, reported in numbered batches, and shown before the server has answered.
 
 import { forget, recall, remember } from "./storage.js";
@@ -29,6 +29,8 @@ export class WatchEvidence extends EventTarget {
   constructor(video) {
     super();
     this.video = video;
+    this.label = video.dataset.label;
+    this.soundless = "soundless" in video.dataset; // it is meant to be seen without sound
     this.duration = Number(video.dataset.duration);
     this.needed = Number(video.dataset.coverage) * this.duration;
     this.played = JSON.parse(video.dataset.watched);
@@ -63,7 +65,7 @@ export class WatchEvidence extends EventTarget {
   }
 
   get silent() {
-    return this.video.muted || this.video.volume === 0;
+    return !this.soundless && (this.video.muted || this.video.volume === 0);
   }
 
   // A video that nobody can see or hear does not count as watched.

@@ -29,7 +29,9 @@ def test_pages_are_never_kept_by_a_browser(app: Flask, clock: SetClock) -> None:
     assert visitor.client.get(visitor.address).headers["Cache-Control"] == "no-store"
 
 
-@pytest.mark.parametrize("template", sorted((WEB / "templates").iterdir()), ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "template", sorted((WEB / "templates").rglob("*.html")), ids=lambda p: p.name
+)
 def test_pages_hold_no_inline_script_or_style_and_ask_nobody_else(template: Path) -> None:
     text = template.read_text("utf-8")
 

@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 
 from motion.freeze import CHANNELS
-from studyapp.definition.questions import Question
-from studyapp.web.wording import CHANNEL_WORDS, SCALE, asked, frozen_words
+from studyapp.web.wording import CHANNEL_WORDS, SCALE, emphasised, frozen_words
 from tests.studyapp.made_study import make_study
 
 
@@ -15,9 +14,7 @@ def test_the_scale_is_symmetric_and_in_the_order_of_the_videos() -> None:
 
 
 def test_the_emotion_is_emphasised_in_its_place() -> None:
-    question = Question(name="q", title="Q", text="{emotion}: which shows {emotion}?")
-
-    assert asked(question, "fear").parts == (
+    assert emphasised("{emotion}: which shows {emotion}?", "fear") == (
         ("fear", True),
         (": which shows ", False),
         ("fear", True),
