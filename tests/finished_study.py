@@ -112,9 +112,9 @@ def write_finished_study(folder: Path, protocol: str, video: Path) -> None:
         _copy(video, finished_video(files.videos, shown))
 
 
-def write_short_video(path: Path) -> None:
-    """Write the video that all stimuli of these studies are copies of; it lasts 2 s."""
-    write_pair_video(path, shade=60)
+def write_short_video(path: Path, *, seconds: float = 2.0) -> None:
+    """Write the video that all stimuli of these studies are copies of."""
+    write_pair_video(path, shade=60, seconds=seconds)
 
 
 def _copy(video: Path, path: Path) -> None:

@@ -101,19 +101,19 @@ def write_tiny_study(folder: Path) -> None:
     write_stimuli(folder / "stimuli.json", Stimuli(pairs=tuple(pairs)))
 
 
-def write_pair_video(path: Path, *, shade: int) -> None:
+def write_pair_video(path: Path, *, shade: int, seconds: float = SECONDS) -> None:
     """Write a pair as the renderer makes them: H.264 and AAC in MP4, two squares side by side."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with av.open(path, "w", options={"movflags": "+faststart"}) as container:
         video = container.add_stream("libx264", rate=FRAME_RATE, options={"crf": "28"})
         video.width, video.height, video.pix_fmt = 2 * HEIGHT, HEIGHT, "yuv420p"
         audio = container.add_stream("aac", rate=SAMPLE_RATE, layout="mono")
-        for index in range(int(SECONDS * FRAME_RATE)):
+        for index in range(int(seconds * FRAME_RATE)):
             frame = av.VideoFrame.from_ndarray(_picture(index, shade), format="rgb24")
             container.mux(video.encode(frame))
         container.mux(video.encode(None))
-        for start in range(0, int(SECONDS * SAMPLE_RATE), 1024):
-            stop = min(start + 1024, int(SECONDS * SAMPLE_RATE))
+        for start in range(0, int(seconds * SAMPLE_RATE), 1024):
+            stop = min(start + 1024, int(seconds * SAMPLE_RATE))
             tone = 0.1 * np.sin(2 * np.pi * 220 * np.arange(start, stop) / SAMPLE_RATE)
             sound = av.AudioFrame.from_ndarray(
                 tone.astype(np.float32)[None], format="fltp", layout="mono"

@@ -2,45 +2,30 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
-import signal
-import socket
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import httpx
 import pytest
-from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
+from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import select
 
 from studyapp.models import Response, StudySession, Trial
 from studyapp.services.database import Database, sqlite_url
-
-CHROMIUM = Path("/usr/bin/chromium")
-ARGUMENTS = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--autoplay-policy=document-user-activation-required",
+from tests.functional.browsing import (
+    IN_A_BROWSER,
+    LAPTOP,
+    VIEWPORTS,
+    launched,
+    photograph,
+    screenshots_folder,
+    serving,
+    watched_page,
 )
-LAPTOP = {"width": 1366, "height": 768}
-VIEWPORTS = {"laptop": LAPTOP, "desktop": {"width": 1920, "height": 1080}}
-VIEWPORTS["phone"] = {"width": 420, "height": 900}
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.slow,
-    pytest.mark.skipif(not CHROMIUM.exists(), reason="there is no /usr/bin/chromium"),
-]
+pytestmark = IN_A_BROWSER
 
 
 @pytest.fixture(scope="module")
@@ -60,56 +45,20 @@ def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -
 @pytest.fixture(scope="module")
 def address(study: Path) -> Iterator[str]:
     """Serve the study as `motionjury serve` does, and return where."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    code = (
-        "import sys; from pathlib import Path; from studyapp.serving import run_server; "
-        "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2)"
-    )
-    server = subprocess.Popen([sys.executable, "-c", code, str(study), str(port)])
-    url = f"http://127.0.0.1:{port}"
-    deadline = time.monotonic() + 30
-    while True:
-        try:
-            httpx.get(url)
-            break
-        except httpx.ConnectError:
-            assert time.monotonic() < deadline
-            assert server.poll() is None
-            time.sleep(0.2)
-    yield url
-    server.send_signal(signal.SIGTERM)
-    server.wait(timeout=30)
+    with serving(study) as url:
+        yield url
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+    with launched() as chromium:
         yield chromium
-        chromium.close()
 
 
 @pytest.fixture
 def page(browser: Browser, address: str) -> Iterator[Page]:
-    """Return an empty page that may ask nobody but the study, and must not complain."""
-    context = browser.new_context(viewport=LAPTOP)
-    opened = context.new_page()
-    complaints: list[str] = []
-    strangers: list[str] = []
-
-    def look_at(request: Request) -> None:
-        if not request.url.startswith(address):
-            strangers.append(request.url)
-
-    opened.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
-    opened.on("pageerror", lambda error: complaints.append(str(error)))
-    opened.on("request", look_at)
-    yield opened
-    context.close()
-    assert strangers == []
-    assert [c for c in complaints if "ERR_INTERNET_DISCONNECTED" not in c] == []
+    with watched_page(browser, address) as opened:
+        yield opened
 
 
 @pytest.fixture
@@ -121,17 +70,7 @@ def database(study: Path) -> Iterator[Database]:
 
 @pytest.fixture
 def screenshots(tmp_path: Path) -> Path:
-    folder = Path(os.environ.get("SCREENSHOTS", tmp_path / "screenshots"))
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def photograph(page: Page, folder: Path, name: str) -> None:
-    """Take the page in every size, and leave it as wide as a laptop."""
-    for size, viewport in VIEWPORTS.items():
-        page.set_viewport_size(viewport)
-        page.screenshot(path=folder / f"{name}-{size}.png", full_page=size == "phone")
-    page.set_viewport_size(LAPTOP)
+    return screenshots_folder(tmp_path)
 
 
 def take_part(page: Page, address: str) -> None:

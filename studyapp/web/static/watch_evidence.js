@@ -41,14 +41,16 @@ export class WatchEvidence extends EventTarget {
     this.flying = [];
     this.last = null; // where the playing video was when last looked at, and when that was
     this.sending = null;
-    video.addEventListener("playing", () => this.open());
-    video.addEventListener("timeupdate", () => this.look());
+    for (const name of ["play", "playing", "timeupdate"]) {
+      video.addEventListener(name, () => this.look());
+    }
     video.addEventListener("ended", () => this.close(true));
     for (const name of ["pause", "seeking", "waiting"]) {
       video.addEventListener(name, () => this.close(false));
     }
     video.addEventListener("volumechange", () => {
       this.close(false);
+      this.look();
       this.dispatchEvent(new Event("change"));
     });
     setInterval(() => this.report(), REPORT_EVERY_MS);

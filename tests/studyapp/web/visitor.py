@@ -38,9 +38,11 @@ class Visitor:
         return PageReader(answer.text)
 
     def watch(self) -> None:
-        address = self.page().value("#pair", "data-watched-url")
-        self.clock.advance(seconds=3)
-        assert self.client.post(address, json=WATCHED).status_code == 200
+        """Play every video of the present trial to its end, one after the other."""
+        for video in self.page().soup.select("video"):
+            self.clock.advance(seconds=3)
+            address = str(video["data-watched-url"])
+            assert self.client.post(address, json=WATCHED).status_code == 200
 
     def post(self, page: PageReader, **changes: str) -> tuple[int, PageReader]:
         data = {"trial": page.trial, **ANSWERS, **changes}

@@ -1,0 +1,115 @@
+"""A real browser, and the real server it asks."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+from playwright.sync_api import Browser, Page, Request, sync_playwright
+
+CHROMIUM = Path("/usr/bin/chromium")
+ARGUMENTS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--autoplay-policy=document-user-activation-required",
+)
+LAPTOP = {"width": 1366, "height": 768}
+VIEWPORTS = {
+    "laptop": LAPTOP,
+    "desktop": {"width": 1920, "height": 1080},
+    "phone": {"width": 420, "height": 900},
+}
+
+IN_A_BROWSER = [
+    pytest.mark.browser,
+    pytest.mark.slow,
+    pytest.mark.skipif(not CHROMIUM.exists(), reason="there is no /usr/bin/chromium"),
+]
+"""Marks of a module whose tests need Chromium."""
+
+
+@contextmanager
+def serving(study: Path) -> Iterator[str]:
+    """Serve the study as `motionjury serve` does, and give its address."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    code = (
+        "import sys; from pathlib import Path; from studyapp.serving import run_server; "
+        "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2)"
+    )
+    server = subprocess.Popen([sys.executable, "-c", code, str(study), str(port)])
+    url = f"http://127.0.0.1:{port}"
+    deadline = time.monotonic() + 30
+    while True:
+        try:
+            httpx.get(url)
+            break
+        except httpx.ConnectError:
+            assert time.monotonic() < deadline
+            assert server.poll() is None
+            time.sleep(0.2)
+    try:
+        yield url
+    finally:
+        server.send_signal(signal.SIGTERM)
+        server.wait(timeout=30)
+
+
+@contextmanager
+def launched() -> Iterator[Browser]:
+    """Give a browser that nobody else uses."""
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield chromium
+        chromium.close()
+
+
+@contextmanager
+def watched_page(browser: Browser, address: str) -> Iterator[Page]:
+    """Give an empty page that may ask nobody but the study, and must not complain."""
+    context = browser.new_context(viewport=LAPTOP)
+    opened = context.new_page()
+    complaints: list[str] = []
+    strangers: list[str] = []
+
+    def look_at(request: Request) -> None:
+        if not request.url.startswith(address):
+            strangers.append(request.url)
+
+    opened.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
+    opened.on("pageerror", lambda error: complaints.append(str(error)))
+    opened.on("request", look_at)
+    yield opened
+    context.close()
+    assert strangers == []
+    assert [c for c in complaints if "ERR_INTERNET_DISCONNECTED" not in c] == []
+
+
+def screenshots_folder(tmp_path: Path) -> Path:
+    """Return where screenshots go: where the environment says, else into `tmp_path`."""
+    folder = Path(os.environ.get("SCREENSHOTS", tmp_path / "screenshots"))
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def photograph(page: Page, folder: Path, name: str) -> None:
+    """Take the page in every size, and leave it as wide as a laptop."""
+    for size, viewport in VIEWPORTS.items():
+        page.set_viewport_size(viewport)
+        page.screenshot(path=folder / f"{name}-{size}.png", full_page=size == "phone")
+    page.set_viewport_size(LAPTOP)

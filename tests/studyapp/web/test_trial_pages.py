@@ -1,0 +1,222 @@
+"""Trials of several players over HTTP: what their pages show, and that their forms work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from bs4 import Tag
+from flask import Flask
+from sqlalchemy import select
+
+from studyapp.models import Response, Trial
+from studyapp.web.app import create_app
+from studyapp.web.running import attach, running
+from tests.finished_study import write_finished_study, write_short_video
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.visitor import Visitor
+
+Arrive = Callable[[str], Visitor]
+
+
+@pytest.fixture(scope="module")
+def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("video") / "short.mp4"
+    write_short_video(path)
+    return path
+
+
+@pytest.fixture
+def arrive(tmp_path: Path, video: Path, clock: SetClock) -> Iterator[Arrive]:
+    """Return a function that brings a participant to the first trial of a protocol's study."""
+    with ExitStack() as closing:
+
+        def make(protocol: str) -> Visitor:
+            folder = tmp_path / protocol
+            folder.mkdir()
+            write_finished_study(folder, protocol, video)
+            path = folder / "study.toml"
+            text = path.read_text("utf-8")
+            path.write_text(text.replace('scale = "slider"', 'scale = "mean_opinion"'), "utf-8")
+            app = create_app(folder)
+            with app.app_context():
+                here = running()
+            attach(app, replace(here, clock=clock))
+            closing.callback(here.database.close)
+            return Visitor(app, clock).enrol().begin()
+
+        yield make
+
+
+def application(visitor: Visitor) -> Flask:
+    return visitor.client.application
+
+
+def stored(visitor: Visitor) -> int:
+    with application(visitor).app_context(), running().database.reading() as session:
+        return len(session.scalars(select(Response)).all())
+
+
+def trial_at(visitor: Visitor, position: int) -> Trial:
+    with application(visitor).app_context(), running().database.reading() as session:
+        return session.scalars(select(Trial).where(Trial.position == position)).one()
+
+
+def first_answers(page: PageReader) -> dict[str, str]:
+    """Return the first choice of every question on `page`."""
+    chosen: dict[str, str] = {}
+    for radio in page.soup.select("#answers [type=radio]"):
+        chosen.setdefault(str(radio["name"]), str(radio["value"]))
+    return chosen
+
+
+def send(visitor: Visitor, page: PageReader, answers: dict[str, str]) -> tuple[int, PageReader]:
+    sent = visitor.client.post(page.action, data={"trial": page.trial, **answers})
+    return sent.status_code, PageReader(sent.text)
+
+
+def every_trial(visitor: Visitor) -> list[PageReader]:
+    """Take all trials, and return their pages."""
+    seen = []
+    while (page := visitor.page()).soup.select("#answers"):
+        seen.append(page)
+        visitor.watch()
+        assert send(visitor, page, first_answers(page))[0] == 303
+    return seen
+
+
+def words(tag: Tag | PageReader) -> str:
+    text = tag.get_text() if isinstance(tag, Tag) else tag.soup.get_text()
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize(
+    ("protocol", "trials", "answers"), [("pairwise", 6, 6), ("rating", 3, 18), ("mismatch", 4, 4)]
+)
+def test_from_first_trial_to_code_without_scripts(
+    arrive: Arrive, protocol: str, trials: int, answers: int
+) -> None:
+    visitor = arrive(protocol)
+
+    seen = every_trial(visitor)
+
+    assert len(seen) == trials
+    assert stored(visitor) == answers
+    assert visitor.page().one("output#completion-code").get_text()
+
+
+@pytest.mark.parametrize(
+    ("protocol", "labels"), [("pairwise", "AB"), ("rating", "ABC"), ("mismatch", "AB")]
+)
+def test_players_are_labelled_in_order(arrive: Arrive, protocol: str, labels: str) -> None:
+    page = arrive(protocol).page()
+
+    assert [video["data-label"] for video in page.soup.select("video")] == list(labels)
+    assert [words(label) for label in page.soup.select(".player .label")] == list(labels)
+    for player, label in zip(page.soup.select(".player"), labels, strict=True):
+        assert player["aria-label"] == f"Video {label}"
+        assert [words(button) for button in player.select("button")] == [
+            f"▶ Play {label}",
+            f"↺ Replay {label}",
+        ]
+
+
+def test_under_each_motion_stand_its_questions_with_all_labels(arrive: Arrive) -> None:
+    page = arrive("rating").page()
+
+    for number, player in enumerate(page.soup.select(".player"), start=1):
+        fields = {str(radio["name"]) for radio in player.select("[type=radio]")}
+        assert fields == {f"quality:{number}", f"synchrony:{number}"}
+        for question in player.select(".question"):
+            labels = [words(label) for label in question.select(".scale label")]
+            values = [radio["value"] for radio in question.select("[type=radio]")]
+            assert labels == ["bad", "poor", "fair", "good", "excellent"]
+            assert values == ["1", "2", "3", "4", "5"]
+    assert page.checked() == {}
+
+
+def test_what_was_answered_is_kept_when_something_is_missing(arrive: Arrive) -> None:
+    visitor = arrive("rating")
+    visitor.watch()
+    page = visitor.page()
+    given = first_answers(page)
+    del given["synchrony:2"]
+
+    status, refused = send(visitor, page, given)
+
+    assert status == 422
+    assert "Question 2 about B is not answered" in refused.one("#problem").get_text()
+    assert refused.checked() == given
+    assert stored(visitor) == 0
+
+
+def test_every_video_must_have_been_played(arrive: Arrive) -> None:
+    visitor = arrive("mismatch")
+    page = visitor.page()
+    visitor.clock.advance(seconds=3)
+    first = str(page.soup.select("video")[0]["data-watched-url"])
+    visitor.client.post(first, json={"batch": 0, "intervals": [[0.0, 2.0]]})
+
+    status, refused = send(visitor, page, first_answers(page))
+
+    assert status == 422
+    assert "About 2 s of the videos have not been played yet" in words(refused.one("#problem"))
+
+
+def test_each_part_is_announced_once_and_its_sound_too(arrive: Arrive) -> None:
+    visitor = arrive("mismatch")
+
+    seen = every_trial(visitor)
+
+    parts = [trial_at(visitor, position).part for position in range(1, len(seen) + 1)]
+    muted = [part == "realism" for part in parts]
+    new = [i == 0 or parts[i] != parts[i - 1] for i in range(len(parts))]
+    assert [bool(page.soup.select(".part")) for page in seen] == new
+    assert [len(page.soup.select("video[muted][data-soundless]")) == 2 for page in seen] == muted
+    assert [not page.soup.select("#volume") for page in seen] == muted
+
+
+def test_attention_checks_look_like_every_page_and_say_what_to_answer(arrive: Arrive) -> None:
+    visitor = arrive("rating")
+
+    seen = every_trial(visitor)
+
+    (check,) = (n for n in range(1, 4) if trial_at(visitor, n).kind == "attention")
+    wanted = trial_at(visitor, check).instructed or 0
+    label = ("bad", "poor", "fair", "good", "excellent")[wanted - 1]
+    for number, page in enumerate(seen, start=1):
+        asked = [words(legend) for legend in page.soup.select("legend")]
+        assert all(f"please answer this one with {label}." in text for text in asked) is (
+            number == check
+        )
+        assert len(asked) == 6
+
+
+def test_the_next_trials_videos_are_named_in_order(arrive: Arrive) -> None:
+    visitor = arrive("rating")
+    following = visitor.page().value("[data-following]", "data-following").split()
+    page = visitor.page()
+    visitor.watch()
+    send(visitor, page, first_answers(page))
+
+    assert [video["src"] for video in visitor.page().soup.select("video")] == following
+
+
+@pytest.mark.parametrize("protocol", ["pairwise", "rating", "mismatch"])
+def test_instructions_fit_the_protocol(arrive: Arrive, protocol: str) -> None:
+    visitor = arrive(protocol)
+    page = Visitor(application(visitor), visitor.clock).enrol().page()
+
+    expected = {"pairwise": "6 pairs", "rating": "3 pages", "mismatch": "4 pairs"}
+    assert expected[protocol] in words(page)
+    assert "one after the other" in words(page)
+
+
+def test_a_page_of_several_players_stays_small(arrive: Arrive) -> None:
+    visitor = arrive("rating")
+
+    assert len(visitor.client.get(visitor.address).data) < 20_000
