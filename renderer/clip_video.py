@@ -124,7 +124,7 @@ def write_clip_video(
         If motion or speech cannot be read, or differ in length by more than `LENGTH_TOLERANCE`.
     """
     look = stage.look
-    clip = _as_shown(read_clip(motion), motion, end - start, frozen, look.frame_rate)
+    clip = as_shown(read_clip(motion), motion, end - start, frozen, look.frame_rate)
     sound = read_audio(speech, sample_rate=SOUND_RATE).cut(start, end)
     with ExitStack() as stack:
         kept = stack.enter_context(replacing(frames))
@@ -138,10 +138,34 @@ def write_clip_video(
             encoded.write(frame)
 
 
-def _as_shown(
+def as_shown(
     clip: MotionClip, path: Path, duration: float, frozen: tuple[str, ...], frame_rate: float
 ) -> MotionClip:
-    """Return `clip` at the video's frame rate and exact length, with its frozen channels."""
+    """Return `clip` as participants see it: at the video's rate and length, channels frozen.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        The motion of one condition for one segment.
+    path : Path
+        Where it comes from, for messages.
+    duration : float
+        Seconds of the segment's speech.
+    frozen : tuple of str
+        Channels to hold still, as `motion.freeze.freeze` names them.
+    frame_rate : float
+        Frames per second to show it at.
+
+    Returns
+    -------
+    MotionClip
+        ``max(1, round(duration * frame_rate))`` frames.
+
+    Raises
+    ------
+    InputError
+        If motion and speech differ in length by more than `LENGTH_TOLERANCE`.
+    """
     if abs(clip.duration - duration) > LENGTH_TOLERANCE:
         raise InputError(
             f"the motion lasts {clip.duration:.2f} s, its speech {duration:.2f} s",
