@@ -42,7 +42,7 @@ from renderer.job import ClipJob, Job, PairJob
 from renderer.jobs import run_jobs
 from renderer.look import Look
 from renderer.pair import composed_frames, write_pair
-from renderer.surface import avatar_colours
+from renderer.surface import surface_colours
 
 SECONDS: Final = 4.0
 ROUNDS: Final = 3
@@ -134,7 +134,7 @@ def _one_process_per_core(setting: Setting) -> tuple[dict[str, float], float]:
 def _write_for_stock_loop(setting: Setting, stage: Stage) -> None:
     """Leave the posed mesh, its colours and the camera for the other process."""
     clip = gesturing_clip(PLAIN_FRAMES / setting.look.frame_rate, setting.look.frame_rate)
-    colours = avatar_colours(stage.body, setting.look.avatar)[:, :3]
+    colours = surface_colours(stage.body)[:, :3]
     camera = setting.camera
     np.savez(
         setting.folder / "stock.npz",

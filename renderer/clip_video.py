@@ -24,7 +24,7 @@ from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import Look
-from renderer.surface import VertexNormals, avatar_colours
+from renderer.surface import VertexNormals, surface_colours
 
 FRAMES_AT_ONCE: Final = 60
 """Frames whose vertices are in memory together."""
@@ -50,7 +50,7 @@ class Stage:
         self.look = look
         self.body: BodyModel = read_body(body)
         self._normals = VertexNormals(self.body)
-        colours = avatar_colours(self.body, look.avatar)
+        colours = surface_colours(self.body)
         self._renderer = FrameRenderer(self.body.faces, colours, camera, look.size)
 
     def __enter__(self) -> Self:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from motion.errors import InputError
+from renderer.avatars import FIRST, avatar_named
 
 BACKGROUND: Final = (0xEC, 0xEC, 0xEE)
 """sRGB of the plain background; pages that show the videos use the same."""
@@ -55,13 +56,13 @@ class Look:
     framing : str
         ``upper_body`` or ``full_body``.
     avatar : str
-        Name of the colours in which the default body is dressed.
+        One of `renderer.avatars.AVATARS`.
     """
 
     size: int = 720
     frame_rate: float = 30.0
     framing: str = "upper_body"
-    avatar: str = "blue"
+    avatar: str = FIRST
 
     def __post_init__(self) -> None:
         if not 64 <= self.size <= 2160 or self.size % 2:
@@ -78,3 +79,4 @@ class Look:
             raise InputError(
                 f"unknown framing {self.framing!r}", remedy=f"Use one of {', '.join(FRAMINGS)}"
             )
+        avatar_named(self.avatar)

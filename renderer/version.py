@@ -7,7 +7,8 @@ from typing import Final
 from motion.source_version import source_version
 
 BODY_VERSION: Final = source_version(
-    ("renderer/avatar/*.py", "motion/skeleton.py", "motion/face.py"), ("anny",)
+    ("renderer/avatars.py", "renderer/avatar/*.py", "motion/skeleton.py", "motion/face.py"),
+    ("anny",),
 )
 """Changes whenever the default body would."""
 

@@ -56,7 +56,7 @@ class _Stages:
             self._stack.close()
             self._key, self._stage = None, None
             self._stage = self._stack.enter_context(
-                Stage(job.body or default_body(), job.camera, job.look)
+                Stage(job.body or default_body(job.look.avatar), job.camera, job.look)
             )
             self._key = key
         return self._stage

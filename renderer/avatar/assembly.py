@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from motion.skeleton import JOINT_COUNT, PARENTS
 from renderer.avatar.anny_source import AnnyPerson, read_person
+from renderer.avatar.colours import baked_colours
 from renderer.avatar.eyes import eyeballs
 from renderer.avatar.garments import garments
 from renderer.avatar.head import bare_parts
@@ -22,13 +23,10 @@ from renderer.avatar.smplx_rig import (
     t_pose_joints,
     unpose,
 )
+from renderer.avatars import Avatar
 
 Array = NDArray[np.float64]
 
-HEIGHT: Final = 1.74
-PHENOTYPE: Final = {
-    "gender": 0.25, "age": 0.70, "height": 0.5, "muscle": 0.5, "weight": 0.45, "proportions": 0.6,
-}  # fmt: skip
 FRIENDLINESS: Final = {
     "eyeWideLeft": 0.35, "eyeWideRight": 0.35, "mouthSmileLeft": 0.10, "mouthSmileRight": 0.10,
     "mouthPressLeft": 0.10, "mouthPressRight": 0.10,
@@ -45,14 +43,15 @@ _MAX_JOINTS_PER_VERTEX: Final = 6
 _REGRESSED_FROM: Final = 300
 
 
-def build_body() -> dict[str, NDArray[Any]]:
-    """Return the arrays of the default body, by their names in SMPL-X's model files.
+def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an avatar's body, by their names in SMPL-X's model files.
 
     Beyond those: ``arkit_slots`` says that expression slots 0-51 hold ARKit's actions,
     ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
-    ``material_names`` names the materials, ``credits`` the sources.
+    ``material_names`` names the materials, ``colours`` (V, 4) holds sRGB and gleam, each in
+    0-255, ``credits`` the sources.
     """
-    person = _awake(_scaled(read_person(PHENOTYPE), HEIGHT))
+    person = _awake(_scaled(read_person(avatar.phenotype), avatar.height))
     stance = rest_joints_in_stance(person)
     sitter = Sitter(person=person, joints=stance, weights=joint_weights(person, stance))
     pieces = [*bare_parts(sitter), *eyeballs(sitter), *garments(sitter)]
@@ -69,6 +68,7 @@ def build_body() -> dict[str, NDArray[Any]]:
         [len(piece.vertices) for piece in pieces],
     )
     regressor = _joint_regressor(template, joints, np.abs(actions).max(axis=(0, 2)) > 1e-7)
+    shade = _shade(vertices, faces)
     hands = np.zeros((45, 45), np.float32)
     return {
         "v_template": template.astype(np.float32),
@@ -84,9 +84,10 @@ def build_body() -> dict[str, NDArray[Any]]:
         "hands_meanr": hands[0],
         "lmk_faces_idx": np.zeros(51, np.int32),
         "lmk_bary_coords": np.full((51, 3), 1 / 3, np.float32),
-        "arkit_slots": np.array(True),
+        "arkit_slots": np.array(avatar.has_face),
         "material": material.astype(np.uint8),
-        "shade": _shade(vertices, faces).astype(np.float32),
+        "shade": shade.astype(np.float32),
+        "colours": baked_colours(avatar, material, shade),
         "material_names": np.array(MATERIALS),
         "credits": np.array(CREDITS),
     }

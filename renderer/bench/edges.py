@@ -13,7 +13,7 @@ from renderer.frames import SUPERSAMPLING, FrameRenderer
 from renderer.framing import Camera
 from renderer.look import BACKGROUND
 from renderer.pixel_box import PixelBox
-from renderer.surface import VertexNormals, avatar_colours
+from renderer.surface import VertexNormals, surface_colours
 
 Pictures = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def edge_errors(stage: Stage, camera: Camera, vertices: NDArray[np.float32]) -> 
         Root mean square in grey levels over the pixels that the outline crosses.
     """
     normals = VertexNormals(stage.body).of(vertices)
-    colours = avatar_colours(stage.body, stage.look.avatar)
+    colours = surface_colours(stage.body)
     size = stage.look.size
 
     def renderer(side: int) -> FrameRenderer:

@@ -89,7 +89,7 @@ class Video(_Section):
     size : int
         Pixels along each side of one clip; a pair is twice as wide.
     avatar : str
-        The colours in which the default body is dressed.
+        Who is shown, the same for all conditions: a name in `renderer.avatars.AVATARS`.
     body : str or None
         A licensed SMPL-X model file (``.npz``) to show instead of the default body.
     """
@@ -97,7 +97,7 @@ class Video(_Section):
     framing: Literal["upper_body", "full_body"] = "upper_body"
     size: int = Field(720, ge=64, le=1440, multiple_of=2)
     frame_rate: int = Field(30, ge=10, le=60)
-    avatar: Literal["blue", "green"] = "blue"
+    avatar: Literal["alex", "mannequin"] = "alex"
     body: str | None = None
 
 
