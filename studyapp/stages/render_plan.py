@@ -84,7 +84,11 @@ class RenderPlan:
         study = folder.study()
         segments = {segment.name: segment for segment in folder.segments()}
         shown = read_motion_shown(folder, study, tuple(segments.values()))
-        body = Path(study.video.body).expanduser() if study.video.body else default_body(study.video.avatar)
+        body = (
+            Path(study.video.body).expanduser()
+            if study.video.body
+            else default_body(study.video.avatar)
+        )
         model = read_body(body)
         look = _look(study)
         camera = _camera(shown, study, model, look)
