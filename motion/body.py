@@ -23,13 +23,15 @@ from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
 from motion.face import arkit_index
 from motion.skeleton import JOINT_COUNT, PARENTS, joint_index
+from motion.skinning import TwistJoints, skinning_matrices
 
 FloatArray = NDArray[np.float32]
 
 _REQUIRED: Final = (
     "v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table",
 )  # fmt: skip
-_SURFACE: Final = ("material", "material_names", "shade")
+_SURFACE: Final = ("material", "material_names", "shade", "colours")
+_TWIST: Final = ("twist_bones", "twist_shares", "twist_weights")
 _FULL_SHAPE_COUNT: Final = 300
 _SHORT_SHAPE_COUNT: Final = 10  # SMPL-X files of 2019 hold 10 shape and 10 expression components
 _FRAMES_AT_ONCE: Final = 8
@@ -57,8 +59,10 @@ class BodyModel:
         What the joints' rotations add before skinning; None where they add nothing.
     joint_regressor : sparse matrix, shape (55, V)
         Joints as weighted sums of vertices.
-    weights : sparse matrix, shape (V, 55)
-        Skin weights.
+    weights : sparse matrix, shape (V, 55 + K)
+        Skin weights of the skeleton's joints, then of the K twist joints.
+    twist_joints : TwistJoints or None
+        Extra joints that keep the skin from being wrung; a licensed body has none.
     has_arkit_slots : bool
         Whether the expression directions are ARKit's facial actions, in the order of
         `motion.face.ARKIT_NAMES`, rather than SMPL-X's expression components.
@@ -75,6 +79,7 @@ class BodyModel:
     pose_directions: FloatArray | None
     joint_regressor: sparse.csr_array
     weights: sparse.csr_array
+    twist_joints: TwistJoints | None = None
     has_arkit_slots: bool = False
     credits: str = ""
     surface: Mapping[str, NDArray[Any]] = field(default_factory=dict)
@@ -109,6 +114,23 @@ class BodyModel:
             self._skin(part.frames(batch), shaped, result[batch])
         return result
 
+    def unposed(self, clip: MotionClip) -> FloatArray:
+        """Return the vertices before skinning, shape (n, V, 3), in metres.
+
+        They are in T-pose, with the clip's shape and expression, and with what the pose adds to
+        the shape.
+        """
+        return self._unposed(clip, self._shaped(clip.betas))
+
+    def skinning_matrices(self, clip: MotionClip) -> FloatArray:
+        """Return what each joint does to the unposed skin, shape (n, 55 + K, 3, 4).
+
+        The vertices of a frame are the unposed ones, each moved by the sum of these matrices
+        weighted with its row of `weights`.
+        """
+        joints = self._joints(clip, self._shaped(clip.betas))
+        return skinning_matrices(clip.poses, clip.trans, joints, self.twist_joints)
+
     def _shaped(self, betas: NDArray[np.floating]) -> FloatArray:
         """Return the template with shape `betas`, shape (V, 3)."""
         count = min(len(betas), self.shape_directions.shape[2])
@@ -117,28 +139,39 @@ class BodyModel:
         added = self.shape_directions[:, :, :count] @ np.asarray(betas[:count], np.float32)
         return np.asarray(self.template + added)
 
-    def _skin(self, clip: MotionClip, shaped: FloatArray, out: FloatArray) -> None:
-        """Write the vertices of all frames of `clip` to `out`, shape (n, V, 3)."""
-        count = len(clip)
-        out[:] = shaped
-        joints = np.broadcast_to(self.joint_regressor @ shaped, (count, JOINT_COUNT, 3))
+    def _unposed(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
+        """Return the vertices before skinning, shape (n, V, 3), of the body of shape `shaped`."""
+        result = np.repeat(shaped[None], len(clip), axis=0)
         coefficients = self._expression_coefficients(clip)
         if coefficients is not None:
-            moved, directions, joint_directions = self._expression_parts
-            out[:, moved] += np.tensordot(coefficients, directions, axes=(1, 2))
-            joints = joints + np.tensordot(coefficients, joint_directions, axes=(1, 2))
-        local = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_matrix()
-        local = local.reshape(count, JOINT_COUNT, 3, 3)
+            moved, directions, _ = self._expression_parts
+            result[:, moved] += np.tensordot(coefficients, directions, axes=(1, 2))
         if self.pose_directions is not None:
-            change = (local[:, 1:] - np.eye(3)).reshape(count, -1).astype(np.float32)
-            out += np.tensordot(change, self.pose_directions, axes=(1, 2))
-        transforms = _skinning_transforms(local, joints, clip.trans)
-        flat = transforms.transpose(1, 0, 2, 3).reshape(JOINT_COUNT, -1)
-        blended = (self.weights @ flat).reshape(-1, count, 3, 4)
-        for frame in range(count):
-            matrices = blended[:, frame]
-            moved_by = np.einsum("vab,vb->va", matrices[:, :, :3], out[frame])
-            np.add(moved_by, matrices[:, :, 3], out=out[frame])
+            local = Rotation.from_rotvec(clip.poses[:, 1:].reshape(-1, 3).astype(float))
+            change = (local.as_matrix() - np.eye(3)).reshape(len(clip), -1).astype(np.float32)
+            result += np.tensordot(change, self.pose_directions, axes=(1, 2))
+        return result
+
+    def _joints(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
+        """Return the joints of the unposed body in each frame, shape (n, 55, 3)."""
+        joints = np.broadcast_to(self.joint_regressor @ shaped, (len(clip), JOINT_COUNT, 3))
+        coefficients = self._expression_coefficients(clip)
+        if coefficients is None:
+            return joints
+        joint_directions = self._expression_parts[2]
+        return np.asarray(joints + np.tensordot(coefficients, joint_directions, axes=(1, 2)))
+
+    def _skin(self, clip: MotionClip, shaped: FloatArray, out: FloatArray) -> None:
+        """Write the vertices of all frames of `clip` to `out`, shape (n, V, 3)."""
+        out[:] = self._unposed(clip, shaped)
+        joints = self._joints(clip, shaped)
+        matrices = skinning_matrices(clip.poses, clip.trans, joints, self.twist_joints)
+        flat = matrices.transpose(1, 0, 2, 3).reshape(matrices.shape[1], -1)
+        blended = (self.weights @ flat).reshape(-1, len(clip), 3, 4)
+        for frame in range(len(clip)):
+            matrix = blended[:, frame]
+            moved_by = np.einsum("vab,vb->va", matrix[:, :, :3], out[frame])
+            np.add(moved_by, matrix[:, :, 3], out=out[frame])
 
     def _expression_coefficients(self, clip: MotionClip) -> FloatArray | None:
         """Return the coefficients, shape (n, E), that the model has slots for."""
@@ -210,7 +243,8 @@ def read_body(path: Path) -> BodyModel:
         expression_directions=_without_zeros_at_end(shapes[:, :, shape_count:]),
         pose_directions=poses if np.any(poses) else None,
         joint_regressor=sparse.csr_array(arrays["J_regressor"].astype(np.float32)),
-        weights=sparse.csr_array(arrays["weights"].astype(np.float32)),
+        weights=sparse.csr_array(arrays.get("twist_weights", arrays["weights"]).astype(np.float32)),
+        twist_joints=_twist_joints(arrays),
         has_arkit_slots=bool(arrays.get("arkit_slots", False)),
         credits=str(arrays.get("credits", "")),
         surface=surface,
@@ -235,7 +269,19 @@ def expression_note(clip: MotionClip, body: BodyModel) -> str | None:
 
 
 def _extras(names: list[str]) -> list[str]:
-    return [name for name in (*_SURFACE, "arkit_slots", "credits") if name in names]
+    optional = [*_SURFACE, "arkit_slots", "credits"]
+    if all(name in names for name in _TWIST):
+        optional += _TWIST
+    return [name for name in optional if name in names]
+
+
+def _twist_joints(arrays: Mapping[str, NDArray[Any]]) -> TwistJoints | None:
+    if "twist_bones" not in arrays:
+        return None
+    return TwistJoints(
+        bones=arrays["twist_bones"].astype(np.int64),
+        shares=arrays["twist_shares"].astype(np.float64),
+    )
 
 
 def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
@@ -250,6 +296,13 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
         "weights": (count, JOINT_COUNT),
         "kintree_table": (2, JOINT_COUNT),
     }
+    if "twist_bones" in arrays:
+        extra = len(arrays["twist_bones"])
+        expected |= {
+            "twist_bones": (extra, 2),
+            "twist_shares": (extra, 2),
+            "twist_weights": (count, JOINT_COUNT + extra),
+        }
     for name, shape in expected.items():
         given = arrays[name].shape
         fits = len(given) == len(shape) and all(
@@ -262,6 +315,13 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
                 where=path,
                 remedy=f"Give an SMPL-X model with {JOINT_COUNT} joints in .npz format",
             )
+    bones = arrays.get("twist_bones", np.zeros(0))
+    if np.any((bones < 0) | (bones >= JOINT_COUNT)):
+        raise InputError(
+            "twist_bones of the body model names joints that there are not",
+            where=path,
+            remedy="Build the default body again, or leave the twist arrays out",
+        )
     if arrays["kintree_table"][0, 1:].tolist() != list(PARENTS[1:]):
         raise InputError(
             "the body model's joint tree is not SMPL-X's",
@@ -274,20 +334,3 @@ def _without_zeros_at_end(directions: FloatArray) -> FloatArray:
     """Return the directions up to the last one that moves anything."""
     used = np.flatnonzero(np.abs(directions).max(axis=(0, 1), initial=0.0))
     return directions[:, :, : used[-1] + 1 if len(used) else 0]
-
-
-def _skinning_transforms(
-    local: NDArray[np.float64], joints: NDArray[np.floating], trans: FloatArray
-) -> FloatArray:
-    """Return what each joint does to the skin at rest, shape (n, 55, 3, 4)."""
-    world = np.empty_like(local)
-    position = np.empty_like(joints, dtype=np.float64)
-    for joint, parent in enumerate(PARENTS):
-        if parent < 0:
-            world[:, joint], position[:, joint] = local[:, joint], joints[:, joint]
-            continue
-        world[:, joint] = world[:, parent] @ local[:, joint]
-        offset = joints[:, joint] - joints[:, parent]
-        position[:, joint] = position[:, parent] + np.einsum("nab,nb->na", world[:, parent], offset)
-    shift = position - np.einsum("njab,njb->nja", world, joints) + trans[:, None]
-    return np.concatenate([world, shift[..., None]], axis=3).astype(np.float32)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from motion.body import BodyModel, expression_note, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.skeleton import PARENTS, forward_kinematics
+from motion.skeleton import PARENTS, forward_kinematics, joint_index
 
 Arrays = dict[str, NDArray[Any]]
 VERTICES = 9940  # more than the highest vertex that smplx's landmark table names
@@ -124,6 +124,30 @@ def test_vertices_follow_the_joints_of_forward_kinematics(arrays: Arrays, tmp_pa
     np.testing.assert_allclose(body.vertices(clip)[:, :55], expected, atol=1e-4)
 
 
+def _with_twist(arrays: Arrays) -> Arrays:
+    """Return a body whose left forearm's skin goes along with half of the wrist's twist."""
+    elbow, wrist = joint_index("left_elbow"), joint_index("left_wrist")
+    weights = np.hstack([arrays["weights"], np.zeros((VERTICES, 1))])
+    weights[:, [elbow, -1]] = weights[:, [-1, elbow]]
+    twist = {"twist_bones": np.array([[elbow, wrist]]), "twist_shares": np.array([[0.0, 0.5]])}
+    return arrays | twist | {"twist_weights": weights}
+
+
+def test_vertices_are_what_matrices_and_weights_make_of_the_unposed_body(
+    arrays: Arrays, tmp_path: Path
+) -> None:
+    np.savez(tmp_path / "smplx.npz", **_with_twist(arrays))
+    body = read_body(tmp_path / "smplx.npz")
+    rng = np.random.default_rng(2)
+    clip = _clip(3, betas=rng.normal(0, 1, 10), expressions=rng.normal(0, 1, (3, 100)))
+    matrices = body.skinning_matrices(clip)
+    assert matrices.shape == (3, 56, 3, 4)
+    blended = np.einsum("vj,njab->nvab", body.weights.toarray(), matrices)
+    homogeneous = np.concatenate([body.unposed(clip), np.ones((3, VERTICES, 1))], axis=2)
+    expected = np.einsum("nvab,nvb->nva", blended, homogeneous)
+    np.testing.assert_allclose(body.vertices(clip), expected, atol=1e-4)
+
+
 def test_a_clip_without_betas_has_the_mean_shape(body: BodyModel) -> None:
     mean, shaped = body.joints(np.zeros(0)), body.joints(np.ones(10))
     np.testing.assert_array_equal(mean, body.joints(np.zeros(10)))
@@ -176,6 +200,14 @@ def _another_tree(arrays: Arrays) -> Arrays:
     return arrays | {"kintree_table": tree}
 
 
+def _twist_about_no_bone(arrays: Arrays) -> Arrays:
+    return _with_twist(arrays) | {"twist_bones": np.array([[18, 55]])}
+
+
+def _twist_without_weights(arrays: Arrays) -> Arrays:
+    return _with_twist(arrays) | {"twist_weights": arrays["weights"]}
+
+
 def _pickled(arrays: Arrays) -> Arrays:
     return arrays | {"f": np.array([{"not": "numbers"}], dtype=object)}
 
@@ -186,6 +218,8 @@ def _pickled(arrays: Arrays) -> Arrays:
         (_without_weights, "lacks weights"),
         (_of_smplh, "weights of the body model has shape"),
         (_another_tree, "joint tree"),
+        (_twist_about_no_bone, "twist_bones .* joints that there are not"),
+        (_twist_without_weights, "twist_weights of the body model has shape"),
         (_pickled, "cannot be read"),
     ],
 )
