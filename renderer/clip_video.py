@@ -16,7 +16,7 @@ from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
-from motion.formats import read_clip
+from motion.formats.clip_npz import read_clip
 from motion.freeze import freeze
 from motion.resample import resample
 from renderer.canvas import Canvas
@@ -24,6 +24,7 @@ from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import Look
+from renderer.loudness import at_common_loudness
 from renderer.surface import VertexNormals, surface_colours
 
 FRAMES_AT_ONCE: Final = 60
@@ -125,7 +126,7 @@ def write_clip_video(
     """
     look = stage.look
     clip = as_shown(read_clip(motion), motion, end - start, frozen, look.frame_rate)
-    sound = read_audio(speech, sample_rate=SOUND_RATE).cut(start, end)
+    sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
     with ExitStack() as stack:
         kept = stack.enter_context(replacing(frames))
         shown = stack.enter_context(replacing(video))

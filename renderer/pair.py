@@ -18,6 +18,7 @@ from motion.files import replacing
 from renderer.canvas import plane_pixels
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.look import BACKGROUND, Look
+from renderer.loudness import at_common_loudness
 
 LABELS: Final = ("A", "B")
 """Left and right."""
@@ -53,7 +54,7 @@ def write_pair(
         If frames or speech cannot be read, or the two sides have not the same frames.
     """
     size = look.size
-    sound = read_audio(speech, sample_rate=SOUND_RATE).cut(start, end)
+    sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
     count = max(1, round((end - start) * look.frame_rate))
     seen = 0
     with (
