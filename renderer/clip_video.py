@@ -18,6 +18,7 @@ from motion.errors import InputError
 from motion.files import replacing
 from motion.formats.clip_npz import read_clip
 from motion.freeze import freeze
+from motion.ground import stand_on_ground
 from motion.resample import resample
 from renderer.canvas import Canvas
 from renderer.encoder import SOUND_RATE, VideoWriter

@@ -12,6 +12,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.freeze import freeze
+from motion.ground import stand_on_ground
 from motion.segment import Segment
 from renderer.body_asset import default_body
 from renderer.framing import Camera, frame_clips
@@ -189,7 +190,11 @@ def _camera(
     shown: Mapping[tuple[str, str], MotionClip], study: Study, body: BodyModel, look: Look
 ) -> Camera:
     """Frame all conditions alike, the catch motion left aside."""
-    clips = [clip for (name, _), clip in shown.items() if name != study.catch.condition]
+    clips = [
+        stand_on_ground(clip, body.joints(clip.betas))
+        for (name, _), clip in shown.items()
+        if name != study.catch.condition
+    ]
     return frame_clips(clips, body, look)
 
 
