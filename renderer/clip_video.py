@@ -126,7 +126,7 @@ def write_clip_video(
         If motion or speech cannot be read, or differ in length by more than `LENGTH_TOLERANCE`.
     """
     look = stage.look
-    clip = as_shown(read_clip(motion), motion, end - start, frozen, look.frame_rate)
+    clip = as_shown(read_clip(motion), stage.body, motion, end - start, frozen, look.frame_rate)
     sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
     with ExitStack() as stack:
         kept = stack.enter_context(replacing(frames))
@@ -141,14 +141,23 @@ def write_clip_video(
 
 
 def as_shown(
-    clip: MotionClip, path: Path, duration: float, frozen: tuple[str, ...], frame_rate: float
+    clip: MotionClip,
+    body: BodyModel,
+    path: Path,
+    duration: float,
+    frozen: tuple[str, ...],
+    frame_rate: float,
 ) -> MotionClip:
-    """Return `clip` as participants see it: at the video's rate and length, channels frozen.
+    """Return `clip` as participants see it.
+
+    It has the video's rate and length, frozen channels are still, and its feet stay on the ground.
 
     Parameters
     ----------
     clip : MotionClip
         The motion of one condition for one segment.
+    body : BodyModel
+        The body that stands on the ground.
     path : Path
         Where it comes from, for messages.
     duration : float
@@ -175,5 +184,6 @@ def as_shown(
             remedy="Cut both to the same length",
         )
     shown = freeze(resample(clip, frame_rate), frozen)
+    shown = stand_on_ground(shown, body.joints(clip.betas))
     count = max(1, round(duration * frame_rate))
     return shown.frames(np.minimum(np.arange(count), len(shown) - 1))

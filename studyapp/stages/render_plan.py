@@ -65,6 +65,8 @@ class RenderPlan:
     ----------
     clips, pairs : tuple
         The records that `stimuli.json` holds once the videos are there.
+    model : BodyModel
+        The body in the file `body`.
     notes : tuple of str
         What of the conditions' motion the body cannot show.
     """
@@ -73,6 +75,7 @@ class RenderPlan:
     study: Study
     segments: Mapping[str, Segment]
     body: Path
+    model: BodyModel
     camera: Camera
     look: Look
     clips: tuple[ClipVideo, ...]
@@ -128,6 +131,7 @@ class RenderPlan:
             study=study,
             segments=segments,
             body=body,
+            model=model,
             camera=camera,
             look=look,
             clips=clips,
