@@ -21,7 +21,10 @@ from renderer.avatar.smplx_rig import (
     rest_joints_in_stance,
     stance_rotations,
     t_pose_joints,
+    twist_joints,
     unpose,
+    with_twist_joints,
+    with_wrists_in_forearms,
 )
 from renderer.avatars import Avatar
 
@@ -49,17 +52,19 @@ def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
     Beyond those: ``arkit_slots`` says that expression slots 0-51 hold ARKit's actions,
     ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
     ``material_names`` names the materials, ``colours`` (V, 4) holds sRGB and gleam, each in
-    0-255, ``credits`` the sources.
+    0-255, ``credits`` the sources; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
+    `motion.skinning.TwistJoints` and the skin weights with them.
     """
     person = _awake(_scaled(read_person(avatar.phenotype), avatar.height))
     stance = rest_joints_in_stance(person)
     sitter = Sitter(person=person, joints=stance, weights=joint_weights(person, stance))
     pieces = [*bare_parts(sitter), *eyeballs(sitter), *garments(sitter)]
     vertices, faces = _concatenated(pieces)
-    weights = _sparser(np.concatenate([piece.weights for piece in pieces]))
+    weights = np.concatenate([piece.weights for piece in pieces])
+    twist_weights = _sparser(with_twist_joints(weights, vertices, stance))
     poses = stance_rotations(stance, person)
     joints = t_pose_joints(stance, poses)
-    template = unpose(vertices, weights, joints, poses, stance)
+    template = unpose(vertices, twist_weights, joints, poses, stance)
     shapes = np.zeros((len(template), 3, _SHAPE_COUNT + _EXPRESSION_COUNT), np.float32)
     actions = np.concatenate([piece.actions for piece in pieces], axis=1)
     shapes[:, :, _SHAPE_COUNT : _SHAPE_COUNT + len(actions)] = actions.transpose(1, 2, 0)
@@ -76,7 +81,10 @@ def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
         "shapedirs": shapes,
         "posedirs": np.zeros((len(template), 3, 9 * (JOINT_COUNT - 1)), np.float32),
         "J_regressor": regressor.astype(np.float32),
-        "weights": weights.astype(np.float32),
+        "weights": _sparser(with_wrists_in_forearms(weights, vertices, stance)).astype(np.float32),
+        "twist_weights": twist_weights.astype(np.float32),
+        "twist_bones": twist_joints().bones,
+        "twist_shares": twist_joints().shares,
         "kintree_table": np.stack([np.array(PARENTS), np.arange(JOINT_COUNT)]).astype(np.int32),
         "hands_componentsl": hands,
         "hands_componentsr": hands,
