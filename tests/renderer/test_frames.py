@@ -15,7 +15,7 @@ from renderer.frames import SUPERSAMPLING, FrameRenderer
 from renderer.framing import Camera, frame_clips
 from renderer.look import BACKGROUND, Look
 from renderer.opengl import renderer_name
-from renderer.stills import contact_sheet, still
+from renderer.stills import still
 from renderer.surface import PLAIN, VertexNormals, surface_colours
 from tests.renderer.golden import assert_like_golden
 
@@ -119,16 +119,6 @@ def test_normals_are_unit_and_point_outwards(body: BodyModel) -> None:
     front = chest & (body.template[:, 2] > 0.08) & (body.surface["material"] == 12)
     assert front.sum() > 3
     assert (normals[front, 2] > 0.5).all()
-
-
-def test_a_contact_sheet_has_a_row_per_clip_and_a_column_per_moment(
-    clip: MotionClip, body_path: Path, camera: Camera, small_look: Look
-) -> None:
-    with Stage(body_path, camera, small_look) as stage:
-        sheet = contact_sheet(stage, [clip, clip], [0.0, 0.3, 0.8])
-        alone = np.asarray(still(stage, clip, 0.3))
-    assert sheet.size == (3 * 160, 2 * 160)
-    np.testing.assert_array_equal(np.asarray(sheet)[160:, 160:320], alone)
 
 
 def test_a_still_past_the_end_is_refused(

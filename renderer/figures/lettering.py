@@ -1,0 +1,48 @@
+"""Text in pictures, in the font that comes with matplotlib: no system font is needed."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+import matplotlib as mpl
+from PIL import ImageFont
+
+INK: Final = (0x22, 0x22, 0x26)
+FAINT_INK: Final = (0x6A, 0x6A, 0x72)
+LETTER_SHARE: Final = 0.045
+"""Height of a caption's letters, as a share of the picture that it stands under."""
+
+
+@cache
+def font(size: float, *, bold: bool = False) -> ImageFont.FreeTypeFont:
+    """Return DejaVu Sans of `size` pixels; it covers Latin, Greek, Cyrillic and more."""
+    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
+    return ImageFont.truetype(Path(mpl.get_data_path()) / "fonts" / "ttf" / name, size)
+
+
+def fitted(text: str, letters: ImageFont.FreeTypeFont, width: float) -> str:
+    """Return `text`, cut with an ellipsis where it is wider than `width` pixels."""
+    if letters.getlength(text) <= width:
+        return text
+    while text and letters.getlength(text + "…") > width:
+        text = text[:-1]
+    return text.rstrip() + "…"
+
+
+def wrapped(text: str, letters: ImageFont.FreeTypeFont, width: float, lines: int) -> list[str]:
+    """Return `text` broken into at most `lines` lines of at most `width` pixels.
+
+    Words are kept whole where they fit; what does not fit ends with an ellipsis.
+    """
+    words = text.split()
+    done: list[str] = []
+    while words and len(done) < lines - 1:
+        line = words.pop(0)
+        while words and letters.getlength(f"{line} {words[0]}") <= width:
+            line += f" {words.pop(0)}"
+        done.append(fitted(line, letters, width))
+    if words:
+        done.append(fitted(" ".join(words), letters, width))
+    return done

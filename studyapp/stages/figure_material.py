@@ -1,0 +1,132 @@
+"""What figures are made of: a study's clips as participants see them, its stage, its speech."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Final, Self
+
+from motion.audio import SPEECH_RATE, Audio, read_audio
+from motion.body import BodyModel, read_body
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_clip
+from motion.segment import Segment
+from renderer.clip_video import Stage, as_shown
+from renderer.figures.moments import Moment, even_moments, loud_moments
+from renderer.framing import Camera
+from studyapp.definition.folder import StudyFolder
+from studyapp.stages.render_plan import RenderPlan
+
+MOST_PIXELS: Final = 2160
+
+
+@dataclass(frozen=True)
+class FigureMaterial:
+    """A study whose motion is complete, ready to be drawn.
+
+    Attributes
+    ----------
+    plan : RenderPlan
+        The study's camera, look and body, equal for all conditions.
+    """
+
+    plan: RenderPlan
+
+    @classmethod
+    def of(cls, folder: StudyFolder) -> Self:
+        """Read the study in `folder`; its motion must be complete."""
+        return cls(RenderPlan.of(folder))
+
+    @cached_property
+    def body(self) -> BodyModel:
+        """The body that all motion is put on."""
+        return read_body(self.plan.body)
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that all conditions are seen by."""
+        return self.plan.camera
+
+    @contextmanager
+    def stage(self, size: int) -> Iterator[Stage]:
+        """Give the study's stage with pictures of `size` × `size` pixels.
+
+        Parameters
+        ----------
+        size : int
+            Made even, and at most `MOST_PIXELS`.
+        """
+        usable = min(max(64, size + size % 2), MOST_PIXELS)
+        look = replace(self.plan.look, size=usable)
+        with Stage(self.plan.body, self.plan.camera, look) as stage:
+            yield stage
+
+    def segment(self, name: str) -> Segment:
+        """Return a segment by name; `InputError` names the ones there are."""
+        return self.plan.segments[_known(name, "segment", list(self.plan.segments))]
+
+    def conditions(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return `names` if the study shows them all; without any, all but the catch motion."""
+        study = self.plan.study
+        shown = study.shown_conditions
+        if not names:
+            return tuple(name for name in shown if name != study.catch.condition)
+        return tuple(_known(name, "condition", shown) for name in dict.fromkeys(names))
+
+    def clip(
+        self, segment: Segment, condition: str, *, frame_rate: float | None = None
+    ) -> MotionClip:
+        """Return the motion as participants see it, at the videos' rate unless told otherwise."""
+        path = self.plan.folder.clip(condition, segment.name)
+        return self.clip_from(path, segment, frame_rate=frame_rate)
+
+    def clip_from(
+        self, path: Path, segment: Segment, *, frame_rate: float | None = None
+    ) -> MotionClip:
+        """Return any motion file for `segment` as participants would see it."""
+        return as_shown(
+            read_clip(path),
+            self.plan.model,
+            path,
+            segment.duration,
+            self.plan.study.freeze,
+            frame_rate or self.plan.look.frame_rate,
+        )
+
+    def speech(self, segment: Segment, *, sample_rate: int) -> Audio:
+        """Return what is said in `segment`."""
+        path = self.plan.folder.speech / segment.wav
+        return read_audio(path, sample_rate=sample_rate).cut(segment.start, segment.end)
+
+    def moments(
+        self, segment: Segment, given: Sequence[Moment], *, count: int, even: bool
+    ) -> tuple[Moment, ...]:
+        """Return the moments `given`, in order of time; without any, `count` found ones.
+
+        Raises
+        ------
+        InputError
+            If a moment lies outside the segment.
+        """
+        if not given:
+            if even:
+                return even_moments(segment.duration, count)
+            return loud_moments(self.speech(segment, sample_rate=SPEECH_RATE), count)
+        for moment in given:
+            if not 0 <= moment.seconds <= segment.duration:
+                raise InputError(
+                    f"there is no moment {moment.seconds:g} s",
+                    where=f"segment {segment.name}",
+                    remedy=f"Give times from 0 to {segment.duration:.2f} s",
+                )
+        return tuple(sorted(given, key=lambda moment: moment.seconds))
+
+
+def _known(name: str, kind: str, known: Sequence[str]) -> str:
+    if name not in known:
+        raise InputError(f"unknown {kind} {name!r}", remedy=f"Use one of {', '.join(known)}")
+    return name

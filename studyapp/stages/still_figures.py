@@ -1,0 +1,202 @@
+"""Figures that stand still: single frames, strips of key words, overlaid variations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image
+
+from motion.audio import SPEECH_RATE
+from motion.files import replacing
+from renderer.figures.cut_out import Box, cut_out
+from renderer.figures.moments import Moment
+from renderer.figures.overlay import blended, draw_overlay, faded
+from renderer.figures.panels import WHOLE, aspect_of, common_box, cropped, panel
+from renderer.figures.plate import DOTS_PER_INCH
+from renderer.figures.skeleton_lines import joints_of, with_skeleton
+from renderer.figures.strip import StripLayout, draw_strip
+from renderer.stills import frame_at
+from studyapp.definition.folder import StudyFolder
+from studyapp.stages.figure_material import FigureMaterial
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """What of a study a figure shows.
+
+    Attributes
+    ----------
+    segment : str
+        Name of the segment.
+    conditions : tuple of str
+        Their names; empty for all but the catch motion.
+    moments : tuple of Moment
+        From the segment's start; empty to look for `count` of them.
+    count : int
+        How many to look for.
+    even : bool
+        Whether they are spread evenly, rather than laid on loud syllables.
+    """
+
+    segment: str
+    conditions: tuple[str, ...] = ()
+    moments: tuple[Moment, ...] = ()
+    count: int = 6
+    even: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Print:
+    """How a figure is printed.
+
+    Attributes
+    ----------
+    inches : float
+        Width of the page.
+    clear : bool
+        Whether there is nothing behind the figures, rather than the videos' background.
+    whole : bool
+        Whether the whole picture is shown, rather than the part that a figure fills.
+    skeleton : bool
+        Whether the skeleton is drawn over the body.
+    outputs : tuple of Path
+        Where to write; ``.pdf`` or ``.png``.
+    """
+
+    inches: float
+    clear: bool
+    whole: bool
+    skeleton: bool
+    outputs: tuple[Path, ...]
+
+
+def write_still(
+    folder: StudyFolder,
+    *,
+    segment: str,
+    condition: str,
+    seconds: float,
+    size: int,
+    skeleton: str | None,
+    clear: bool,
+    output: Path,
+) -> None:
+    """Write one frame of a condition as PNG.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study; its motion must be complete.
+    segment, condition : str
+        Which clip.
+    seconds : float
+        Moment from the segment's start.
+    size : int
+        Pixels along each side.
+    skeleton : str or None
+        Where the skeleton is drawn: one of `renderer.figures.skeleton_lines.PLACES`.
+    clear : bool
+        Whether there is nothing behind the figure.
+    output : Path
+        Where to write.
+    """
+    material = FigureMaterial.of(folder)
+    excerpt = material.segment(segment)
+    (name,) = material.conditions([condition])
+    with material.stage(size) as stage:
+        pose = frame_at(material.clip(excerpt, name), seconds)
+        picture = panel(stage, pose, material.camera, clear=clear)
+        if skeleton is not None:
+            joints = joints_of(pose, stage.body)[0]
+            picture = with_skeleton(picture, joints, material.camera, skeleton)
+    with replacing(output) as draft:
+        (picture if clear else picture.convert("RGB")).save(draft, "PNG", optimize=True)
+
+
+def write_strip(folder: StudyFolder, choice: Choice, printed: Print, *, wave: bool) -> None:
+    """Write a strip: a row for each condition, a column for each moment.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study; its motion must be complete.
+    choice : Choice
+        What is shown.
+    printed : Print
+        How it is printed.
+    wave : bool
+        Whether the speech's wave is drawn under it.
+    """
+    material = FigureMaterial.of(folder)
+    segment = material.segment(choice.segment)
+    names = material.conditions(choice.conditions)
+    moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
+    clips = {name: material.clip(segment, name) for name in names}
+    poses = {
+        (name, moment): frame_at(clip, moment.seconds)
+        for name, clip in clips.items()
+        for moment in moments
+    }
+    box = WHOLE if printed.whole else common_box(material.body, poses.values(), material.camera)
+    layout = StripLayout(
+        inches=printed.inches, rows=names, moments=moments, aspect=aspect_of(box), wave=wave
+    )
+    with material.stage(_drawn_size(layout.panel[0], box)) as stage:
+        panels = {
+            key: cropped(
+                panel(stage, pose, material.camera, clear=printed.clear, skeleton=printed.skeleton),
+                box,
+                layout.panel,
+            )
+            for key, pose in poses.items()
+        }
+    speech = material.speech(segment, sample_rate=SPEECH_RATE)
+    draw_strip(layout, panels, speech, clear=printed.clear).save(printed.outputs)
+
+
+def write_overlay(
+    folder: StudyFolder, choice: Choice, printed: Print, *, motions: Sequence[Path]
+) -> None:
+    """Write an overlay of moments, or of variations at a moment, in one picture.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study; its motion must be complete.
+    choice : Choice
+        Several conditions are variations of each other, several moments a trail.
+    printed : Print
+        How it is printed.
+    motions : sequence of Path
+        Motion files of the segment's speech that are variations too, such as other seeds.
+    """
+    material = FigureMaterial.of(folder)
+    segment = material.segment(choice.segment)
+    names = material.conditions(choice.conditions) if choice.conditions or not motions else ()
+    moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
+    clips = {name: material.clip(segment, name) for name in names}
+    clips |= {path.stem: material.clip_from(path, segment) for path in motions}
+    poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
+    box = (
+        WHOLE
+        if printed.whole
+        else common_box(material.body, [pose for row in poses for pose in row], material.camera)
+    )
+    width = round(printed.inches * DOTS_PER_INCH)
+    with material.stage(_drawn_size(width, box)) as stage:
+        trails = [
+            faded([cut_out(stage, pose, material.camera).within(box) for pose in row])
+            for row in poses
+        ]
+    size = (width, round(width * aspect_of(box)))
+    picture = blended(trails).picture.resize(size, Image.Resampling.LANCZOS)
+    caption = " → ".join(moment.label for moment in moments)
+    draw_overlay(picture, list(clips), caption, clear=printed.clear).save(printed.outputs)
+
+
+def _drawn_size(width: int, box: Box) -> int:
+    """Return the pixels along a whole picture whose part `box` is `width` wide."""
+    return math.ceil(width / (box[2] - box[0]))
