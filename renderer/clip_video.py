@@ -28,8 +28,8 @@ from renderer.look import Look
 from renderer.loudness import at_common_loudness
 from renderer.surface import VertexNormals, surface_colours
 
-FRAMES_AT_ONCE: Final = 60
-"""Frames whose vertices are in memory together."""
+FRAMES_AT_ONCE: Final = 16
+"""Frames whose vertices are in memory together, and that are drawn in one box round all of them."""
 
 LENGTH_TOLERANCE: Final = 0.1
 """Seconds by which motion and speech may differ; the last frame is held or left out."""

