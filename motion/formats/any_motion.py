@@ -6,8 +6,9 @@ from pathlib import Path
 
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.bvh import read_bvh, settle_first_frame
+from motion.formats.bvh import read_bvh
 from motion.formats.clip_npz import has_provenance, read_clip
+from motion.formats.first_frame import settle_first_frame
 from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
 from motion.formats.retarget import retarget
 from motion.formats.talkshow import read_talkshow

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,14 @@ from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.bvh import BvhMotion, read_bvh, settle_first_frame
+from motion.formats.bvh import BvhMotion, read_bvh
 from motion.formats.bvh_hierarchy import BvhJoint
+from motion.formats.first_frame import settle_first_frame
 from motion.formats.joint_maps import JOINT_MAPS, JointMap, choose_joint_map
 from motion.formats.retarget import retarget
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
+from motion.skinning import twist_angles
 from tests.motion.formats.bvh_text import Skeleton, depth_first, smplx_skeleton
 
 OWN = JOINT_MAPS["smplx"]
@@ -274,6 +277,92 @@ def test_real_arms_legs_and_fingers_point_as_recorded(
     errors = bone_errors(motion, joint_map, retarget(motion, joint_map))
     assert len(errors) == (20 if "scott" in file else 8)
     assert max(errors.values()) < 0.1
+
+
+def _renamed(joint_map: JointMap) -> tuple[Skeleton, JointMap]:
+    """Return SMPL-X's skeleton under other names, and the map to them."""
+    named = {name: f"x_{name}" for name in joint_map}
+    skeleton = [
+        (named[name], None if parent is None else named[parent], offset)
+        for name, parent, offset in smplx_skeleton()
+    ]
+    return skeleton, named
+
+
+@given(st.integers(0, 999))
+@settings(max_examples=20)
+def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None:
+    skeleton, named = _renamed(OWN)
+    motion = bvh_motion(skeleton, random_turns(skeleton, 3, seed))
+    clip, same = (
+        retarget(motion, named),
+        retarget(
+            bvh_motion(
+                smplx_skeleton(), Rotation.from_matrix(motion.local_rotations().reshape(-1, 3, 3))
+            ),
+            OWN,
+        ),
+    )
+    turned = [forward_kinematics(each.poses, each.trans, REST_JOINTS)[1] for each in (clip, same)]
+    for side in ("left", "right"):
+        elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
+        axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
+        axis = axis / np.linalg.norm(axis)
+        twists = [
+            twist_angles(Rotation.from_rotvec(clip.poses[:, joint]).as_quat(), axis)
+            for joint in (elbow, wrist)
+        ]
+        np.testing.assert_allclose(*twists, atol=1e-4)
+        np.testing.assert_allclose(turned[0][:, wrist], turned[1][:, wrist], atol=1e-5)
+        np.testing.assert_allclose(
+            turned[0][:, elbow] @ axis, turned[1][:, elbow] @ axis, atol=1e-5
+        )
+
+
+def _in_t_pose(calibration: dict[str, float], heading: float = 0) -> MotionClip:
+    """Return one still frame of SMPL-X's skeleton, calibrated with joints pitched by degrees.
+
+    In the frame these joints are pitched as they were in the T-pose.
+    """
+    skeleton = smplx_skeleton()
+    order = depth_first(skeleton)
+    vectors = np.zeros((len(order), 3))
+    for name, pitch in calibration.items():
+        vectors[order.index(name), 0] = np.radians(pitch)
+    turns = Rotation.from_rotvec(vectors)
+    turns = Rotation.concatenate(
+        [Rotation.from_euler("y", heading, degrees=True) * turns[0], *turns[1:]]
+    )
+    motion = bvh_motion(skeleton, turns)
+    return retarget(replace(motion, calibration=motion.values[0]), OWN)
+
+
+@pytest.mark.parametrize("heading", [0, 90, -160])
+def test_head_and_trunk_are_straight_where_the_calibration_pose_is(heading: float) -> None:
+    pitched = {"pelvis": -6, "spine1": 11, "spine2": -5, "neck": 13}
+    clip = _in_t_pose(pitched, heading)
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    facing = [np.sin(np.radians(heading)), 0, np.cos(np.radians(heading))]
+    for joint in ("pelvis", "spine1", "spine3", "neck", "head"):
+        world = turned[0, joint_index(joint)]
+        np.testing.assert_allclose(world @ [0, 0, 1], facing, atol=1e-5)
+        np.testing.assert_allclose(world @ [0, 1, 0], [0, 1, 0], atol=1e-5)
+
+
+@pytest.mark.parametrize("pose", [{"pelvis": 80}, {"left_shoulder": 10, "spine2": 50}])
+def test_first_pose_that_is_no_upright_t_pose_straightens_nothing(pose: dict[str, float]) -> None:
+    clip = _in_t_pose(pose)
+    for joint, pitch in pose.items():
+        bend = np.degrees(clip.poses[0, joint_index(joint), 0])
+        assert bend == pytest.approx(pitch, abs=1e-3)
+
+
+def test_real_speaker_looks_ahead_after_calibration(shared_data: Path) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / "aitviewer_sample.bvh"))
+    clip = retarget(motion, choose_joint_map(motion.joint_names)[1])
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    facing = turned[:200, joint_index("head")] @ [0, 0, 1]
+    assert np.degrees(np.arcsin(np.abs(facing[:, 1]))).max() < 10
 
 
 def test_real_speaker_stands_upright_with_hands_in_front(shared_data: Path) -> None:
