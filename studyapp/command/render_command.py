@@ -15,7 +15,8 @@ from studyapp.stages.rendering import render
 @click.command("render")
 @study_folder
 @processes_option
-def command(folder: StudyFolder, processes: int) -> None:
+@click.option("--sheet", is_flag=True, help="Also write a contact sheet of every clip.")
+def command(folder: StudyFolder, processes: int, sheet: bool) -> None:
     """Render the clips and side-by-side pairs of the study FOLDER."""
     with progress("render", "video") as show:
         count = render(folder, processes=processes, on_done=show)
@@ -24,6 +25,13 @@ def command(folder: StudyFolder, processes: int) -> None:
     for failure in count.failures:
         click.echo(f"failed: {failure}", err=True)
     click.echo(f"Rendered {count.made} videos, kept {count.kept} that still fit.")
+    if sheet:
+        # Imported here: it needs matplotlib's fonts, and rendering alone does not.
+        from studyapp.stages.contact_sheet import write_contact_sheet
+
+        with progress("sheet", "clip") as show:
+            page = write_contact_sheet(folder, threads=processes, on_done=show)
+        click.echo(f"The contact sheet is {page}, and as pictures beside it")
     if count.failures:
         raise InputError(
             f"{len(count.failures)} videos could not be made",
