@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 
-from renderer.jobs import ONE_THREAD
+from renderer.threads import ONE_THREAD
 
 os.environ.update(ONE_THREAD)  # before NumPy and Mesa load: measured as in a worker
 

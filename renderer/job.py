@@ -79,8 +79,21 @@ Job = ClipJob | PairJob
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What became of a job: its name, the error's text where it failed, and how long it took."""
+    """What became of a job.
+
+    Attributes
+    ----------
+    name : str
+        The job's.
+    error : str or None
+        Why it failed; None where it did not.
+    because_of : str or None
+        The clip job whose failure made this pair impossible.
+    seconds : float
+        How long it took.
+    """
 
     name: str
     error: str | None = None
+    because_of: str | None = None
     seconds: float = 0.0

@@ -1,0 +1,224 @@
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from renderer import cluster
+from renderer.framing import Camera
+from renderer.job import ClipJob, Job, PairJob
+from renderer.jobs import run_jobs
+from renderer.look import Look
+from tests.renderer.conftest import SECONDS
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENCE = 60.0
+
+
+def _dask(*arguments: str, log: Path) -> subprocess.Popen[bytes]:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
+    with log.open("wb") as file:
+        return subprocess.Popen(
+            [sys.executable, "-m", "dask", *arguments, "--no-dashboard"],
+            stdout=file,
+            stderr=file,
+            env=environment,
+            cwd=log.parent,
+        )
+
+
+@contextmanager
+def _ended_afterwards(*processes: subprocess.Popen[bytes]) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Start a scheduler without workers on loopback; return its address."""
+    folder = tmp_path_factory.mktemp("scheduler")
+    described = folder / "scheduler.json"
+    process = _dask(
+        "scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(described),
+        log=folder / "scheduler.log",
+    )  # fmt: skip
+    with _ended_afterwards(process):
+        until = time.monotonic() + PATIENCE
+        while not described.exists() or not described.read_text():
+            assert time.monotonic() < until, (folder / "scheduler.log").read_text()
+            time.sleep(0.1)
+        yield json.loads(described.read_text())["address"]
+
+
+@contextmanager
+def _workers(address: str, folder: Path, *, count: int = 2, threads: int = 1) -> Iterator[None]:
+    arguments = ("worker", address, "--nthreads", str(threads), "--host", "127.0.0.1")
+    started = [_dask(*arguments, log=folder / f"worker{number}.log") for number in range(count)]
+    with _ended_afterwards(*started):
+        yield
+
+
+@pytest.fixture
+def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> ClipJob:
+    return ClipJob(
+        name="clip",
+        motion=inputs / "clip.npz",
+        speech=inputs / "speech.wav",
+        start=0.0,
+        end=SECONDS,
+        freeze=(),
+        body=body_path,
+        camera=camera,
+        look=Look(size=64),
+        frames=tmp_path / "study" / "clip.mkv",
+        video=tmp_path / "study" / "clip.mp4",
+    )
+
+
+def _pair_of(clip: ClipJob, name: str) -> PairJob:
+    return PairJob(
+        name=name,
+        left=clip.frames,
+        right=clip.frames,
+        speech=clip.speech,
+        start=clip.start,
+        end=clip.end,
+        video=clip.video.with_name(f"{name}.mp4"),
+        look=clip.look,
+    )
+
+
+def _jobs(clip: ClipJob, count: int) -> list[Job]:
+    """Return `count` clips, each followed by a pair of it."""
+    jobs: list[Job] = []
+    for number in range(count):
+        frames, video = (path.with_stem(f"clip{number}") for path in (clip.frames, clip.video))
+        one = replace(clip, name=f"clip{number}", frames=frames, video=video)
+        jobs += [one, _pair_of(one, f"pair{number}")]
+    return jobs
+
+
+def test_a_cluster_makes_the_same_files_as_this_machine(
+    scheduler: str, clip_job: ClipJob, inputs: Path, tmp_path: Path
+) -> None:
+    jobs = [*_jobs(clip_job, 2), replace(clip_job, name="mute", speech=inputs / "none.wav")]
+    with _workers(scheduler, tmp_path):
+        there = run_jobs(jobs, processes=1, cluster=scheduler)
+    made = {job.name: job.video.read_bytes() for job in jobs[:4]}
+    here = run_jobs(jobs[:4], processes=1)
+    assert [outcome.name for outcome in there] == [job.name for job in jobs]
+    assert [outcome.error for outcome in there[:4] + here] == [None] * 8
+    assert "no such audio file" in str(there[4].error)
+    assert made == {job.name: job.video.read_bytes() for job in jobs[:4]}
+
+
+def _writers_into(folder: Path) -> list[int]:
+    """Return the processes that have a file open in `folder`, from Linux's /proc."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            files = [link.readlink() for link in (process / "fd").iterdir()]
+        except OSError:
+            continue
+        if any(file.parent == folder for file in files):
+            found.append(int(process.name))
+    return found
+
+
+def test_a_killed_workers_clip_is_done_by_another(
+    scheduler: str, clip_job: ClipJob, tmp_path: Path
+) -> None:
+    over, killed = threading.Event(), []
+
+    def kill_the_first_that_writes() -> None:
+        while not killed and not over.wait(0.005):
+            for pid in _writers_into(clip_job.video.parent):
+                os.kill(pid, signal.SIGKILL)
+                killed.append(pid)
+                break
+
+    jobs = _jobs(clip_job, 2)
+    killer = threading.Thread(target=kill_the_first_that_writes, daemon=True)
+    with _workers(scheduler, tmp_path):
+        killer.start()
+        try:
+            outcomes = run_jobs(jobs, processes=1, cluster=scheduler)
+        finally:
+            over.set()
+            killer.join()
+    assert len(killed) == 1
+    assert [outcome.error for outcome in outcomes] == [None] * 4
+    assert all(job.video.exists() for job in jobs)
+
+
+def test_a_worker_of_several_threads_is_refused(
+    scheduler: str, clip_job: ClipJob, tmp_path: Path
+) -> None:
+    with (
+        _workers(scheduler, tmp_path, count=1, threads=2),
+        pytest.raises(InputError, match=r"does 2 jobs at once.*--nthreads 1"),
+    ):
+        run_jobs([clip_job], processes=1, cluster=scheduler)
+
+
+def test_workers_of_another_version_or_without_the_files_are_refused(
+    scheduler: str, clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with _workers(scheduler, tmp_path, count=1):
+        with pytest.raises(InputError, match="1 of 1 workers cannot render.*does not see .*gone"):
+            gone = replace(clip_job, speech=tmp_path / "gone.wav")
+            run_jobs([gone], processes=1, cluster=scheduler)
+        monkeypatch.setattr(cluster, "RENDERER_VERSION", "another")
+        with pytest.raises(InputError, match="another version .*here another"):
+            run_jobs([clip_job], processes=1, cluster=scheduler)
+
+
+def test_a_cluster_without_workers_is_told(
+    scheduler: str, clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_FOR_A_WORKER", 0.5)
+    with pytest.raises(InputError, match=r"no worker.*Start some with .*dask worker tcp://127"):
+        run_jobs([clip_job], processes=1, cluster=scheduler)
+
+
+@pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1:{free}"])
+def test_an_address_where_nobody_answers_is_told(
+    clip_job: ClipJob, address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_CONNECTING", 0.5)
+    with socket.socket() as unused:
+        unused.bind(("127.0.0.1", 0))
+        address = address.format(free=unused.getsockname()[1])
+        with pytest.raises(InputError, match="no Dask scheduler can be reached"):
+            run_jobs([clip_job], processes=1, cluster=address)
+
+
+def test_without_dask_the_remedy_is_said(
+    clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"pip install 'motionjury\[cluster\]'"):
+        run_jobs([clip_job], processes=1, cluster="tcp://127.0.0.1:1")
