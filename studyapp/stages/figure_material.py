@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Final, Self
 
 from motion.audio import SPEECH_RATE, Audio, read_audio
-from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats import read_clip
+from motion.formats import read_clip, read_motion
 from motion.segment import Segment
 from renderer.clip_video import Stage, as_shown
 from renderer.figures.moments import Moment, even_moments, loud_moments
@@ -40,11 +38,6 @@ class FigureMaterial:
     def of(cls, folder: StudyFolder) -> Self:
         """Read the study in `folder`; its motion must be complete."""
         return cls(RenderPlan.of(folder))
-
-    @cached_property
-    def body(self) -> BodyModel:
-        """The body that all motion is put on."""
-        return read_body(self.plan.body)
 
     @property
     def camera(self) -> Camera:
@@ -82,20 +75,18 @@ class FigureMaterial:
     ) -> MotionClip:
         """Return the motion as participants see it, at the videos' rate unless told otherwise."""
         path = self.plan.folder.clip(condition, segment.name)
-        return self.clip_from(path, segment, frame_rate=frame_rate)
+        rate = frame_rate or self.plan.look.frame_rate
+        return self._shown(read_clip(path), path, segment, rate)
 
-    def clip_from(
-        self, path: Path, segment: Segment, *, frame_rate: float | None = None
+    def variation(self, segment: Segment, path: Path) -> MotionClip:
+        """Return motion for `segment` from any file, as participants would see it."""
+        return self._shown(read_motion(path), path, segment, self.plan.look.frame_rate)
+
+    def _shown(
+        self, clip: MotionClip, path: Path, segment: Segment, frame_rate: float
     ) -> MotionClip:
-        """Return any motion file for `segment` as participants would see it."""
-        return as_shown(
-            read_clip(path),
-            self.plan.model,
-            path,
-            segment.duration,
-            self.plan.study.freeze,
-            frame_rate or self.plan.look.frame_rate,
-        )
+        plan = self.plan
+        return as_shown(clip, plan.model, path, segment.duration, plan.study.freeze, frame_rate)
 
     def speech(self, segment: Segment, *, sample_rate: int) -> Audio:
         """Return what is said in `segment`."""

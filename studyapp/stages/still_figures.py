@@ -140,7 +140,9 @@ def write_strip(folder: StudyFolder, choice: Choice, printed: Print, *, wave: bo
         for name, clip in clips.items()
         for moment in moments
     }
-    box = WHOLE if printed.whole else common_box(material.body, poses.values(), material.camera)
+    box = (
+        WHOLE if printed.whole else common_box(material.plan.model, poses.values(), material.camera)
+    )
     layout = StripLayout(
         inches=printed.inches, rows=names, moments=moments, aspect=aspect_of(box), wave=wave
     )
@@ -178,12 +180,14 @@ def write_overlay(
     names = material.conditions(choice.conditions) if choice.conditions or not motions else ()
     moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
     clips = {name: material.clip(segment, name) for name in names}
-    clips |= {path.stem: material.clip_from(path, segment) for path in motions}
+    clips |= {path.stem: material.variation(segment, path) for path in motions}
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
     box = (
         WHOLE
         if printed.whole
-        else common_box(material.body, [pose for row in poses for pose in row], material.camera)
+        else common_box(
+            material.plan.model, [pose for row in poses for pose in row], material.camera
+        )
     )
     width = round(printed.inches * DOTS_PER_INCH)
     with material.stage(_drawn_size(width, box)) as stage:
