@@ -188,11 +188,11 @@ def test_workers_of_another_version_or_without_the_files_are_refused(
     scheduler: str, clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with _workers(scheduler, tmp_path, count=1):
-        with pytest.raises(InputError, match="1 of 1 workers cannot render.*does not see .*gone"):
+        with pytest.raises(InputError, match=r"1 of 1 workers cannot render.*does not see .*gone"):
             gone = replace(clip_job, speech=tmp_path / "gone.wav")
             run_jobs([gone], processes=1, cluster=scheduler)
         monkeypatch.setattr(cluster, "RENDERER_VERSION", "another")
-        with pytest.raises(InputError, match="another version .*here another"):
+        with pytest.raises(InputError, match=r"another version .*here another"):
             run_jobs([clip_job], processes=1, cluster=scheduler)
 
 
