@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +14,9 @@ from motion.errors import InputError
 from motion.formats import read_clip, read_motion
 from motion.segment import Segment
 from renderer.clip_video import Stage, as_shown
+from renderer.figures.cut_out import Box
 from renderer.figures.moments import Moment, even_moments, loud_moments
+from renderer.figures.panels import common_box
 from renderer.framing import Camera
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.render_plan import RenderPlan
@@ -87,6 +89,10 @@ class FigureMaterial:
     ) -> MotionClip:
         plan = self.plan
         return as_shown(clip, plan.model, path, segment.duration, plan.study.freeze, frame_rate)
+
+    def box_around(self, poses: Iterable[MotionClip]) -> Box:
+        """Return the part of the picture that holds the figure in all `poses`."""
+        return common_box(self.plan.model, poses, self.camera)
 
     def speech(self, segment: Segment, *, sample_rate: int) -> Audio:
         """Return what is said in `segment`."""
