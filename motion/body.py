@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
+from motion.expression_matrix import face_for, read_expression_matrix
 from motion.face import arkit_index
 from motion.skeleton import JOINT_COUNT, PARENTS, joint_index
 from motion.skinning import TwistJoints, skinning_matrices
@@ -66,6 +67,9 @@ class BodyModel:
     has_arkit_slots : bool
         Whether the expression directions are ARKit's facial actions, in the order of
         `motion.face.ARKIT_NAMES`, rather than SMPL-X's expression components.
+    expression_matrix : ndarray, shape (100, 52), or None
+        Turns a clip's face into this body's terms where the clip has it only in the other ones:
+        SMPL-X's expression coefficients (rows) into ARKit weights (columns), or these into those.
     credits : str
         Whose work the body is; empty where the file does not say.
     surface : mapping of str to ndarray
@@ -81,8 +85,18 @@ class BodyModel:
     weights: sparse.csr_array
     twist_joints: TwistJoints | None = None
     has_arkit_slots: bool = False
+    expression_matrix: FloatArray | None = None
     credits: str = ""
     surface: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def has_face(self) -> bool:
+        """Whether any facial expression moves it."""
+        return bool(self.expression_directions.size)
+
+    def face(self, clip: MotionClip) -> FloatArray | None:
+        """Return the clip's face in this body's terms, shape (n, 52) or (n, 100); None without."""
+        return face_for(clip, has_arkit_slots=self.has_arkit_slots, matrix=self.expression_matrix)
 
     def joints(self, betas: NDArray[np.floating]) -> NDArray[np.float64]:
         """Return the joints of the unposed body with shape `betas`, shape (55, 3), in metres."""
@@ -94,10 +108,10 @@ class BodyModel:
         Parameters
         ----------
         clip : MotionClip
-            The motion. Its betas are applied as far as the model has shape directions; its ARKit
-            weights or expression coefficients as the model has slots for (`expression_note` says
-            when a clip has only the other kind). Where both the jaw joint and ARKit's jawOpen
-            open the mouth, they tell the same opening twice, and the wider one counts.
+            The motion. Its betas are applied as far as the model has shape directions, its face
+            as `face` tells it; `motion.body_limits` says what is left out. Where both the jaw
+            joint and ARKit's jawOpen open the mouth, they tell the same opening twice, and the
+            wider one counts.
         frames : slice
             Which frames; all by default.
 
@@ -175,7 +189,7 @@ class BodyModel:
 
     def _expression_coefficients(self, clip: MotionClip) -> FloatArray | None:
         """Return the coefficients, shape (n, E), that the model has slots for."""
-        values = clip.arkit if self.has_arkit_slots else clip.expressions
+        values = self.face(clip)
         if values is None or not np.any(values):
             return None
         slots = self.expression_directions.shape[2]
@@ -197,13 +211,15 @@ class BodyModel:
         return moved, np.ascontiguousarray(directions[moved]), joints
 
 
-def read_body(path: Path) -> BodyModel:
+def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel:
     """Read a body model from a file in SMPL-X's ``.npz`` layout.
 
     Parameters
     ----------
     path : Path
         The default body, or a licensed ``SMPLX_*.npz``. Nothing in it is unpickled.
+    expression_matrix : Path or None
+        A file that `motion.expression_matrix` reads.
 
     Raises
     ------
@@ -246,25 +262,9 @@ def read_body(path: Path) -> BodyModel:
         weights=sparse.csr_array(arrays.get("twist_weights", arrays["weights"]).astype(np.float32)),
         twist_joints=_twist_joints(arrays),
         has_arkit_slots=bool(arrays.get("arkit_slots", False)),
+        expression_matrix=read_expression_matrix(expression_matrix) if expression_matrix else None,
         credits=str(arrays.get("credits", "")),
         surface=surface,
-    )
-
-
-def expression_note(clip: MotionClip, body: BodyModel) -> str | None:
-    """Return what of the clip's facial expression `body` cannot show, or None if it shows all.
-
-    ARKit weights and SMPL-X's expression coefficients are different spaces; a body has slots for
-    one of them, and neither is guessed from the other.
-    """
-    wanted, other = ("arkit", "expressions") if body.has_arkit_slots else ("expressions", "arkit")
-    given = getattr(clip, other)
-    if given is None or not np.any(given) or getattr(clip, wanted) is not None:
-        return None
-    names = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
-    return (
-        f"the clip's face is given as {names[other]}, which this body has no slots for; its face"
-        f" moves by jaw and eyes alone (give {names[wanted]}, or another body)"
     )
 
 

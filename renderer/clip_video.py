@@ -21,6 +21,7 @@ from motion.freeze import freeze
 from motion.ground import stand_on_ground
 from motion.resample import resample
 from renderer.canvas import Canvas
+from renderer.contact_shadow import ContactShadow, ShadowCaster
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
@@ -50,8 +51,9 @@ class Stage:
 
     def __init__(self, body: Path, camera: Camera, look: Look) -> None:
         self.look = look
-        self.body: BodyModel = read_body(body)
+        self.body: BodyModel = read_body(body, expression_matrix=look.expression_matrix)
         self._normals = VertexNormals(self.body)
+        self._caster = ShadowCaster(self.body)
         colours = surface_colours(self.body)
         self._renderer = FrameRenderer(self.body.faces, colours, camera, look.size)
 
@@ -73,17 +75,27 @@ class Stage:
         The array is reused from frame to frame.
         """
         for batch in self._vertices(clip):
-            for vertices in batch:
-                yield self._renderer.draw(vertices, self._normals.of(vertices))
+            for vertices, shadow in zip(batch, self._shadows(clip, batch), strict=True):
+                yield self._renderer.draw(vertices, self._normals.of(vertices), shadow=shadow)
 
     def video_frames(self, clip: MotionClip) -> Iterator[Any]:
         """Yield each frame of `clip` as an `av.VideoFrame`, averaged down, in BT.709 yuv420p."""
         canvas = Canvas(self.look.size)
         for batch in self._vertices(clip):
-            box = self._renderer.box_around(batch)
-            for vertices in batch:
-                picture = self._renderer.draw(vertices, self._normals.of(vertices), box)
+            shadows = self._shadows(clip, batch)
+            box = self._renderer.box_around([batch, *(s.corners() for s in shadows if s)])
+            for vertices, shadow in zip(batch, shadows, strict=True):
+                picture = self._renderer.draw(vertices, self._normals.of(vertices), box, shadow)
                 yield canvas.with_picture(picture, box)
+
+    def _shadows(
+        self, clip: MotionClip, batch: NDArray[np.float32]
+    ) -> list[ContactShadow | None]:
+        """Return the shadow on the ground in each frame of `batch`; None where no ground is."""
+        if self.look.framing != "full_body":
+            return [None] * len(batch)
+        ground = self._caster.ground(clip)
+        return [self._caster.under(vertices, ground) for vertices in batch]
 
     def _vertices(self, clip: MotionClip) -> Iterator[NDArray[np.float32]]:
         """Yield the vertices of `FRAMES_AT_ONCE` frames after the other, shape (n, V, 3)."""

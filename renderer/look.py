@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 from motion.errors import InputError
@@ -57,12 +58,16 @@ class Look:
         ``upper_body`` or ``full_body``.
     avatar : str
         One of `renderer.avatars.AVATARS`.
+    expression_matrix : Path or None
+        A file that `motion.expression_matrix` reads: turns the faces of clips into the body's
+        terms.
     """
 
     size: int = 720
     frame_rate: float = 30.0
     framing: str = "upper_body"
     avatar: str = FIRST
+    expression_matrix: Path | None = None
 
     def __post_init__(self) -> None:
         if not 64 <= self.size <= 2160 or self.size % 2:

@@ -91,14 +91,18 @@ class Video(_Section):
     avatar : str
         Who is shown, the same for all conditions: a name in `renderer.avatars.AVATARS`.
     body : str or None
-        A licensed SMPL-X model file (``.npz``) to show instead of the default body.
+        A licensed SMPL-X model file (``.npz``) to show instead of an avatar.
+    expression_matrix : str or None
+        A file (``.npz``, ``.npy`` or ``.csv``) of 100 SMPL-X expression coefficients by 52 ARKit
+        actions, which turns the one into the other where the body shows only that.
     """
 
     framing: Literal["upper_body", "full_body"] = "upper_body"
     size: int = Field(720, ge=64, le=1440, multiple_of=2)
     frame_rate: int = Field(30, ge=10, le=60)
-    avatar: Literal["alex", "mannequin"] = "alex"
+    avatar: Literal["alex", "maya", "jonas", "amara", "henry", "mannequin"] = "alex"
     body: str | None = None
+    expression_matrix: str | None = None
 
 
 class Watching(_Section):

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
-from motion.body import BodyModel, expression_note, read_body
+from motion.body import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.freeze import freeze
 from motion.ground import stand_on_ground
 from motion.segment import Segment
-from renderer.body_asset import default_body
 from renderer.framing import Camera, frame_clips
 from renderer.job import ClipJob, PairJob
 from renderer.look import Look
@@ -24,6 +23,7 @@ from studyapp.definition.stimuli import ClipVideo, PairVideo
 from studyapp.definition.study import Study
 from studyapp.stages.digest import digest
 from studyapp.stages.recordings import check_same_length
+from studyapp.stages.shown_body import body_file, expression_matrix_file, left_out, shown_body
 
 
 def read_motion_shown(
@@ -88,12 +88,8 @@ class RenderPlan:
         study = folder.study()
         segments = {segment.name: segment for segment in folder.segments()}
         shown = read_motion_shown(folder, study, tuple(segments.values()))
-        body = (
-            Path(study.video.body).expanduser()
-            if study.video.body
-            else default_body(study.video.avatar)
-        )
-        model = read_body(body)
+        body, model = body_file(folder, study), shown_body(folder, study)
+        matrix = expression_matrix_file(folder, study)
         look = _look(study)
         camera = _camera(shown, study, model, look)
         shared = (RENDERER_VERSION, body.name, body.stat().st_size, camera, look, study.freeze)
@@ -108,6 +104,7 @@ class RenderPlan:
                     segment,
                     folder.speech / segment.wav,
                     folder.clip(condition, segment.name),
+                    *([matrix] if matrix else []),
                 ),
             )
             for condition in study.shown_conditions
@@ -133,10 +130,10 @@ class RenderPlan:
             body=body,
             model=model,
             camera=camera,
-            look=look,
+            look=replace(look, expression_matrix=matrix),
             clips=clips,
             pairs=pairs,
-            notes=_expression_notes(shown, model),
+            notes=left_out(((name, clip) for (name, _), clip in shown.items()), model),
         )
 
     def frames(self, segment: str, condition: str) -> Path:
@@ -200,15 +197,3 @@ def _camera(
         if name != study.catch.condition
     ]
     return frame_clips(clips, body, look)
-
-
-def _expression_notes(
-    shown: Mapping[tuple[str, str], MotionClip], body: BodyModel
-) -> tuple[str, ...]:
-    """Return, once per condition, what of its faces the body cannot show."""
-    notes = {}
-    for (condition, _), clip in shown.items():
-        note = expression_note(clip, body)
-        if note is not None:
-            notes[condition] = f"{condition}: {note}"
-    return tuple(notes.values())

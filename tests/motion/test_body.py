@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from motion.body import BodyModel, expression_note, read_body
+from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import PARENTS, forward_kinematics, joint_index
@@ -159,22 +160,22 @@ def test_more_betas_than_the_body_has_directions_are_left_out(body: BodyModel) -
     np.testing.assert_array_equal(body.joints(betas), body.joints(betas[:10]))
 
 
-def test_expression_of_the_other_kind_is_said_and_not_guessed(body: BodyModel) -> None:
+def _matrix() -> NDArray[np.float32]:
+    return np.random.default_rng(5).normal(0, 1, (100, 52)).astype(np.float32)
+
+
+def test_face_of_the_other_kind_is_not_guessed(body: BodyModel) -> None:
     arkit = _clip(2, arkit=np.full((2, 52), 0.5))
     assert not body.has_arkit_slots
-    note = expression_note(arkit, body)
-    assert note is not None
-    assert "ARKit" in note
     np.testing.assert_array_equal(body.vertices(arkit), body.vertices(_clip(2)))
 
 
-@pytest.mark.parametrize(
-    "face", [{}, {"arkit": np.zeros((2, 52))}, {"expressions": np.ones((2, 100))}]
-)
-def test_nothing_is_said_of_a_face_that_is_shown_or_still(
-    body: BodyModel, face: dict[str, NDArray[np.float64]]
-) -> None:
-    assert expression_note(_clip(2, **face), body) is None
+def test_face_of_the_other_kind_is_shown_through_a_matrix(body: BodyModel) -> None:
+    weights = np.random.default_rng(6).random((2, 52)).astype(np.float32)
+    told = replace(body, expression_matrix=_matrix()).vertices(_clip(2, arkit=weights))
+    own = body.vertices(_clip(2, expressions=weights @ _matrix().T))
+    np.testing.assert_allclose(told, own, atol=1e-5)
+    assert np.abs(told - body.vertices(_clip(2))).max() > 1e-3
 
 
 def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path: Path) -> None:

@@ -1,0 +1,48 @@
+"""The body that a study shows all motion on, and what of the motion it leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from motion.body import BodyModel, read_body
+from motion.body_limits import not_shown
+from motion.clip import MotionClip
+from renderer.body_asset import default_body
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+
+
+def body_file(folder: StudyFolder, study: Study) -> Path:
+    """Return the licensed body that the study names, else its avatar's, built where needed."""
+    if study.video.body:
+        return folder.root / Path(study.video.body).expanduser()
+    return default_body(study.video.avatar)
+
+
+def expression_matrix_file(folder: StudyFolder, study: Study) -> Path | None:
+    """Return the expression matrix that the study names; a relative path begins at its folder."""
+    given = study.video.expression_matrix
+    return folder.root / Path(given).expanduser() if given else None
+
+
+def shown_body(folder: StudyFolder, study: Study) -> BodyModel:
+    """Return the study's body with its expression matrix."""
+    matrix = expression_matrix_file(folder, study)
+    return read_body(body_file(folder, study), expression_matrix=matrix)
+
+
+def left_out(shown: Iterable[tuple[str, MotionClip]], body: BodyModel) -> tuple[str, ...]:
+    """Return, once for each condition, what of its motion `body` cannot show.
+
+    Parameters
+    ----------
+    shown : iterable of (condition, clip)
+        Every clip as it is shown: of a frozen face nothing is left out.
+    """
+    sentences = {
+        f"{condition}: {sentence}": None
+        for condition, clip in shown
+        for sentence in not_shown(clip, body)
+    }
+    return tuple(sentences)
