@@ -23,7 +23,8 @@ def font(size: float, *, bold: bool = False) -> ImageFont.FreeTypeFont:
 
 
 def fitted(text: str, letters: ImageFont.FreeTypeFont, width: float) -> str:
-    """Return `text`, cut with an ellipsis where it is wider than `width` pixels."""
+    """Return `text` in one line, cut with an ellipsis where it is wider than `width` pixels."""
+    text = _printable(text)
     if letters.getlength(text) <= width:
         return text
     while text and letters.getlength(text + "…") > width:
@@ -36,7 +37,7 @@ def wrapped(text: str, letters: ImageFont.FreeTypeFont, width: float, lines: int
 
     Words are kept whole where they fit; what does not fit ends with an ellipsis.
     """
-    words = text.split()
+    words = _printable(text).split()
     done: list[str] = []
     while words and len(done) < lines - 1:
         line = words.pop(0)
@@ -46,3 +47,13 @@ def wrapped(text: str, letters: ImageFont.FreeTypeFont, width: float, lines: int
     if words:
         done.append(fitted(" ".join(words), letters, width))
     return done
+
+
+def _printable(text: str) -> str:
+    """Return `text` in one line without signs that no font can draw."""
+    return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
+
+
+def _printable(text: str) -> str:
+    """Return `text` in one line, without control characters and the like."""
+    return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())

@@ -140,6 +140,46 @@ def write_strip(folder: StudyFolder, choice: Choice, printed: Print, *, wave: bo
         for name, clip in clips.items()
         for moment in moments
     }
+    box = WHOLE if printed.whole else material.box_around(poses.values())
+    layout = StripLayout(
+        inches=printed.inches, rows=names, moments=moments, aspect=aspect_of(box), wave=wave
+    )
+    with material.stage(_drawn_size(layout.panel[0], box)) as stage:
+        panels = {
+            key: cropped(
+                panel(stage, pose, material.camera, clear=printed.clear, skeleton=printed.skeleton),
+                box,
+                layout.panel,
+            )
+            for key, pose in poses.items()
+        }
+    speech = material.speech(segment, sample_rate=SPEECH_RATE)
+    draw_strip(layout, panels, speech, clear=printed.clear).save(printed.outputs)
+
+
+def write_overlay(
+    folder: StudyFolder, choice: Choice, printed: Print, *, motions: Sequence[Path]
+) -> None:
+    """Write an overlay of moments, or of variations at a moment, in one picture.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study; its motion must be complete.
+    choice : Choice
+        Several conditions are variations of each other, several moments a trail.
+    printed : Print
+        How it is printed.
+    motions : sequence of Path
+        Motion files of the segment's speech that are variations too, such as other seeds.
+    """
+    material = FigureMaterial.of(folder)
+    segment = material.segment(choice.segment)
+    names = material.conditions(choice.conditions) if choice.conditions or not motions else ()
+    moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
+    clips = {name: material.clip(segment, name) for name in names}
+    clips |= {path.stem: material.variation(segment, path) for path in motions}
+    poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
     every_pose = [pose for row in poses for pose in row]
     box = WHOLE if printed.whole else material.box_around(every_pose)
     width = round(printed.inches * DOTS_PER_INCH)

@@ -37,7 +37,7 @@ def test_even_moments_are_in_order_and_within(duration: float, count: int) -> No
     seconds = [moment.seconds for moment in even_moments(duration, count)]
     assert len(seconds) == count
     assert seconds == sorted(seconds)
-    assert 0 <= seconds[0] and seconds[-1] <= duration
+    assert seconds[0] >= 0 and seconds[-1] <= duration
 
 
 def test_loud_moments_are_the_stressed_syllables() -> None:
