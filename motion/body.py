@@ -42,6 +42,28 @@ _JAW_FULLY_OPEN: Final = 0.28
 """Radians of the jaw joint that open the default body's mouth as far as ARKit's jawOpen of 1."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class BodyAbilities:
+    """What of a clip's face and shape a body can show.
+
+    Attributes
+    ----------
+    has_face : bool
+        Whether any facial expression moves it.
+    has_arkit_slots : bool
+        Whether it shows ARKit's facial actions, rather than SMPL-X's expression components.
+    has_matrix : bool
+        Whether it also shows the other ones, through a matrix.
+    shapes : int
+        How many betas shape it.
+    """
+
+    has_face: bool
+    has_arkit_slots: bool
+    has_matrix: bool
+    shapes: int
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BodyModel:
     """A body that a motion clip can be put on.
@@ -90,9 +112,14 @@ class BodyModel:
     surface: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     @property
-    def has_face(self) -> bool:
-        """Whether any facial expression moves it."""
-        return bool(self.expression_directions.size)
+    def abilities(self) -> BodyAbilities:
+        """What of a clip's face and shape it can show."""
+        return BodyAbilities(
+            has_face=bool(self.expression_directions.size),
+            has_arkit_slots=self.has_arkit_slots,
+            has_matrix=self.expression_matrix is not None,
+            shapes=self.shape_directions.shape[2],
+        )
 
     def face(self, clip: MotionClip) -> FloatArray | None:
         """Return the clip's face in this body's terms, shape (n, 52) or (n, 100); None without."""

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from motion.body import BodyModel
+from motion.body import BodyAbilities
 from motion.clip import MotionClip
 from motion.skeleton import FACE_JOINTS, joint_index
 
@@ -15,12 +15,12 @@ _NAMES: Final = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coe
 _FACE: Final = [joint_index(name) for name in FACE_JOINTS]
 
 
-def not_shown(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
-    """Return a sentence for each thing in `clip` that `body` cannot show."""
+def not_shown(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
+    """Return a sentence for each thing in `clip` that a body with these abilities cannot show."""
     return tuple(chain(_of_expression(clip, body), _of_shape(clip, body)))
 
 
-def _of_expression(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
+def _of_expression(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     """Say where the face stays still although the clip moves it.
 
     ARKit weights and SMPL-X's expression coefficients are different spaces; a body has slots for
@@ -36,7 +36,7 @@ def _of_expression(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
             "is shown (choose an avatar with a face)",
         )
     wanted = "arkit" if body.has_arkit_slots else "expressions"
-    if body.face(clip) is not None or not moving:
+    if not moving or faces[wanted] is not None or body.has_matrix:
         return ()
     return (
         f"the clip's face is given as {_NAMES[moving[0]]}, which this body has no slots for; its "
@@ -45,9 +45,9 @@ def _of_expression(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
     )
 
 
-def _of_shape(clip: MotionClip, body: BodyModel) -> tuple[str, ...]:
+def _of_shape(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:
     """Say where the body has another shape than the clip gives."""
-    shown = body.shape_directions.shape[2]
+    shown = body.shapes
     if not np.any(clip.betas[shown:]):
         return ()
     if shown:

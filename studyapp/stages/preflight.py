@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
 import numpy as np
 
+from motion.clip import MotionClip
+from motion.errors import InputError
 from motion.formats import read_clip
-from motion.freeze import CHANNELS, moving_channels
+from motion.freeze import CHANNELS, freeze, moving_channels
 from motion.listing import listed
 from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
@@ -19,6 +21,7 @@ from studyapp.definition.stimuli import read_stimuli
 from studyapp.definition.study import Study
 from studyapp.design.trial_count import planned_trials
 from studyapp.stages.media_probe import flaw_of
+from studyapp.stages.shown_body import left_out, shown_abilities
 
 PUBLISHED_PAIRS: Final = 24
 """Pairs that a participant of AMUSE's study judged (Chhatre et al. 2024, section 5.3)."""
@@ -50,10 +53,12 @@ def check(folder: StudyFolder) -> list[Finding]:
         If the study file or the segments cannot be read at all.
     """
     study = folder.study()
+    clips = _read_motion(folder, study)
     findings = [
         *_media_findings(folder, study),
         *_size_findings(folder),
-        *_motion_findings(folder, study),
+        *_motion_findings(study, clips),
+        *_body_findings(folder, study, clips),
         *_page_findings(study),
         *_design_findings(folder, study),
     ]
@@ -149,9 +154,9 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
         )
 
 
-def _motion_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
-    """Say where a condition's motion is of another kind than the others'."""
-    clips = {
+def _read_motion(folder: StudyFolder, study: Study) -> dict[str, list[MotionClip]]:
+    """Return the clips that there are of each condition."""
+    return {
         condition: [
             read_clip(path)
             for segment in folder.segments()
@@ -159,6 +164,24 @@ def _motion_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
         ]
         for condition in study.conditions
     }
+
+
+def _body_findings(
+    folder: StudyFolder, study: Study, clips: Mapping[str, list[MotionClip]]
+) -> Iterator[Finding]:
+    """Say what of the motion the study's body leaves out."""
+    try:
+        body = shown_abilities(folder, study)
+    except InputError as error:
+        yield Finding(Severity.ERROR, f"{error.where}: {error.what}", error.remedy)
+        return
+    shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
+    for sentence in left_out(shown, body):
+        yield Finding(Severity.WARNING, sentence)
+
+
+def _motion_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
+    """Say where a condition's motion is of another kind than the others'."""
     for condition, made in clips.items():
         slowest = min((clip.frame_rate for clip in made), default=study.video.frame_rate)
         if slowest < study.video.frame_rate:

@@ -63,6 +63,8 @@ class RenderPlan:
 
     Attributes
     ----------
+    keys : mapping
+        What each (segment, condition)'s clip depends on.
     clips, pairs : tuple
         The records that `stimuli.json` holds once the videos are there.
     model : BodyModel
@@ -78,6 +80,7 @@ class RenderPlan:
     model: BodyModel
     camera: Camera
     look: Look
+    keys: Mapping[tuple[str, str], str]
     clips: tuple[ClipVideo, ...]
     pairs: tuple[PairVideo, ...]
     notes: tuple[str, ...]
@@ -127,23 +130,24 @@ class RenderPlan:
             folder=folder,
             study=study,
             segments=segments,
-            body=body,
+            body=body.absolute(),
             model=model,
             camera=camera,
             look=replace(look, expression_matrix=matrix),
+            keys=keys,
             clips=clips,
             pairs=pairs,
-            notes=left_out(((name, clip) for (name, _), clip in shown.items()), model),
+            notes=left_out(((name, clip) for (name, _), clip in shown.items()), model.abilities),
         )
+
+    @property
+    def frames_folder(self) -> Path:
+        """Where the lossless frames are kept."""
+        return self.folder.videos / ".frames"
 
     def frames(self, segment: str, condition: str) -> Path:
         """Return the lossless frames from which the pairs of a clip are composed."""
-        clip = next(c for c in self.clips if (c.segment, c.condition) == (segment, condition))
-        return self.folder.videos / ".frames" / f"{clip.key}.mkv"
-
-    def can_compose(self, pair: PairVideo) -> bool:
-        """Tell whether the frames of both sides are there."""
-        return all(self.frames(pair.segment, side).exists() for side in (pair.left, pair.right))
+        return self.frames_folder / f"{self.keys[segment, condition]}.mkv"
 
     def clip_job(self, clip: ClipVideo) -> ClipJob:
         """Return the work that makes `clip`."""

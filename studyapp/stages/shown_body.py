@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from motion.body import BodyModel, read_body
+from motion.body import BodyAbilities, BodyModel, read_body
 from motion.body_limits import not_shown
 from motion.clip import MotionClip
+from motion.expression_matrix import read_expression_matrix
+from renderer.avatars import AVATARS
 from renderer.body_asset import default_body
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
@@ -32,8 +34,30 @@ def shown_body(folder: StudyFolder, study: Study) -> BodyModel:
     return read_body(body_file(folder, study), expression_matrix=matrix)
 
 
-def left_out(shown: Iterable[tuple[str, MotionClip]], body: BodyModel) -> tuple[str, ...]:
-    """Return, once for each condition, what of its motion `body` cannot show.
+def shown_abilities(folder: StudyFolder, study: Study) -> BodyAbilities:
+    """Return what the study's body can show, without building an avatar's.
+
+    Raises
+    ------
+    InputError
+        If the licensed body or the expression matrix cannot be read.
+    """
+    if study.video.body:
+        return shown_body(folder, study).abilities
+    matrix = expression_matrix_file(folder, study)
+    if matrix is not None:
+        read_expression_matrix(matrix)
+    has_face = AVATARS[study.video.avatar].has_face
+    return BodyAbilities(
+        has_face=has_face,
+        has_arkit_slots=has_face,
+        has_matrix=matrix is not None,
+        shapes=0,
+    )
+
+
+def left_out(shown: Iterable[tuple[str, MotionClip]], body: BodyAbilities) -> tuple[str, ...]:
+    """Return, once for each condition, what of its motion the body cannot show.
 
     Parameters
     ----------

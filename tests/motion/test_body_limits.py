@@ -4,9 +4,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy import sparse
 
-from motion.body import BodyModel
+from motion.body import BodyAbilities
 from motion.body_limits import not_shown
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
@@ -14,17 +13,9 @@ from motion.skeleton import joint_index
 ARKIT, COEFFICIENTS = np.full((2, 52), 0.5), np.ones((2, 100))
 
 
-def _body(*, shapes: int = 0, expressions: int = 10, **more: Any) -> BodyModel:
-    return BodyModel(
-        template=np.zeros((4, 3), np.float32),
-        faces=np.zeros((1, 3), np.int64),
-        shape_directions=np.ones((4, 3, shapes), np.float32),
-        expression_directions=np.ones((4, 3, expressions), np.float32),
-        pose_directions=None,
-        joint_regressor=sparse.csr_array(np.zeros((55, 4), np.float32)),
-        weights=sparse.csr_array(np.zeros((4, 55), np.float32)),
-        **more,
-    )
+def _body(**abilities: Any) -> BodyAbilities:
+    usual = {"has_face": True, "has_arkit_slots": True, "has_matrix": False, "shapes": 0}
+    return BodyAbilities(**(usual | abilities))
 
 
 def _clip(**more: Any) -> MotionClip:
@@ -47,15 +38,13 @@ def test_face_in_other_terms_is_said_unless_a_matrix_turns_it(
     (sentence,) = not_shown(_clip(**face), body)
     assert f"given as {given}" in sentence
     assert "video.expression_matrix" in sentence
-    turned = _body(
-        has_arkit_slots=has_arkit_slots, expression_matrix=np.ones((100, 52), np.float32)
-    )
+    turned = _body(has_arkit_slots=has_arkit_slots, has_matrix=True)
     assert not_shown(_clip(**face), turned) == ()
 
 
 @pytest.mark.parametrize("face", [{"arkit": ARKIT}, {"expressions": COEFFICIENTS}, {"jaw": 0.2}])
 def test_a_body_without_a_face_says_so(face: dict[str, Any]) -> None:
-    (sentence,) = not_shown(_clip(**face), _body(expressions=0))
+    (sentence,) = not_shown(_clip(**face), _body(has_face=False))
     assert "this body has none" in sentence
 
 
@@ -64,7 +53,7 @@ def test_a_body_without_a_face_says_so(face: dict[str, Any]) -> None:
     [{}, {"arkit": np.zeros((2, 52))}, {"arkit": np.zeros((2, 52)), "expressions": COEFFICIENTS}],
 )
 def test_nothing_is_said_of_a_face_that_is_shown_or_still(face: dict[str, np.ndarray]) -> None:
-    assert not_shown(_clip(**face), _body(has_arkit_slots=True)) == ()
+    assert not_shown(_clip(**face), _body()) == ()
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,15 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import tomlkit
 
 from motion.errors import InputError
+from motion.formats import read_clip, write_clip
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.stages.generation import generate
@@ -177,3 +180,27 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     assert "rule_based against broken" in note
     pretend_rendered(ready, video)
     assert Finding(Severity.NOTE, note.rstrip(".")) in check(ready)
+
+
+def _give_coefficients(folder: StudyFolder) -> None:
+    """Let the reference's faces be SMPL-X expression coefficients instead of ARKit weights."""
+    for segment in folder.segments():
+        path = folder.clip(folder.study().reference, segment.name)
+        clip = read_clip(path)
+        face = np.ones((len(clip), 100), np.float32)
+        write_clip(path, replace(clip, arkit=None, expressions=face))
+
+
+def test_a_face_that_the_body_does_not_show_is_warned_of(ready: StudyFolder) -> None:
+    generate(ready)
+    _give_coefficients(ready)
+    said = "the clip's face is given as SMPL-X expression coefficients"
+    assert sum(said in what for what in findings_of(ready, Severity.WARNING)) == 1
+    change(ready, "freeze", value=["face"])
+    assert not any(said in what for what in findings_of(ready, Severity.WARNING))
+
+
+def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
+    np.save(ready.root / "face.npy", np.ones((3, 3)))
+    change(ready, "video", "expression_matrix", value="face.npy")
+    assert any("face.npy" in what for what in findings_of(ready, Severity.ERROR))
