@@ -52,8 +52,3 @@ def wrapped(text: str, letters: ImageFont.FreeTypeFont, width: float, lines: int
 def _printable(text: str) -> str:
     """Return `text` in one line without signs that no font can draw."""
     return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
-
-
-def _printable(text: str) -> str:
-    """Return `text` in one line, without control characters and the like."""
-    return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
