@@ -10,12 +10,13 @@ from pathlib import Path
 from PIL import Image
 
 from motion.audio import SPEECH_RATE
+from motion.errors import InputError
 from motion.files import replacing
 from renderer.figures.cut_out import Box, cut_out
 from renderer.figures.moments import Moment
 from renderer.figures.overlay import blended, draw_overlay, faded
 from renderer.figures.panels import WHOLE, aspect_of, cropped, panel
-from renderer.figures.plate import DOTS_PER_INCH
+from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.skeleton_lines import joints_of, with_skeleton
 from renderer.figures.strip import StripLayout, draw_strip
 from renderer.stills import frame_at
@@ -72,6 +73,10 @@ class Print:
     skeleton: bool
     outputs: tuple[Path, ...]
 
+    def __post_init__(self) -> None:
+        for path in self.outputs:
+            check_ending(path)
+
 
 def write_still(
     folder: StudyFolder,
@@ -103,6 +108,8 @@ def write_still(
     output : Path
         Where to write.
     """
+    if output.suffix.lower() != ".png":
+        raise InputError("a still is written as PNG", where=output, remedy="End its name with .png")
     material = FigureMaterial.of(folder)
     excerpt = material.segment(segment)
     (name,) = material.conditions([condition])
