@@ -19,6 +19,7 @@ from motion.segments_table import read_segments, write_segments
 from studyapp.definition.creation import add_condition
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
+from studyapp.stages.shown_body import licensed_hands
 
 SEGMENT_TOLERANCE: Final = 0.1
 """Seconds by which motion and speech of one segment may differ."""
@@ -75,7 +76,9 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
     _check_condition(study, take.condition, folder)
     check_name(take.speech.stem, "segment", take.speech)
     audio = read_audio(take.speech, sample_rate=None)
-    clip = read_motion(take.motion, frame_rate=take.frame_rate)
+    clip = read_motion(
+        take.motion, frame_rate=take.frame_rate, mean_hands=licensed_hands(folder, study)
+    )
     notes = [*audio.notes, *_notes_of(clip, take.motion)]
     seconds, note = _common_length(take, audio, clip)
     notes += note
@@ -128,6 +131,7 @@ def import_clips(
     study = folder.study()
     _check_condition(study, condition, folder)
     segments = {segment.name: segment for segment in folder.segments()}
+    mean_hands = licensed_hands(folder, study)
     clips, notes = {}, []
     for path in motions:
         segment = segments.get(path.stem)
@@ -139,7 +143,7 @@ def import_clips(
                 + ", ".join(list(segments)[:3])
                 + ", …), or give --speech to bring in a new take",
             )
-        clip = read_motion(path, frame_rate=frame_rate)
+        clip = read_motion(path, frame_rate=frame_rate, mean_hands=mean_hands)
         check_same_length(clip, segment, path)
         notes += _notes_of(clip, path)
         clips[segment.name] = cut(clip, 0.0, min(clip.duration, segment.duration))

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from motion.body import BodyAbilities, BodyModel, read_body
 from motion.body_limits import not_shown
 from motion.clip import MotionClip
 from motion.expression_matrix import read_expression_matrix
+from motion.hands import read_mean_hands
 from renderer.avatars import AVATARS
 from renderer.body_asset import default_body
 from studyapp.definition.folder import StudyFolder
@@ -32,6 +36,12 @@ def shown_body(folder: StudyFolder, study: Study) -> BodyModel:
     """Return the study's body with its expression matrix."""
     matrix = expression_matrix_file(folder, study)
     return read_body(body_file(folder, study), expression_matrix=matrix)
+
+
+def licensed_hands(folder: StudyFolder, study: Study) -> NDArray[np.float32] | None:
+    """Return the mean hands, shape (30, 3), of the licensed body that the study names, if any."""
+    body = body_file(folder, study) if study.video.body else None
+    return read_mean_hands(body) if body is not None and body.is_file() else None
 
 
 def shown_abilities(folder: StudyFolder, study: Study) -> BodyAbilities:
