@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,11 +11,13 @@ from PIL import Image
 
 from motion.audio import Audio
 from motion.errors import InputError
+from renderer.figures.lettering import font
 from renderer.figures.moments import Moment
 from renderer.figures.plate import DOTS_PER_INCH, FAINT_INK, INK, LETTERS, Plate, pixels
 
 MOST_MOMENTS: Final = 16
 
+_SMALLEST_LETTERS: Final = 4.5
 _GAP: Final = 6  # pixels between panels
 _LINE: Final = 1.5  # height of a line of text, in letters
 _WAVE_HEIGHT: Final = 0.34  # inches
@@ -98,25 +100,39 @@ def draw_strip(
         round(axis_at + wave + 1.4 * line),
         clear=clear,
     )
+    names_size = _letters_for(layout.rows, height)
     for row, name in enumerate(layout.rows):
         top = row * (height + _GAP)
         middle = top + height / 2
-        page.write(line / 2, middle, name, rotation=90, ha="center", va="center", fontsize=LETTERS)
+        page.write(
+            line / 2, middle, name, rotation=90, ha="center", va="center", fontsize=names_size
+        )
         for column, moment in enumerate(layout.moments):
             left = layout.margin + column * (width + _GAP)
             page.add_picture(panels[name, moment], left, top)
     centres = [
         layout.margin + column * (width + _GAP) + width / 2 for column in range(len(layout.moments))
     ]
-    for centre, moment in zip(centres, layout.moments, strict=True):
-        style = "italic" if moment.word else "normal"
-        text = f"“{moment.word}”" if moment.word else moment.label
+    words = [f"“{moment.word}”" if moment.word else moment.label for moment in layout.moments]
+    words_size = _letters_for(words, width)
+    for centre, moment, word in zip(centres, layout.moments, words, strict=True):
         page.write(
-            centre, panels_height + line * 0.55, text, ha="center", va="center", fontsize=LETTERS,
-            fontstyle=style,
-        )  # fmt: skip
+            centre,
+            panels_height + line * 0.55,
+            word,
+            ha="center",
+            va="center",
+            fontsize=words_size,
+            fontstyle="italic" if moment.word else "normal",
+        )
     _draw_time(page, layout, speech, centres, words_at, axis_at, wave)
     return page
+
+
+def _letters_for(texts: Iterable[str], room: float) -> float:
+    """Return the points at which the longest of `texts` fits into `room` pixels."""
+    longest = max(font(pixels(LETTERS)).getlength(text) for text in texts)
+    return min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * room / longest))
 
 
 def _draw_time(

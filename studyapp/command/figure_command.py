@@ -32,7 +32,9 @@ conditions = click.option(
     "--condition",
     "conditions",
     multiple=True,
-    help="A condition, as often as wanted; without any, all but the catch motion.",
+    metavar="NAME[=CALLED]",
+    help="A condition, as often as wanted, and what the figure calls it; without any, all but "
+    "the catch motion.",
 )
 moments = click.option(
     "--at",
@@ -53,6 +55,7 @@ count = click.option(
 even = click.option("--even", is_flag=True, help="Without --at: spread the moments evenly.")
 clear = click.option("--clear", is_flag=True, help="Leave the background transparent.")
 whole = click.option("--whole", is_flag=True, help="Show whole frames, not what figures fill.")
+closeup = click.option("--closeup", is_flag=True, help="Show the faces alone.")
 skeleton = click.option("--skeleton", is_flag=True, help="Draw the skeleton over the body.")
 output = click.option(
     "--output",
@@ -88,6 +91,7 @@ def command() -> None:
 @click.option("--size", type=click.IntRange(64, 2160), default=1440, show_default=True)
 @click.option("--skeleton", type=click.Choice(["over", "beside"]), help="Draw the skeleton too.")
 @clear
+@closeup
 @output
 def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
     """Write one frame of one condition as PNG."""
@@ -110,6 +114,7 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
 @click.option("--wave/--no-wave", default=True, help="Draw the speech's wave under it.")
 @clear
 @whole
+@closeup
 @skeleton
 @output
 def strip(folder: StudyFolder, output: Path | None, wave: bool, **options: Any) -> None:
@@ -138,6 +143,7 @@ def strip(folder: StudyFolder, output: Path | None, wave: bool, **options: Any) 
 @inches(3.3)
 @clear
 @whole
+@closeup
 @skeleton
 @output
 def overlay(
@@ -169,6 +175,7 @@ def overlay(
 )
 @click.option("--skeleton", type=click.Choice(["over", "beside"]), help="Draw the skeleton too.")
 @click.option("--size", type=click.IntRange(64, 2160), help="Pixels along each side of a panel.")
+@closeup
 @output
 def grid(folder: StudyFolder, output: Path | None, **options: Any) -> None:
     """Write a video of several conditions side by side, each with its name."""
@@ -192,6 +199,6 @@ def _split(
         if output
         else tuple(folder.figures / f"{kind}-{options['segment']}{ending}" for ending in _ENDINGS)
     )
-    names = ("inches", "clear", "whole", "skeleton")
+    names = ("inches", "clear", "whole", "closeup", "skeleton")
     printed = Print(**{name: options.pop(name) for name in names}, outputs=outputs)
     return Choice(**options), printed

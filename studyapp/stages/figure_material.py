@@ -14,6 +14,7 @@ from motion.errors import InputError
 from motion.formats import read_clip, read_motion
 from motion.segment import Segment
 from renderer.clip_video import Stage, as_shown
+from renderer.figures.closeup import face_camera
 from renderer.figures.cut_out import Box
 from renderer.figures.moments import Moment, even_moments, loud_moments
 from renderer.figures.panels import common_box
@@ -31,20 +32,23 @@ class FigureMaterial:
     Attributes
     ----------
     plan : RenderPlan
-        The study's camera, look and body, equal for all conditions.
+        The study's look and body, equal for all conditions.
+    camera : Camera
+        The camera that all conditions are seen by: the study's own, or one close to their faces.
     """
 
     plan: RenderPlan
+    camera: Camera
 
     @classmethod
     def of(cls, folder: StudyFolder) -> Self:
         """Read the study in `folder`; its motion must be complete."""
-        return cls(RenderPlan.of(folder))
+        plan = RenderPlan.of(folder)
+        return cls(plan, plan.camera)
 
-    @property
-    def camera(self) -> Camera:
-        """The camera that all conditions are seen by."""
-        return self.plan.camera
+    def close_to_faces(self, clips: Iterable[MotionClip]) -> Self:
+        """Return the same with a camera that sees the faces of all `clips`."""
+        return replace(self, camera=face_camera(clips, self.plan.model, self.plan.camera))
 
     @contextmanager
     def stage(self, size: int) -> Iterator[Stage]:
@@ -57,20 +61,40 @@ class FigureMaterial:
         """
         usable = min(max(64, size + size % 2), MOST_PIXELS)
         look = replace(self.plan.look, size=usable)
-        with Stage(self.plan.body, self.plan.camera, look) as stage:
+        with Stage(self.plan.body, self.camera, look) as stage:
             yield stage
 
     def segment(self, name: str) -> Segment:
         """Return a segment by name; `InputError` names the ones there are."""
         return self.plan.segments[_known(name, "segment", list(self.plan.segments))]
 
-    def conditions(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Return `names` if the study shows them all; without any, all but the catch motion."""
+    def conditions(self, given: Sequence[str]) -> dict[str, str]:
+        """Return what each condition is called in the figure, by its name in the study.
+
+        Parameters
+        ----------
+        given : sequence of str
+            Each ``name`` or ``name=what it is called``; without any, all but the catch motion.
+
+        Raises
+        ------
+        InputError
+            If the study shows no such condition.
+        """
         study = self.plan.study
         shown = study.shown_conditions
-        if not names:
-            return tuple(name for name in shown if name != study.catch.condition)
-        return tuple(_known(name, "condition", shown) for name in dict.fromkeys(names))
+        if not given:
+            return {name: name for name in shown if name != study.catch.condition}
+        parts = [text.partition("=") for text in given]
+        called = {
+            _known(name, "condition", shown): label.strip() or name for name, _, label in parts
+        }
+        for label in called.values():
+            if list(called.values()).count(label) > 1:
+                raise InputError(
+                    f"two conditions are called {label!r}", remedy="Call each something else"
+                )
+        return called
 
     def clip(
         self, segment: Segment, condition: str, *, frame_rate: float | None = None

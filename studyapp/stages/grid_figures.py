@@ -24,6 +24,7 @@ def write_grid_of(
     speed: float,
     skeleton: str | None,
     size: int | None,
+    closeup: bool,
     output: Path,
     on_frame: Callable[[int, int], None] = lambda done, total: None,
 ) -> None:
@@ -36,7 +37,7 @@ def write_grid_of(
     segment : str
         What is said.
     conditions : sequence of str
-        Which are shown; empty for all but the catch motion.
+        Each ``name`` or ``name=what it is called``; empty for all but the catch motion.
     speed : float
         From `renderer.figures.grid_video.SLOWEST` to 1. Slow motion interpolates the original
         motion, so that it is as smooth as at full speed.
@@ -45,6 +46,8 @@ def write_grid_of(
     size : int or None
         Pixels along each side of a panel; None for the study's own, or what makes a video no
         wider than `WIDEST`.
+    closeup : bool
+        Whether only the faces are shown.
     output : Path
         An MP4 file.
     on_frame : callable
@@ -61,12 +64,14 @@ def write_grid_of(
     names = material.conditions(conditions)
     layout = GridLayout(count=len(names), size=2, widened=skeleton == "beside")
     fitting = WIDEST // (layout.frame[0] // 2) // 2 * 2
+    rate = material.plan.look.frame_rate
+    panels = [
+        Panel(caption=called, clip=material.clip(excerpt, name, frame_rate=rate / speed))
+        for name, called in names.items()
+    ]
+    if closeup:
+        material = material.close_to_faces([panel.clip for panel in panels])
     with material.stage(size or min(material.plan.look.size, fitting)) as stage:
-        rate = stage.look.frame_rate
-        panels = [
-            Panel(caption=name, clip=material.clip(excerpt, name, frame_rate=rate / speed))
-            for name in names
-        ]
         write_grid(
             stage,
             material.camera,

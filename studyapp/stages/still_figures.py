@@ -10,6 +10,7 @@ from pathlib import Path
 from PIL import Image
 
 from motion.audio import SPEECH_RATE
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.figures.cut_out import Box, cut_out
@@ -33,7 +34,7 @@ class Choice:
     segment : str
         Name of the segment.
     conditions : tuple of str
-        Their names; empty for all but the catch motion.
+        Each ``name`` or ``name=what it is called``; empty for all but the catch motion.
     moments : tuple of Moment
         From the segment's start; empty to look for `count` of them.
     count : int
@@ -61,6 +62,8 @@ class Print:
         Whether there is nothing behind the figures, rather than the videos' background.
     whole : bool
         Whether the whole picture is shown, rather than the part that a figure fills.
+    closeup : bool
+        Whether only the face is shown.
     skeleton : bool
         Whether the skeleton is drawn over the body.
     outputs : tuple of Path
@@ -70,6 +73,7 @@ class Print:
     inches: float
     clear: bool
     whole: bool
+    closeup: bool
     skeleton: bool
     outputs: tuple[Path, ...]
 
@@ -87,6 +91,7 @@ def write_still(
     size: int,
     skeleton: str | None,
     clear: bool,
+    closeup: bool,
     output: Path,
 ) -> None:
     """Write one frame of a condition as PNG.
@@ -105,6 +110,8 @@ def write_still(
         Where the skeleton is drawn: one of `renderer.figures.skeleton_lines.PLACES`.
     clear : bool
         Whether there is nothing behind the figure.
+    closeup : bool
+        Whether only the face is shown.
     output : Path
         Where to write.
     """
@@ -113,8 +120,10 @@ def write_still(
     material = FigureMaterial.of(folder)
     excerpt = material.segment(segment)
     (name,) = material.conditions([condition])
+    pose = frame_at(material.clip(excerpt, name), seconds)
+    if closeup:
+        material = material.close_to_faces([pose])
     with material.stage(size) as stage:
-        pose = frame_at(material.clip(excerpt, name), seconds)
         picture = panel(stage, pose, material.camera, clear=clear)
         if skeleton is not None:
             joints = joints_of(pose, stage.body)[0]
@@ -141,15 +150,15 @@ def write_strip(folder: StudyFolder, choice: Choice, printed: Print, *, wave: bo
     segment = material.segment(choice.segment)
     names = material.conditions(choice.conditions)
     moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
-    clips = {name: material.clip(segment, name) for name in names}
+    clips = {called: material.clip(segment, name) for name, called in names.items()}
     poses = {
-        (name, moment): frame_at(clip, moment.seconds)
-        for name, clip in clips.items()
+        (called, moment): frame_at(clip, moment.seconds)
+        for called, clip in clips.items()
         for moment in moments
     }
-    box = WHOLE if printed.whole else material.box_around(poses.values())
+    material, box = _view(material, printed, list(poses.values()))
     layout = StripLayout(
-        inches=printed.inches, rows=names, moments=moments, aspect=aspect_of(box), wave=wave
+        inches=printed.inches, rows=tuple(clips), moments=moments, aspect=aspect_of(box), wave=wave
     )
     with material.stage(_drawn_size(layout.panel[0], box)) as stage:
         panels = {
@@ -182,13 +191,12 @@ def write_overlay(
     """
     material = FigureMaterial.of(folder)
     segment = material.segment(choice.segment)
-    names = material.conditions(choice.conditions) if choice.conditions or not motions else ()
+    names = material.conditions(choice.conditions) if choice.conditions or not motions else {}
     moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
-    clips = {name: material.clip(segment, name) for name in names}
+    clips = {called: material.clip(segment, name) for name, called in names.items()}
     clips |= {path.stem: material.variation(segment, path) for path in motions}
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
-    every_pose = [pose for row in poses for pose in row]
-    box = WHOLE if printed.whole else material.box_around(every_pose)
+    material, box = _view(material, printed, [pose for row in poses for pose in row])
     width = round(printed.inches * DOTS_PER_INCH)
     with material.stage(_drawn_size(width, box)) as stage:
         trails = [
@@ -199,6 +207,15 @@ def write_overlay(
     picture = blended(trails).picture.resize(size, Image.Resampling.LANCZOS)
     caption = " → ".join(moment.label for moment in moments)
     draw_overlay(picture, list(clips), caption, clear=printed.clear).save(printed.outputs)
+
+
+def _view(
+    material: FigureMaterial, printed: Print, poses: Sequence[MotionClip]
+) -> tuple[FigureMaterial, Box]:
+    """Return the material seen as asked for, and the part of its picture that is shown."""
+    if printed.closeup:
+        return material.close_to_faces(poses), WHOLE
+    return material, WHOLE if printed.whole else material.box_around(poses)
 
 
 def _drawn_size(width: int, box: Box) -> int:

@@ -9,7 +9,7 @@ from PIL import Image
 from motion.audio import Audio
 from motion.errors import InputError
 from renderer.figures.moments import Moment, even_moments
-from renderer.figures.plate import Plate
+from renderer.figures.plate import LETTERS, Plate
 from renderer.figures.strip import StripLayout, draw_strip
 
 MOMENTS = (Moment(seconds=0.4, word="no"), Moment(seconds=1.1), Moment(seconds=1.9, word="never"))
@@ -65,6 +65,18 @@ def test_no_moment_and_too_many_are_refused() -> None:
         layout(moments=())
     with pytest.raises(InputError, match="1 to 16"):
         layout(moments=even_moments(10, 17))
+
+
+def test_long_names_and_words_are_written_smaller() -> None:
+    shape = layout(rows=("a_condition_with_quite_a_long_name",), moments=MOMENTS)
+    panels = {
+        (row, moment): Image.new("RGBA", shape.panel) for row in shape.rows for moment in MOMENTS
+    }
+    sizes = {
+        text.get_text(): text.get_fontsize()
+        for text in draw_strip(shape, panels, SPEECH, clear=False).figure.texts
+    }
+    assert sizes[shape.rows[0]] < sizes["“no”"] == LETTERS
 
 
 def test_a_clear_strip_has_nothing_behind_it(tmp_path: Path) -> None:

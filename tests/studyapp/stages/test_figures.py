@@ -44,7 +44,9 @@ def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
 
 
 def a_print(*outputs: Path, inches: float = 1.5, clear: bool = False) -> Print:
-    return Print(inches=inches, clear=clear, whole=False, skeleton=False, outputs=outputs)
+    return Print(
+        inches=inches, clear=clear, whole=False, closeup=False, skeleton=False, outputs=outputs
+    )
 
 
 def figures_in(path: Path) -> np.ndarray:
@@ -57,7 +59,13 @@ def test_a_still_has_the_size_asked_for_whatever_the_videos_have(
     study: StudyFolder, tmp_path: Path
 ) -> None:
     path = tmp_path / "still.png"
-    common = {"segment": SEGMENT, "condition": "ground_truth", "seconds": 0.9, "size": 200}
+    common = {
+        "segment": SEGMENT,
+        "condition": "ground_truth",
+        "seconds": 0.9,
+        "size": 200,
+        "closeup": False,
+    }
     write_still(study, **common, skeleton=None, clear=False, output=path)  # type: ignore[arg-type]
     with Image.open(path) as image:
         assert (image.size, image.mode) == ((200, 200), "RGB")
@@ -73,12 +81,19 @@ def test_a_strip_shows_the_conditions_that_participants_compare(
     path = tmp_path / "strip.png"
     choice = Choice(segment=SEGMENT, moments=(Moment(seconds=0.9), Moment(seconds=0.1, word="no")))
     write_strip(study, choice, a_print(path), wave=True)
-    assert FigureMaterial.of(study).conditions([]) == tuple(
-        name for name in study.study().shown_conditions if name != "broken"
-    )
+    shown = [name for name in study.study().shown_conditions if name != "broken"]
+    assert list(FigureMaterial.of(study).conditions([])) == shown
     first = path.read_bytes()
     write_strip(study, choice, a_print(path), wave=True)
     assert path.read_bytes() == first
+
+
+def test_a_figure_may_call_conditions_otherwise(study: StudyFolder) -> None:
+    material = FigureMaterial.of(study)
+    called = material.conditions(["ground_truth=Recording", "mismatched"])
+    assert called == {"ground_truth": "Recording", "mismatched": "mismatched"}
+    with pytest.raises(InputError, match="'Ours'"):
+        material.conditions(["rule_based=Ours", "mismatched=Ours"])
 
 
 def test_an_overlay_shows_where_variations_differ(study: StudyFolder, tmp_path: Path) -> None:
@@ -106,7 +121,7 @@ def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
     path = tmp_path / "grid.mp4"
     write_grid_of(
         study, segment=SEGMENT, conditions=("rule_based", "ground_truth"), speed=0.5,
-        skeleton="over", size=64, output=path,
+        skeleton="over", size=64, closeup=False, output=path,
     )  # fmt: skip
     with av.open(str(path)) as video:
         stream = video.streams.video[0]
