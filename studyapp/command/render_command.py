@@ -5,25 +5,47 @@ from __future__ import annotations
 import click
 
 from motion.errors import InputError
+from studyapp.command.arguments import cluster as cluster_option
+from studyapp.command.arguments import frames_cache as frames_cache_option
 from studyapp.command.arguments import processes as processes_option
 from studyapp.command.arguments import study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
+from studyapp.stages.render_record import RenderProgress
 from studyapp.stages.rendering import render
 
 
 @click.command("render")
 @study_folder
 @processes_option
+@cluster_option
+@frames_cache_option
 @click.option("--sheet", is_flag=True, help="Also write a contact sheet of every clip.")
-def command(folder: StudyFolder, processes: int, sheet: bool) -> None:
-    """Render the clips and side-by-side pairs of the study FOLDER."""
-    with progress("render", "video") as show:
-        count = render(folder, processes=processes, on_done=show)
+def command(
+    folder: StudyFolder,
+    processes: int,
+    cluster: str | None,
+    frames_cache: int | None,
+    sheet: bool,
+) -> None:
+    """Render the clips and side-by-side pairs of the study FOLDER.
+
+    What is finished is kept: interrupted and started again, it goes on where it was.
+    """
+    with progress("render", "frame") as show:
+        count = render(
+            folder,
+            processes=processes,
+            cluster=cluster,
+            frames_cache=frames_cache,
+            on_progress=lambda now: show(now.frames, now.all_frames, _videos(now)),
+        )
     for note in count.notes:
-        click.echo(f"note: {note}")
+        click.secho(f"warning: {note}", fg="yellow", err=True)
     for failure in count.failures:
         click.echo(f"failed: {failure}", err=True)
+    if count.left_out:
+        click.echo(f"{count.left_out} pairs of these clips were left out", err=True)
     click.echo(f"Rendered {count.made} videos, kept {count.kept} that still fit.")
     if sheet:
         # Imported here: it needs matplotlib's fonts, and rendering alone does not.
@@ -34,7 +56,13 @@ def command(folder: StudyFolder, processes: int, sheet: bool) -> None:
         click.echo(f"The contact sheet is {page}, and as pictures beside it")
     if count.failures:
         raise InputError(
-            f"{len(count.failures)} videos could not be made",
+            f"{len(count.failures) + count.left_out} videos could not be made",
             where=folder.videos,
             remedy="Mend what is named above and run the command again",
         )
+
+
+def _videos(now: RenderProgress) -> str:
+    """Return the videos dealt with in words, behind the frames."""
+    failed = f", {now.failed} failed" if now.failed else ""
+    return f"{now.videos} of {now.all_videos} videos{failed}"
