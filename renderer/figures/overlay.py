@@ -23,6 +23,8 @@ VARIATION_COLOURS: Final = (
 _FAINTEST: Final = 0.28
 _SAME_DEPTH: Final = 0.05
 """Metres in depth up to which two figures count as being in the same place."""
+_DEPTH_STEP: Final = 0.02
+"""Metres by which depth may be off, since a triangle has one depth."""
 _COVERING: Final = 0.04
 """Metres in depth by which the nearer of two variations mostly covers the other."""
 _VARIATION_STRENGTH: Final = 0.85
@@ -79,8 +81,10 @@ def blended(variations: Sequence[CutOut]) -> CutOut:
     total = np.zeros_like(nearest)
     clear = np.ones_like(nearest)
     for picture, depth, colour in zip(pictures, depths, VARIATION_COLOURS, strict=False):
-        shared = (np.exp(-np.abs(depths - depth) / _SAME_DEPTH).sum(axis=0) - 1) / (len(depths) - 1)
-        weight = picture[..., 3] * np.maximum(np.exp((nearest - depth) / _COVERING), 1e-3)
+        apart = np.maximum(np.abs(depths - depth) - _DEPTH_STEP, 0)
+        shared = (np.exp(-apart / _SAME_DEPTH).sum(axis=0) - 1) / (len(depths) - 1)
+        behind = np.maximum(depth - nearest - _DEPTH_STEP, 0)
+        weight = picture[..., 3] * np.maximum(np.exp(-behind / _COVERING), 1e-3)
         tint = _TINT * (1 - shared)[..., None]
         weighed += weight[..., None] * _tinted(picture[..., :3], colour, tint)
         total += weight
