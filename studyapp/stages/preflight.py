@@ -20,11 +20,15 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.definition.study import Study
 from studyapp.design.trial_count import planned_trials
-from studyapp.stages.media_probe import flaw_of
+from studyapp.stages.media_probe import flaw_of, loudness_of
 from studyapp.stages.shown_body import left_out, shown_abilities
 
 PUBLISHED_PAIRS: Final = 24
 """Pairs that a participant of AMUSE's study judged (Chhatre et al. 2024, section 5.3)."""
+
+
+LOUDNESS_TOLERANCE: Final = 1.0
+"""LU by which two videos may differ, as EBU R 128 allows live programmes."""
 
 
 class Severity(Enum):
@@ -57,6 +61,7 @@ def check(folder: StudyFolder) -> list[Finding]:
     findings = [
         *_media_findings(folder, study),
         *_size_findings(folder),
+        *_loudness_findings(folder),
         *_motion_findings(study, clips),
         *_body_findings(folder, study, clips),
         *_page_findings(study),
@@ -112,6 +117,31 @@ def _size_findings(folder: StudyFolder) -> Iterator[Finding]:
                 f"the pairs of segment {segment} differ in file size, which tells them apart",
                 "Run 'motionjury render'",
             )
+
+
+def _loudness_findings(folder: StudyFolder) -> Iterator[Finding]:
+    """Say where videos sound louder than others; the pairs of one segment share their sound."""
+    if not folder.stimuli.exists():
+        return
+    loudness: dict[str, float] = {}
+    for pair in read_stimuli(folder.stimuli).pairs:
+        path = folder.root / pair.file
+        if pair.segment in loudness or not path.exists():
+            continue
+        measured = loudness_of(path)
+        if measured is not None:
+            loudness[pair.segment] = measured
+    if not loudness:
+        return
+    softest, loudest = (pick(loudness, key=lambda name: loudness[name]) for pick in (min, max))
+    apart = loudness[loudest] - loudness[softest]
+    if apart > LOUDNESS_TOLERANCE:
+        yield Finding(
+            Severity.WARNING,
+            f"segment {loudest} is {apart:.1f} LU louder than segment {softest} "
+            f"({loudness[loudest]:.1f} and {loudness[softest]:.1f} LUFS)",
+            "Run 'motionjury render', and see what it says of the speech",
+        )
 
 
 def _page_findings(study: Study) -> Iterator[Finding]:

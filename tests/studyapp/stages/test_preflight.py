@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 import tomlkit
 
+from motion.audio import Audio
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
+from renderer.encoder import SOUND_RATE, VideoWriter
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.stages.generation import generate
@@ -117,6 +119,27 @@ def test_a_video_that_cannot_be_played_is_an_error(
     errors = findings_of(ready, Severity.ERROR)
     assert len(errors) == len(files)
     assert all(pair.file in error for pair, error in zip(pairs, errors, strict=True))
+
+
+def hum(folder: StudyFolder, segment: str, amplitude: float) -> None:
+    """Give the pairs of `segment` a sound of this amplitude."""
+    moments = np.arange(2 * SOUND_RATE) / SOUND_RATE
+    sound = Audio(amplitude * np.sin(2 * np.pi * 997 * moments), SOUND_RATE)
+    for pair in read_stimuli(folder.stimuli).pairs:
+        if pair.segment == segment:
+            with VideoWriter(folder.root / pair.file, 64, 64, 30, sound):
+                pass
+
+
+def test_segments_that_differ_in_loudness_are_warned_of(ready: StudyFolder) -> None:
+    one, two, three = (segment.name for segment in ready.segments())
+    for segment, amplitude in ((one, 0.1), (two, 0.105), (three, 0.1)):
+        hum(ready, segment, amplitude)
+    assert not any("louder" in warning for warning in findings_of(ready, Severity.WARNING))
+    hum(ready, two, 0.2)
+    (warning,) = (w for w in findings_of(ready, Severity.WARNING) if "louder" in w)
+    assert f"segment {two} is 6.0 LU louder than segment" in warning
+    assert "(-17.0 and -23.0 LUFS)" in warning
 
 
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
