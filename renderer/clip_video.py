@@ -88,9 +88,7 @@ class Stage:
                 picture = self._renderer.draw(vertices, self._normals.of(vertices), box, shadow)
                 yield canvas.with_picture(picture, box)
 
-    def _shadows(
-        self, clip: MotionClip, batch: NDArray[np.float32]
-    ) -> list[ContactShadow | None]:
+    def _shadows(self, clip: MotionClip, batch: NDArray[np.float32]) -> list[ContactShadow | None]:
         """Return the shadow on the ground in each frame of `batch`; None where no ground is."""
         if self.look.framing != "full_body":
             return [None] * len(batch)

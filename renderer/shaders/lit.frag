@@ -1,6 +1,6 @@
 #version 330 core
 
-in vec3 shade;
+noperspective in vec3 shade;
 out vec4 frag_color;
 
 void main()

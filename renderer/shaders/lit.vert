@@ -19,7 +19,7 @@ uniform vec3 ambient_light;
 uniform int n_directional_lights;
 uniform DirectionalLight directional_lights[MAX_LIGHTS];
 
-out vec3 shade;
+noperspective out vec3 shade;  // triangles are too small for the difference to show
 
 const float WRAP = 0.25;
 

@@ -52,6 +52,17 @@ def test_the_camera_is_the_same_in_whatever_order_clips_come(
     )
 
 
+def test_a_little_less_reach_keeps_the_camera(
+    clip: MotionClip, arms_wide: MotionClip, body: BodyModel
+) -> None:
+    cameras = set()
+    for bend in np.linspace(0, 0.04, 9, dtype=np.float32):
+        poses = arms_wide.poses.copy()
+        poses[:, joint_index("left_elbow"), 1] = bend
+        cameras.add(frame_clips([clip, replace(arms_wide, poses=poses)], body, Look()))
+    assert len(cameras) <= 2
+
+
 def test_full_body_shows_the_feet_and_upper_body_comes_closer(
     clip: MotionClip, body: BodyModel
 ) -> None:

@@ -60,3 +60,9 @@ def test_video_frames_are_those_of_whole_pictures(
             whole = canvas.with_picture(picture, PixelBox.whole(side))
             for plane, expected in zip(planes, whole.planes, strict=True):
                 np.testing.assert_array_equal(plane, plane_pixels(expected))
+
+
+def test_a_box_round_boxes_holds_them_all_and_no_more() -> None:
+    high = PixelBox(left=16, top=0, width=16, height=64)
+    wide = PixelBox(left=0, top=32, width=128, height=16)
+    assert PixelBox.round_all([high, wide]) == PixelBox(left=0, top=0, width=128, height=64)
