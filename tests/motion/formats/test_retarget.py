@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -355,6 +356,73 @@ def test_first_pose_that_is_no_upright_t_pose_straightens_nothing(pose: dict[str
     for joint, pitch in pose.items():
         bend = np.degrees(clip.poses[0, joint_index(joint), 0])
         assert bend == pytest.approx(pitch, abs=1e-3)
+
+
+def _angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return the angles between directions, in degrees."""
+    cosine = np.einsum("ta,ta->t", first, second)
+    sine = np.linalg.norm(np.cross(first, second), axis=1)
+    return np.degrees(np.arctan2(sine, cosine))
+
+
+@pytest.mark.parametrize(
+    ("file", "rate"), [("2_scott_0_1_1.bvh", 15), ("aitviewer_sample.bvh", None)]
+)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_real_elbows_bend_as_recorded(
+    shared_data: Path, file: str, rate: float | None, side: str
+) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / file, frame_rate=rate))
+    _, joint_map = choose_joint_map(motion.joint_names)
+    clip = retarget(motion, joint_map)
+    source, _ = motion.forward_kinematics()
+    target, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    arm = [f"{side}_{part}" for part in ("shoulder", "elbow", "wrist")]
+    bends = []
+    for positions, joints in (
+        (source, [motion.joint_names.index(joint_map[name]) for name in arm]),
+        (target, [joint_index(name) for name in arm]),
+    ):
+        upper, lower = (directions(positions, *pair) for pair in pairwise(joints))
+        bends.append(_angles(upper, lower))
+    assert bends[0].max() > 60
+    np.testing.assert_allclose(bends[1], bends[0], atol=0.1)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_real_palms_face_as_recorded_fingers_tell(shared_data: Path, side: str) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=15))
+    _, joint_map = choose_joint_map(motion.joint_names)
+    clip = retarget(motion, joint_map)
+    names = [f"{side}_{part}" for part in ("wrist", "middle1", "ring1", "index1")]
+    palms = []
+    for positions, joints in (
+        (motion.forward_kinematics()[0], [motion.joint_names.index(joint_map[n]) for n in names]),
+        (
+            forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0],
+            [joint_index(name) for name in names],
+        ),
+    ):
+        palms.append(
+            np.cross(directions(positions, *joints[:2]), directions(positions, *joints[2:]))
+        )
+    # The recording's ring finger also moves its bone within the palm, which SMPL-X's does not.
+    assert _angles(*palms).max() < 10
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_real_palms_face_as_recorded_wrists_tell(shared_data: Path, side: str) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / "aitviewer_sample.bvh"))
+    _, joint_map = choose_joint_map(motion.joint_names)
+    clip = retarget(motion, joint_map)
+    _, recorded = motion.forward_kinematics()
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    wrist = motion.joint_names.index(joint_map[f"{side}_wrist"])
+    palms = [
+        rotations @ [0.0, -1.0, 0.0]
+        for rotations in (recorded[:, wrist], turned[:, joint_index(f"{side}_wrist")])
+    ]
+    assert _angles(*palms).max() < 3
 
 
 def test_real_speaker_looks_ahead_after_calibration(shared_data: Path) -> None:
