@@ -31,7 +31,7 @@ _FOOT_HALF_WIDTH: Final = 0.095
 _FOOT_FADES_OVER: Final = 0.07  # metres of lift after which a third is left
 
 _BODY_DARKNESS: Final = 0.17
-_BODY_HALF: Final = (0.50, 0.36)
+_BODY_HALF: Final = (0.50, 0.32)
 _BODY_ASIDE: Final = (0.05, -0.05)  # away from the key light
 _BODY_FADES_OVER: Final = 0.35
 

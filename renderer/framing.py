@@ -28,7 +28,7 @@ _REACHED: Final = 99.5
 """Percentile of all positions that must be in the picture; a stray frame does not set it."""
 
 _ABOVE_HEAD: Final = 0.19  # from the head joint to the top of the hair, in metres
-_BELOW_FOOT: Final = 0.06
+_BELOW_FOOT: Final = 0.09
 _AROUND_FINGER: Final = 0.04 * np.array(  # from the last finger joint to the tip
     [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)]
 )
