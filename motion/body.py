@@ -222,9 +222,10 @@ class BodyModel:
         slots = self.expression_directions.shape[2]
         held = np.zeros((len(values), slots), np.float32)
         held[:, : values.shape[1]] = values[:, :slots]
-        if self.has_arkit_slots:
+        jaw_open = arkit_index("jawOpen")
+        if self.has_arkit_slots and jaw_open < slots:
             opened = clip.poses[:, joint_index("jaw"), 0] / _JAW_FULLY_OPEN
-            action = held[:, arkit_index("jawOpen")]
+            action = held[:, jaw_open]
             action[:] = np.where(opened > 0, np.maximum(action - opened, 0), action)
         return held
 

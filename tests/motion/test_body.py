@@ -178,6 +178,19 @@ def test_face_of_the_other_kind_is_shown_through_a_matrix(body: BodyModel) -> No
     assert np.abs(told - body.vertices(_clip(2))).max() > 1e-3
 
 
+def test_coefficients_move_a_body_with_arkit_slots_through_a_matrix(
+    arrays: Arrays, tmp_path: Path
+) -> None:
+    np.savez(tmp_path / "smplx.npz", **arrays, arkit_slots=np.array(True))
+    np.savetxt(tmp_path / "matrix.csv", _matrix(), delimiter=",")
+    body = read_body(tmp_path / "smplx.npz", expression_matrix=tmp_path / "matrix.csv")
+    coefficients = np.random.default_rng(7).normal(0, 1, (2, 100)).astype(np.float32)
+    told = body.vertices(_clip(2, expressions=coefficients))
+    own = body.vertices(_clip(2, arkit=np.clip(coefficients @ _matrix(), 0, 1)))
+    np.testing.assert_allclose(told, own, atol=1e-5)
+    assert np.abs(told - body.vertices(_clip(2))).max() > 1e-3
+
+
 def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path: Path) -> None:
     shapes = arrays["shapedirs"]
     short = np.concatenate([shapes[:, :, :10], shapes[:, :, 300:310]], axis=2)

@@ -1,8 +1,12 @@
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
+from motion.body import BodyModel
+from motion.clip import MotionClip
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_COUNT, PARENTS, forward_kinematics, joint_index
 from motion.skinning import skinning_matrices
@@ -84,3 +88,31 @@ def test_a_twisted_forearm_keeps_its_thickness(turned: float) -> None:
 
 def test_without_twist_joints_a_twisted_forearm_is_wrung() -> None:
     assert _limb_shape(120, shares_twists=False) < 0.5
+
+
+def _forearm_thickness(body: BodyModel, joint: str, turned: float) -> np.ndarray:
+    """Return the mean squared distance of the left forearm's skin from its bone, slice by slice."""
+    elbow, wrist = REST_JOINTS[[joint_index("left_elbow"), joint_index("left_wrist")]]
+    poses = np.zeros((1, JOINT_COUNT, 3), np.float32)
+    poses[0, joint_index(joint), 0] = np.radians(turned)
+    clip = MotionClip(poses=poses, trans=np.zeros((1, 3)), frame_rate=30)
+    place = (body.template[:, 0] - elbow[0]) / (wrist[0] - elbow[0])
+    near = np.linalg.norm((body.template - elbow)[:, 1:], axis=1) < 0.12
+    offsets = (body.vertices(clip)[0] - elbow)[:, 1:]
+    squared = (offsets**2).sum(axis=1)
+    edges = np.linspace(0.1, 0.95, 9)
+    return np.array(
+        [
+            squared[near & (place >= low) & (place < high)].mean()
+            for low, high in itertools.pairwise(edges)
+        ]
+    )
+
+
+@pytest.mark.parametrize("joint", ["left_wrist", "left_elbow"])
+@pytest.mark.parametrize("turned", [-120, 120])
+def test_the_default_bodys_twisted_forearm_keeps_its_thickness(
+    body: BodyModel, joint: str, turned: float
+) -> None:
+    straight = _forearm_thickness(body, joint, 0)
+    assert (_forearm_thickness(body, joint, turned) / straight).min() > 0.85
