@@ -36,7 +36,7 @@ def panel(
         cut_out(stage, pose, camera).picture if clear else still(stage, pose, 0).convert("RGBA")
     )
     if skeleton:
-        picture = with_skeleton(picture, joints_of(pose, stage.body)[0], camera, "over")
+        picture = with_skeleton(picture, joints_of(pose, stage.body)[0], camera, "over", key=False)
     return picture
 
 

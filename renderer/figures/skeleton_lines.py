@@ -18,6 +18,9 @@ from renderer.framing import Camera
 SIDE_COLOURS: Final = {"left": (0xD5, 0x5E, 0x00), "right": (0x00, 0x72, 0xB2)}
 """Vermilion and blue of Okabe and Ito's palette, told apart with any kind of colour vision."""
 
+SIDE_MARKS: Final = {"left": "●", "right": "■"}
+"""The form of each side's joints."""
+
 PLACES: Final = ("over", "beside")
 
 _MIDDLE_COLOUR: Final = (0x30, 0x30, 0x36)
@@ -41,7 +44,12 @@ def joints_of(clip: MotionClip, body: BodyModel) -> NDArray[np.float64]:
 
 
 def with_skeleton(
-    picture: Image.Image, joints: NDArray[np.float64], camera: Camera, place: str
+    picture: Image.Image,
+    joints: NDArray[np.float64],
+    camera: Camera,
+    place: str,
+    *,
+    key: bool = True,
 ) -> Image.Image:
     """Return `picture` with the skeleton.
 
@@ -58,9 +66,11 @@ def with_skeleton(
     place : str
         ``over`` draws on the body; ``beside`` returns a picture twice as wide, with the
         skeleton alone on its right.
+    key : bool
+        Whether a corner says which colour is which side.
     """
     size = picture.width
-    lines = _drawn(project(joints, camera, size)[:, :2], size)
+    lines = _drawn(project(joints, camera, size)[:, :2], size, key=key)
     if place == "over":
         result = picture.convert("RGBA")
         result.alpha_composite(lines)
@@ -71,7 +81,7 @@ def with_skeleton(
     return result
 
 
-def _drawn(points: NDArray[np.float64], size: int) -> Image.Image:
+def _drawn(points: NDArray[np.float64], size: int, *, key: bool) -> Image.Image:
     """Return the skeleton with joints at `points`, shape (55, 2), on a clear picture."""
     side = size * _OVERSAMPLING
     points = points * _OVERSAMPLING
@@ -82,7 +92,8 @@ def _drawn(points: NDArray[np.float64], size: int) -> Image.Image:
     for rim in (True, False):
         for bone in visible:
             _draw_bone(pen, points, bone, side, rim=rim)
-    _draw_key(pen, side)
+    if key:
+        _draw_key(pen, side)
     return large.convert("RGBa").reduce(_OVERSAMPLING).convert("RGBA")
 
 

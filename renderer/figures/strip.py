@@ -14,6 +14,7 @@ from motion.errors import InputError
 from renderer.figures.lettering import font
 from renderer.figures.moments import Moment
 from renderer.figures.plate import DOTS_PER_INCH, FAINT_INK, INK, LETTERS, Plate, pixels
+from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
 
 MOST_MOMENTS: Final = 16
 
@@ -41,6 +42,8 @@ class StripLayout:
         Height of a panel over its width.
     wave : bool
         Whether the speech's wave stands under the panels.
+    skeleton : bool
+        Whether skeletons are drawn, so that their colours are to be told.
     """
 
     inches: float
@@ -48,6 +51,7 @@ class StripLayout:
     moments: tuple[Moment, ...]
     aspect: float
     wave: bool = True
+    skeleton: bool = False
 
     def __post_init__(self) -> None:
         if not 0 < len(self.moments) <= MOST_MOMENTS:
@@ -97,7 +101,7 @@ def draw_strip(
     wave = round(_WAVE_HEIGHT * DOTS_PER_INCH) if layout.wave else round(line / 4)
     page = Plate.of(
         layout.margin + len(layout.moments) * (width + _GAP) - _GAP,
-        round(axis_at + wave + 1.4 * line),
+        round(axis_at + wave + (2.4 if layout.skeleton else 1.4) * line),
         clear=clear,
     )
     names_size = _letters_for(layout.rows, height)
@@ -126,6 +130,17 @@ def draw_strip(
             fontstyle="italic" if moment.word else "normal",
         )
     _draw_time(page, layout, speech, centres, words_at, axis_at, wave)
+    if layout.skeleton:
+        for place, (side, mark) in enumerate(SIDE_MARKS.items()):
+            colour = [channel / 255 for channel in SIDE_COLOURS[side]]
+            page.write(
+                layout.margin + place * 4 * line,
+                page.height - line / 2,
+                f"{mark} {side}",
+                va="center",
+                color=colour,
+                fontsize=LETTERS - 1,
+            )
     return page
 
 

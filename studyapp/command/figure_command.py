@@ -117,12 +117,14 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
 @closeup
 @skeleton
 @output
-def strip(folder: StudyFolder, output: Path | None, wave: bool, **options: Any) -> None:
+def strip(
+    folder: StudyFolder, output: Path | None, wave: bool, skeleton: bool, **options: Any
+) -> None:
     """Write a strip: a row for each condition, a column for each key word."""
     from studyapp.stages.still_figures import write_strip
 
     choice, printed = _split(folder, "strip", output, options)
-    write_strip(folder, choice, printed, wave=wave)
+    write_strip(folder, choice, printed, wave=wave, skeleton=skeleton)
     click.echo(f"The strip is {' and '.join(map(str, printed.outputs))}")
 
 
@@ -144,7 +146,6 @@ def strip(folder: StudyFolder, output: Path | None, wave: bool, **options: Any) 
 @clear
 @whole
 @closeup
-@skeleton
 @output
 def overlay(
     folder: StudyFolder, output: Path | None, motions: tuple[Path, ...], **options: Any
@@ -199,6 +200,6 @@ def _split(
         if output
         else tuple(folder.figures / f"{kind}-{options['segment']}{ending}" for ending in _ENDINGS)
     )
-    names = ("inches", "clear", "whole", "closeup", "skeleton")
+    names = ("inches", "clear", "whole", "closeup")
     printed = Print(**{name: options.pop(name) for name in names}, outputs=outputs)
     return Choice(**options), printed

@@ -64,8 +64,6 @@ class Print:
         Whether the whole picture is shown, rather than the part that a figure fills.
     closeup : bool
         Whether only the face is shown.
-    skeleton : bool
-        Whether the skeleton is drawn over the body.
     outputs : tuple of Path
         Where to write; ``.pdf`` or ``.png``.
     """
@@ -74,7 +72,6 @@ class Print:
     clear: bool
     whole: bool
     closeup: bool
-    skeleton: bool
     outputs: tuple[Path, ...]
 
     def __post_init__(self) -> None:
@@ -132,7 +129,9 @@ def write_still(
         (picture if clear else picture.convert("RGB")).save(draft, "PNG", optimize=True)
 
 
-def write_strip(folder: StudyFolder, choice: Choice, printed: Print, *, wave: bool) -> None:
+def write_strip(
+    folder: StudyFolder, choice: Choice, printed: Print, *, wave: bool, skeleton: bool
+) -> None:
     """Write a strip: a row for each condition, a column for each moment.
 
     Parameters
@@ -145,6 +144,8 @@ def write_strip(folder: StudyFolder, choice: Choice, printed: Print, *, wave: bo
         How it is printed.
     wave : bool
         Whether the speech's wave is drawn under it.
+    skeleton : bool
+        Whether the skeleton is drawn over the body.
     """
     material = FigureMaterial.of(folder)
     segment = material.segment(choice.segment)
@@ -158,12 +159,17 @@ def write_strip(folder: StudyFolder, choice: Choice, printed: Print, *, wave: bo
     }
     material, box = _view(material, printed, list(poses.values()))
     layout = StripLayout(
-        inches=printed.inches, rows=tuple(clips), moments=moments, aspect=aspect_of(box), wave=wave
+        inches=printed.inches,
+        rows=tuple(clips),
+        moments=moments,
+        aspect=aspect_of(box),
+        wave=wave,
+        skeleton=skeleton,
     )
     with material.stage(_drawn_size(layout.panel[0], box)) as stage:
         panels = {
             key: cropped(
-                panel(stage, pose, material.camera, clear=printed.clear, skeleton=printed.skeleton),
+                panel(stage, pose, material.camera, clear=printed.clear, skeleton=skeleton),
                 box,
                 layout.panel,
             )

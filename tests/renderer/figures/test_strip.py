@@ -95,6 +95,17 @@ def test_the_wave_may_be_left_out() -> None:
     assert not [a for a in strip(wave=False).figure.axes if a.collections]
 
 
+def test_with_skeletons_the_page_says_which_side_is_which() -> None:
+    shape = layout(skeleton=True)
+    panels = {
+        (row, moment): Image.new("RGBA", shape.panel) for row in shape.rows for moment in MOMENTS
+    }
+    page = draw_strip(shape, panels, SPEECH, clear=False)
+    told = {text.get_text() for text in page.figure.texts}
+    assert {"● left", "■ right"} <= told
+    assert page.height > strip().height
+
+
 def test_a_pdf_has_letters_and_pictures_and_names_no_program(tmp_path: Path) -> None:
     strip().save([tmp_path / "strip.pdf"])
     data = (tmp_path / "strip.pdf").read_bytes()
