@@ -13,10 +13,10 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from motion.body import BodyModel, read_body
+from motion.clip import MotionClip
 from motion.skeleton import forward_kinematics, joint_index
 from renderer.avatars import AVATARS
 from renderer.body_asset import default_body
@@ -28,14 +28,14 @@ from renderer.stills import still
 
 COLUMNS: Final = 4
 
-FRAMINGS: Final[Mapping[str, tuple[str, float]]] = MappingProxyType({
-    "full body": ("spine1", 2.05), "upper body": ("spine3", 1.25), "face": ("head", 0.36),
-    "left hand": ("left_middle1", 0.30), "right hand": ("right_middle1", 0.30),
+FRAMINGS: Final[Mapping[str, tuple[str, float, float]]] = MappingProxyType({
+    "full body": ("spine1", 2.05, -0.14), "upper body": ("spine3", 1.25, 0.06),
+    "face": ("head", 0.36, 0.035), "left hand": ("left_middle1", 0.30, 0.0),
+    "right hand": ("right_middle1", 0.30, 0.0),
 })  # fmt: skip
-"""What each sheet shows: a joint in the middle, and how many metres around it."""
+"""What each sheet shows: the joint in its middle, the metres around it, how far it is moved up."""
 
 _FIELD_OF_VIEW: Final = 20.0
-_ABOVE_JOINT: Final = {"head": 0.035, "spine1": -0.14, "spine3": 0.06}
 
 
 def main() -> None:
@@ -66,34 +66,31 @@ def avatar_sheet(body: Path, framing: str, *, size: int = 480, aside: float = 0.
     aside : float
         Radians that the camera stands to the body's left.
     """
+    joint, width, above = FRAMINGS[framing]
     model = read_body(body)
     rows = -(-len(SAMPLE_POSES) // COLUMNS)
     sheet = Image.new("RGB", (size * COLUMNS, size * rows))
-    for number, pose in enumerate(SAMPLE_POSES.values()):
-        clip = sample_clip(pose)
-        target = _joint(model, clip.poses, FRAMINGS[framing][0])
-        camera = _camera(target, FRAMINGS[framing][1], aside)
-        with Stage(body, camera, replace(Look(), size=size)) as stage:
-            picture = still(stage, clip, 0.0)
-        sheet.paste(picture, (number % COLUMNS * size, number // COLUMNS * size))
+    with Stage(body, _camera(width, above, aside), replace(Look(), size=size)) as stage:
+        for number, pose in enumerate(SAMPLE_POSES.values()):
+            picture = still(stage, _centred(sample_clip(pose), model, joint), 0.0)
+            sheet.paste(picture, (number % COLUMNS * size, number // COLUMNS * size))
     return sheet
 
 
-def _joint(model: BodyModel, poses: NDArray[np.float32], name: str) -> NDArray[np.float64]:
-    """Return where joint `name` is in the posed body, a little moved for a better picture."""
-    positions, _ = forward_kinematics(poses, np.zeros((1, 3)), model.joints(np.zeros(0)))
-    return np.asarray(
-        positions[0, joint_index(name)] + np.array([0.0, _ABOVE_JOINT.get(name, 0.0), 0.0])
-    )
+def _centred(clip: MotionClip, model: BodyModel, joint: str) -> MotionClip:
+    """Return `clip` moved so that `joint` is in the middle of the picture."""
+    positions, _ = forward_kinematics(clip.poses, clip.trans, model.joints(np.zeros(0)))
+    return replace(clip, trans=-positions[:, joint_index(joint)].astype(np.float32))
 
 
-def _camera(target: NDArray[np.float64], width: float, aside: float) -> Camera:
-    """Return a level camera that sees `width` metres around `target`."""
+def _camera(width: float, above: float, aside: float) -> Camera:
+    """Return a level camera that sees `width` metres around a point `above` the origin."""
     distance = width / 2 / np.tan(np.radians(_FIELD_OF_VIEW / 2))
-    eye = target + distance * np.array([np.sin(aside), 0.0, np.cos(aside)])
-    x, y, z = (float(value) for value in eye)
-    a, b, c = (float(value) for value in target)
-    return Camera(eye=(x, y, z), target=(a, b, c), field_of_view=_FIELD_OF_VIEW)
+    return Camera(
+        eye=(float(distance * np.sin(aside)), above, float(distance * np.cos(aside))),
+        target=(0.0, above, 0.0),
+        field_of_view=_FIELD_OF_VIEW,
+    )
 
 
 if __name__ == "__main__":

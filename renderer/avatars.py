@@ -61,12 +61,12 @@ class Avatar:
 
 
 COMMON_COLOURS: Final[Mapping[str, str]] = MappingProxyType({
-    "teeth": "#ece7dd", "tongue": "#b06060", "mouth": "#5a2222", "sclera": "#f1efec",
+    "teeth": "#f6f2ea", "tongue": "#b06060", "mouth": "#5a2222", "sclera": "#f1efec",
     "pupil": "#0a0a0a", "lash": "#241a16", "soles": "#dcdcd8",
 })  # fmt: skip
 
 _FRIENDLY: Final = {
-    "eyeWideLeft": 0.35, "eyeWideRight": 0.35, "mouthSmileLeft": 0.10, "mouthSmileRight": 0.10,
+    "eyeWideLeft": 0.35, "eyeWideRight": 0.35, "mouthSmileLeft": 0.24, "mouthSmileRight": 0.24,
     "mouthPressLeft": 0.10, "mouthPressRight": 0.10,
 }  # fmt: skip
 
@@ -143,7 +143,7 @@ _PEOPLE: Final = (
         palette={
             "skin": "#7a4d35", "blush": "#72402e", "palm": "#a9775a", "lips": "#6f3a33",
             "nails": "#9c6d57", "iris": "#2f1d13", "limbus": "#190f0a", "brow": "#1a1311",
-            "hair": "#17120f", "hair_light": "#2a211c", "sweater": "#d9a441", "trim": "#cf9a38",
+            "hair": "#17120f", "hair_light": "#2a211c", "sweater": "#d9a441", "trim": "#d9a441",
             "trousers": "#3a4a63", "shoes": "#e4e2dd",
         },
     ),
@@ -164,8 +164,8 @@ _PEOPLE: Final = (
             "skin": "#d9a288", "blush": "#c97f6c", "palm": "#e0b09a", "lips": "#b37a6b",
             "nails": "#e2b6a2", "iris": "#6b7a66", "limbus": "#3b4439", "brow": "#8d8780",
             "hair": "#a5a19b", "hair_light": "#c0bdb7", "sweater": "#6b2f36", "trim": "#612a31",
-            "collar": "#eceae4", "shirt": "#e6e4de", "buttons": "#c9c6bf", "glasses": "#2b2725", "trousers": "#45413b",
-            "shoes": "#33291f",
+            "collar": "#eceae4", "shirt": "#e6e4de", "buttons": "#c9c6bf", "glasses": "#2b2725",
+            "trousers": "#45413b", "shoes": "#33291f",
         },
     ),
     Avatar(
@@ -173,7 +173,7 @@ _PEOPLE: Final = (
         description="neutral figure of one colour, without a face",
         height=1.74,
         phenotype={
-            "gender": 0.5, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45,
+            "gender": 0.2, "age": 0.67, "height": 0.5, "muscle": 0.5, "weight": 0.45,
             "proportions": 0.6,
         },
         palette=dict.fromkeys((

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
 from motion.face import arkit_index
@@ -16,10 +17,7 @@ from motion.skeleton import JOINT_COUNT, joint_index
 
 Turn = tuple[float, float, float]
 
-_LOWERED: Final[Mapping[str, Turn]] = {
-    "left_shoulder": (0.0, 0.0, -1.18), "right_shoulder": (0.0, 0.0, 1.18),
-    "left_elbow": (0.0, -0.25, 0.0), "right_elbow": (0.0, 0.25, 0.0),
-}  # fmt: skip
+_LOWERED: Final[Mapping[str, Turn]] = {"both_shoulder": (-1.18, 0, 0), "both_elbow": (0, -0.25, 0)}
 _FINGERS: Final = ("index", "middle", "ring", "pinky")
 FIST: Final = 1.5
 """Radians that each joint of a finger is bent in a fist."""
@@ -32,8 +30,8 @@ class SamplePose:
     Attributes
     ----------
     turns : mapping of str to tuple
-        Axis-angle by joint, radians; for ``both_...`` the left one's, mirrored for the right.
-        Joints that are not named hang at the sides.
+        Radians by joint about z, then the turned y, then the turned x; for ``both_...`` the left
+        one's, mirrored for the right. Arms that are not named hang at the sides.
     curled : mapping of str to float
         Radians by which all joints of fingers are bent: ``left``, ``right``, ``left_index``, ...
     face : mapping of str to float
@@ -46,48 +44,50 @@ class SamplePose:
 
 
 SAMPLE_POSES: Final[Mapping[str, SamplePose]] = MappingProxyType({
-    "rest": SamplePose(),
+    "rest": SamplePose(curled={"left": 0.2, "right": 0.2}),
     "pointing": SamplePose(
-        turns={"right_shoulder": (0.0, 1.2, 0.25), "right_elbow": (0.0, 0.15, 0.0),
-               "right_thumb1": (0.3, 0.3, 0.2), "right_thumb2": (0.0, 0.5, 0.2)},
+        turns={"right_shoulder": (0.25, 1.2, 0), "right_elbow": (0, 0.15, 0),
+               "right_thumb1": (0.2, 0.4, 0.4), "right_thumb2": (0.2, 0.6, 0)},
         curled={"right": 1.35, "right_index": 0.05, "left": 0.25},
     ),
     "fists": SamplePose(
-        turns={"both_shoulder": (0.0, -0.35, -1.05), "both_elbow": (0.0, -1.75, 0.0),
-               "both_thumb1": (0.35, -0.4, -0.2), "both_thumb2": (0.0, -0.6, -0.2),
-               "both_thumb3": (0.0, -0.7, 0.0)},
+        turns={"both_shoulder": (-1.05, -0.35, 0), "both_elbow": (0, -1.75, 0),
+               "both_thumb1": (-0.5, -0.2, 0.4), "both_thumb2": (-0.3, -0.7, 0),
+               "both_thumb3": (0, -0.8, 0)},
         curled={"left": FIST, "right": FIST},
     ),
     "arms crossed": SamplePose(
-        turns={"left_shoulder": (0.0, -0.62, -0.98), "left_elbow": (-0.15, -1.75, 0.25),
-               "right_shoulder": (0.0, 0.75, 0.90), "right_elbow": (-0.15, 1.85, -0.10)},
+        turns={"left_shoulder": (-1.2, -0.60, 1.25), "left_elbow": (0, -1.70, 0),
+               "right_shoulder": (1.2, 0.42, 1.35), "right_elbow": (0, 1.75, 0)},
         curled={"left": 0.35, "right": 0.3},
     ),
     "hands at the face": SamplePose(
-        turns={"both_shoulder": (-0.2, -0.80, -0.95), "both_elbow": (0.0, -2.35, 0.0),
-               "both_wrist": (0.3, 0.0, 0.2)},
+        turns={"both_shoulder": (-0.95, -0.80, -0.2), "both_elbow": (0, -2.35, 0),
+               "both_wrist": (0.2, 0, 0.3)},
         curled={"left": 0.25, "right": 0.25},
     ),
-    "arms raised": SamplePose(turns={"both_shoulder": (0.0, 0.0, 0.95)}),
+    "arms raised": SamplePose(turns={"both_shoulder": (0.95, 0, 0)}),
     "open palms": SamplePose(
-        turns={"both_shoulder": (0.6, -0.25, -1.05), "both_elbow": (0.9, -1.25, 0.0),
-               "both_wrist": (0.6, 0.0, 0.0)},
+        turns={"both_shoulder": (-1.05, 0.1, 0), "both_elbow": (0, -1.2, -1.5)},
         curled={"left": 0.12, "right": 0.12},
     ),
     "head turned": SamplePose(
-        turns={"neck": (0.0, 0.35, 0.0), "head": (0.1, 0.5, 0.1), "spine3": (0.0, 0.15, 0.0)},
+        turns={"neck": (0, 0.35, 0), "head": (0.1, 0.5, 0.1), "spine3": (0, 0.15, 0)},
         curled={"left": 0.3, "right": 0.3},
     ),
     "laughing": SamplePose(
-        turns={"head": (-0.12, 0.0, 0.08)},
+        turns={"head": (0.08, 0, -0.12)},
         curled={"left": 0.3, "right": 0.3},
         face={"mouthSmileBoth": 0.9, "jawOpen": 0.35, "cheekSquintBoth": 0.7,
               "eyeSquintBoth": 0.5, "mouthUpperUpBoth": 0.3, "browInnerUp": 0.2},
     ),
-    "blinking": SamplePose(face={"eyeBlinkBoth": 1.0}),
-    "jaw open": SamplePose(turns={"jaw": (0.26, 0.0, 0.0)}, face={"eyeWideBoth": 0.5}),
+    "blinking": SamplePose(
+        turns={"both_shoulder": (-1.25, 0, 0), "both_elbow": (0, -0.6, 0)},
+        curled={"left": 0.5, "right": 0.5}, face={"eyeBlinkBoth": 1.0},
+    ),
+    "jaw open": SamplePose(turns={"jaw": (0, 0, 0.26)}, face={"eyeWideBoth": 0.5}),
     "eyes aside": SamplePose(
-        turns={"left_eye": (0.0, 0.4, 0.0), "right_eye": (0.0, 0.4, 0.0)},
+        turns={"left_eye": (0, 0.4, 0), "right_eye": (0, 0.4, 0)},
         face={"browDownBoth": 0.6, "mouthFrownBoth": 0.4},
     ),
 })  # fmt: skip
@@ -96,8 +96,8 @@ SAMPLE_POSES: Final[Mapping[str, SamplePose]] = MappingProxyType({
 def sample_clip(pose: SamplePose) -> MotionClip:
     """Return a clip of one frame that shows `pose`."""
     poses = np.zeros((1, JOINT_COUNT, 3), np.float32)
-    for joint, turn in _both_sides({**_LOWERED, **_both_sides(pose.turns)}).items():
-        poses[0, joint_index(joint)] = turn
+    for joint, turn in {**_both_sides(_LOWERED), **_both_sides(pose.turns)}.items():
+        poses[0, joint_index(joint)] = Rotation.from_euler("ZYX", turn).as_rotvec()
     for name, bend in pose.curled.items():
         side, _, finger = name.partition("_")
         for each in (finger,) if finger else _FINGERS:
@@ -117,7 +117,7 @@ def _both_sides(turns: Mapping[str, Turn]) -> dict[str, Turn]:
         if joint.startswith("both_"):
             part = joint.removeprefix("both_")
             result[f"left_{part}"] = turn
-            result[f"right_{part}"] = (turn[0], -turn[1], -turn[2])
+            result[f"right_{part}"] = (-turn[0], -turn[1], turn[2])
         else:
             result[joint] = turn
     return result

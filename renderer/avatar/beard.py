@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
+from scipy.spatial import cKDTree
 
 from renderer.avatar.masks import mask
-from renderer.avatar.patch import Patch
+from renderer.avatar.patch import Patch, boundary_edges
 from renderer.avatar.pieces import Piece
 from renderer.avatar.sitter import Sitter
 
@@ -33,16 +35,11 @@ def beard(sitter: Sitter) -> Piece:
     near = near.refined(np.ones(len(near.faces), bool))
     grown = near.cut(_within(sitter, near))
     inside = np.clip(_within(sitter, grown) / _FADE, 0, 1)
-    share = np.zeros(len(sitter.person.vertices))
-    used = np.unique(sitter.person.parts["body"])
-    share[used] = 1 - np.clip(_within(sitter, body) / _FADE, 0, 1)
-    return sitter.piece(
-        "beard",
-        grown.raised(0.0006 + _DEPTH * np.sqrt(inside)),
-        actions=True,
-        triangles=_TRIANGLES,
-        mixed={"skin": share**1.5},
-    )
+    raised = grown.raised(0.0006 + _DEPTH * np.sqrt(inside))
+    piece = sitter.piece("beard", raised, actions=True, triangles=_TRIANGLES)
+    border = piece.vertices[np.unique(boundary_edges(piece.faces))]
+    distance, _ = cKDTree(border).query(piece.vertices)
+    return replace(piece, mixed={"skin": 0.9 * (1 - np.clip(distance / _FADE, 0, 1))})
 
 
 def _within(sitter: Sitter, patch: Patch) -> Array:

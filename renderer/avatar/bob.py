@@ -70,7 +70,7 @@ def bob(sitter: Sitter, length: float) -> Piece:
     rows, below = [], []
     for tilt in np.linspace(88, _FALLS_FROM, _UPPER_ROWS):
         azimuth = _azimuth(turn, tilt, reach)
-        taper = 1 - 0.6 * np.abs(turn) ** 8 * (tilt < 60)
+        taper = 1 - 0.6 * np.abs(turn) ** 8 * np.clip((62 - tilt) / 18, 0, 1)
         rows.append(_on_skull(skull, tilt, azimuth, taper))
         below.append(_on_skull(skull, tilt, azimuth, 0 * taper) * 0.96)
     for share in np.linspace(0, 1, _LOWER_ROWS + 1)[1:]:
@@ -107,7 +107,7 @@ def _on_skull(skull: _Skull, tilt: float, azimuth: Array, share: Array) -> Array
     """Return points `share` of the way up to the hair's surface, `tilt` degrees above the eyes."""
     directions = _directions(tilt, azimuth)
     from_parting = np.abs(azimuth - _PARTING)
-    groove = np.exp(-(((180 - from_parting) / 14) ** 2)) * (tilt > 35) * (tilt < 86)
+    groove = np.exp(-(((180 - from_parting) / 14) ** 2)) * np.clip((tilt - 30) / 30, 0, 1)
     waves = 0.0015 * np.sin(np.radians(azimuth) * 9 + 0.6)
     thick = _THICKNESS + _VOLUME * np.sin(np.radians(tilt)) - 0.010 * groove + waves
     return np.asarray(directions * (skull.towards(directions) + share * thick)[:, None])

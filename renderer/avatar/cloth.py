@@ -22,7 +22,7 @@ Measure = Callable[[Array], Array]
 
 TIGHTS: Final = "helper-tights"
 _SMOOTHING_ROUNDS: Final = 6
-_LINED: Final = 0.07
+_LINED: Final = 0.11
 """Metres from an opening up to which one sees into a garment."""
 
 
@@ -33,7 +33,7 @@ def fabric(sitter: Sitter) -> Patch:
     neck = sitter.joint("neck")
     near = (at[:, 1] > neck[1] - 0.22) & (np.abs(at[:, 0]) < 0.16) & (at[:, 2] > neck[2] - 0.1)
     tights = tights.refined(near[tights.faces].all(axis=1))
-    return _smoothed(tights)
+    return smoothed(tights, _SMOOTHING_ROUNDS)
 
 
 def cut_along(sitter: Sitter, cloth: Patch, measures: Sequence[Measure]) -> Patch:
@@ -69,7 +69,7 @@ def thick(sitter: Sitter, cloth: Patch, depth: float) -> tuple[Patch, NDArray[np
     return whole, added
 
 
-def _smoothed(patch: Patch) -> Patch:
+def smoothed(patch: Patch, rounds: int) -> Patch:
     """Return the patch with every vertex drawn towards its neighbours, borders kept."""
     edges = np.concatenate([patch.faces[:, [0, 1]], patch.faces[:, [1, 2]], patch.faces[:, [2, 0]]])
     size = len(patch)
@@ -82,6 +82,6 @@ def _smoothed(patch: Patch) -> Patch:
     moving[kept] = 0
     step = sparse.diags_array(moving) @ half + sparse.diags_array(1 - moving)
     blend = patch.blend
-    for _ in range(_SMOOTHING_ROUNDS):
+    for _ in range(rounds):
         blend = step @ blend
     return replace(patch, blend=sparse.csr_array(blend))

@@ -22,6 +22,8 @@ _GLEAM: Final = {
 """How much each material mirrors the lights; none where not named."""
 
 _SHADE_STRENGTH: Final = 0.45
+_LEAST_SHADE: Final = {"teeth": 0.9, "tongue": 0.7}
+"""What a closed mouth hides from the sky is not dark when the mouth opens."""
 
 
 def baked_colours(avatar: Avatar, pieces: Sequence[Piece], shade: Array) -> NDArray[np.uint8]:
@@ -51,7 +53,11 @@ def baked_colours(avatar: Avatar, pieces: Sequence[Piece], shade: Array) -> NDAr
         gleam = np.full((len(colour), 1), 255 * _GLEAM.get(piece.material, 0.0))
         result.append(np.hstack([colour, gleam]))
     colours = np.concatenate(result)
-    colours[:, :3] *= shade[:, None] ** _SHADE_STRENGTH
+    inside = np.repeat(
+        [_LEAST_SHADE.get(piece.material, 0.0) for piece in pieces],
+        [len(piece.vertices) for piece in pieces],
+    )
+    colours[:, :3] *= np.maximum(shade, inside)[:, None] ** _SHADE_STRENGTH
     return np.asarray(np.round(colours), np.uint8)
 
 

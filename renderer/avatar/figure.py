@@ -38,7 +38,7 @@ def pieces_of(avatar: Avatar, sitter: Sitter) -> list[Piece]:
         *lashes(sitter),
         brows(sitter, avatar.brow_thickness),
         *_hair(avatar, sitter),
-        *arms(sitter, top.bare_from),
+        *arms(sitter, top.sleeve),
         *top.make(sitter, cloth, top.neckline, hem),
         trousers(sitter, cloth, hem),
         *shoes(sitter, cloth),

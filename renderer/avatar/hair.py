@@ -69,7 +69,7 @@ CUTS: Final[Mapping[str, Cut]] = MappingProxyType({
     "short": Cut(hairline=_EVEN, sides=0.007, top=0.020, front=0.006, parting=0.030),
     "cropped": Cut(hairline=_EVEN, sides=0.003, top=0.006, edge=0.02, waves=0.0),
     "receding": Cut(hairline=_RECEDING, sides=0.008, top=0.011, front=0.003, waves=0.08),
-    "swept": Cut(hairline=_EVEN, sides=0.006, top=0.024, front=0.012, waves=0.10),
+    "swept": Cut(hairline=_EVEN, sides=0.006, top=0.024, front=0.012, waves=0.04),
     "bun": Cut(hairline=_UP, sides=0.006, top=0.010, edge=0.02, waves=0.03),
 })  # fmt: skip
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from renderer.avatar.masks import mask
 from renderer.avatar.necklines import Neckline
+from renderer.avatar.patch import Patch
 from renderer.avatar.pieces import Piece
 from renderer.avatar.sitter import Sitter
 
@@ -53,13 +54,23 @@ def head(sitter: Sitter, neckline: Neckline) -> list[Piece]:
     return [
         *face,
         sitter.piece("mouth", skin.keeping(mouth), actions=True, triangles=_MOUTH_TRIANGLES),
-        sitter.piece(
-            "teeth", sitter.patch("helper-upper-teeth", "helper-lower-teeth"), actions=True
-        ),
+        sitter.piece("teeth", _teeth(sitter), actions=True),
         sitter.piece(
             "tongue", sitter.patch("helper-tongue"), actions=True, triangles=_TONGUE_TRIANGLES
         ),
     ]
+
+
+def _teeth(sitter: Sitter) -> Patch:
+    """Return the fronts of the teeth: their backs are never seen."""
+    rows = sitter.patch("helper-upper-teeth", "helper-lower-teeth")
+    at = rows.take(sitter.person.vertices)
+    corners = at[rows.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    outwards = (corners.mean(axis=1) - [0.0, 0.0, at[:, 2].min()]) * [1, 0, 1]
+    outwards /= np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-12)
+    return rows.keeping((normals * outwards).sum(axis=1) > 0.4)
 
 
 def _importance(sitter: Sitter) -> Array:

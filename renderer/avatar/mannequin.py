@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
 from motion.face import ARKIT_NAMES
 from motion.skeleton import joint_index
-from renderer.avatar.cloth import TIGHTS, cut_along, thick
+from renderer.avatar.cloth import TIGHTS, cut_along, smoothed, thick
 from renderer.avatar.hair import head_centre
 from renderer.avatar.hands import arms
 from renderer.avatar.masks import mask
@@ -30,17 +32,17 @@ _BELOW_NECK: Final = 0.055
 _SMOOTHED_BY: Final = (1.6, 1.8)
 """Rows and columns over which features of the head are smoothed away."""
 
+_SMOOTHING_ROUNDS: Final = 24
 _SUIT_TRIANGLES: Final = 3600
-_NECKLINE: Final = Neckline()
+_NECKLINE: Final = Neckline(rise=0.002)
 _WRIST: Final = 1.985
-_BARE_FROM: Final = 1.88
 
 
 def mannequin(sitter: Sitter, fabric: Patch) -> list[Piece]:
     """Return all pieces of the mannequin."""
     return [
         _head(sitter),
-        *arms(sitter, _BARE_FROM),
+        *arms(sitter, _WRIST),
         _suit(sitter, fabric),
         *shoes(sitter, fabric),
     ]
@@ -59,8 +61,20 @@ def _suit(sitter: Sitter, fabric: Patch) -> Piece:
             lambda at: at[:, 1] - ankle - 0.02,
         ),
     )
-    whole, _ = thick(sitter, cloth.raised(0.005), 0.004)
+    cloth = _smooth_trunk(sitter, cloth)
+    whole, _ = thick(sitter, cloth.raised(0.006), 0.005)
     return sitter.piece("sweater", whole, part=TIGHTS, triangles=_SUIT_TRIANGLES)
+
+
+def _smooth_trunk(sitter: Sitter, cloth: Patch) -> Patch:
+    """Return `cloth` without relief on the trunk; smoothing limbs would make them thin."""
+    at = cloth.take(sitter.person.vertices)
+    along = np.maximum(sitter.along_arm(at, "left"), sitter.along_arm(at, "right"))
+    hips = sitter.joint("left_hip")[1]
+    trunk = np.clip(1 - 3 * along, 0, 1) * np.clip((at[:, 1] - hips + 0.16) / 0.1, 0, 1)
+    blend = sparse.diags_array(trunk) @ smoothed(cloth, _SMOOTHING_ROUNDS).blend
+    blend = blend + sparse.diags_array(1 - trunk) @ cloth.blend
+    return replace(cloth, blend=sparse.csr_array(blend))
 
 
 def _head(sitter: Sitter) -> Piece:

@@ -24,27 +24,27 @@ class Top:
     ----------
     neckline : Neckline
         Above which the skin is bare.
-    bare_from : float
-        Where the skin of the arms must begin: 0 at the shoulder, 1 at the elbow, 2 at the wrist.
+    sleeve : float
+        Where sleeves end: 0 at the shoulder, 1 at the elbow, 2 at the wrist.
     make : callable
         Makes its pieces from the person, the fabric, the neckline and the height of its hem.
     """
 
     neckline: Neckline
-    bare_from: float
+    sleeve: float
     make: Callable[[Sitter, Patch, Neckline, float], list[Piece]]
 
 
 TOPS: Final[Mapping[str, Top]] = MappingProxyType({
-    "sweater": Top(neckline=Neckline(), bare_from=1.82, make=sweater),
+    "sweater": Top(neckline=Neckline(), sleeve=1.98, make=sweater),
     "shirt": Top(
-        neckline=Neckline(rise=-0.006, opening=0.07, width=0.03), bare_from=1.82, make=shirt
+        neckline=Neckline(rise=-0.006, opening=0.07, width=0.03), sleeve=1.98, make=shirt
     ),
     "sweater_over_shirt": Top(
         neckline=Neckline(rise=-0.006, opening=0.055, width=0.02),
-        bare_from=1.82,
+        sleeve=1.98,
         make=sweater_over_shirt,
     ),
-    "jacket": Top(neckline=Neckline(rise=-0.03), bare_from=1.8, make=jacket),
-    "t_shirt": Top(neckline=Neckline(rise=-0.01), bare_from=0.25, make=t_shirt),
+    "jacket": Top(neckline=Neckline(rise=-0.03), sleeve=1.97, make=jacket),
+    "t_shirt": Top(neckline=Neckline(rise=-0.01), sleeve=0.6, make=t_shirt),
 })  # fmt: skip
