@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import correlate1d, maximum_filter1d
+from scipy.ndimage import correlate1d
 
 from motion.clip import MotionClip
 from motion.skeleton import forward_kinematics, joint_index
@@ -21,7 +21,10 @@ FloatArray = NDArray[np.float64]
 _STILL: Final = 1e-4
 """Metres within which a height that never changes lies; less than any recording's noise."""
 
-_SMOOTHED_OVER: Final = 0.12
+SINKS_AT_MOST: Final = 0.004
+"""Metres that a sole may be below the ground."""
+
+_SMOOTHED_OVER: Final = 0.1
 """Seconds before and after a frame that its height may depend on."""
 
 _BEHIND_ANKLE: Final = 0.7
@@ -44,15 +47,16 @@ def stand_on_ground(clip: MotionClip, rest_joints: NDArray[np.floating]) -> Moti
     Returns
     -------
     MotionClip
-        Only `trans` differs, and only in height. No sole is below the ground; the height changes
-        smoothly, so that a sole may be a little above it while the legs move fast. Sliding of the
-        feet along the ground is left: without translation nobody knows where the body went.
+        Only `trans` differs, and only in height. No sole is further below the ground than
+        `SINKS_AT_MOST`; the height changes smoothly, so that soles may be a little above it while
+        the legs move fast. Sliding of the feet along the ground is left: without translation
+        nobody knows where the body went.
     """
     if np.ptp(clip.trans[:, 1]) > _STILL:
         return clip
     lift = ground_height(rest_joints) - sole_heights(clip, rest_joints)
     trans = clip.trans.copy()
-    trans[:, 1] += _smooth_and_above(lift, round(_SMOOTHED_OVER * clip.frame_rate))
+    trans[:, 1] += _smooth(lift, round(_SMOOTHED_OVER * clip.frame_rate))
     return replace(clip, trans=trans)
 
 
@@ -81,11 +85,8 @@ def sole_heights(clip: MotionClip, rest_joints: NDArray[np.floating]) -> FloatAr
     return np.asarray(np.min(heights, axis=0))
 
 
-def _smooth_and_above(lift: FloatArray, reach: int) -> FloatArray:
-    """Return a smooth curve nowhere below `lift`, from `reach` frames on both sides.
-
-    The largest value within reach, averaged by weights within reach, is at least the value itself.
-    """
+def _smooth(lift: FloatArray, reach: int) -> FloatArray:
+    """Return `lift` averaged with what is within `reach` frames, and hardly anywhere below it."""
     weights = np.hanning(2 * reach + 3)[1:-1]
-    highest = maximum_filter1d(lift, 2 * reach + 1, mode="nearest")
-    return np.asarray(correlate1d(highest, weights / weights.sum(), mode="nearest"))
+    smooth = correlate1d(lift, weights / weights.sum(), mode="nearest")
+    return np.maximum(smooth, lift - SINKS_AT_MOST)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motion.clip import MotionClip
-from motion.ground import ground_height, sole_heights, stand_on_ground
+from motion.ground import SINKS_AT_MOST, ground_height, sole_heights, stand_on_ground
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import joint_index
 
@@ -29,9 +29,9 @@ def _stepping(seed: int, frames: int = 90, rate: float = 30) -> MotionClip:
 
 
 @given(seed=st.integers(0, 9999), rate=st.sampled_from([15, 30, 60]))
-def test_no_sole_is_below_the_ground(seed: int, rate: float) -> None:
+def test_no_sole_is_further_below_the_ground_than_it_may(seed: int, rate: float) -> None:
     standing = stand_on_ground(_stepping(seed, rate=rate), REST_JOINTS)
-    assert sole_heights(standing, REST_JOINTS).min() > GROUND - 1e-5
+    assert sole_heights(standing, REST_JOINTS).min() > GROUND - SINKS_AT_MOST - 1e-5
 
 
 @given(seed=st.integers(0, 9999))
@@ -67,7 +67,7 @@ def test_slow_bending_of_the_knees_lowers_the_body_and_leaves_the_feet() -> None
     clip = MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=30)
     standing = stand_on_ground(clip, REST_JOINTS)
     assert standing.trans[60, 1] < -0.05
-    np.testing.assert_allclose(sole_heights(standing, REST_JOINTS), GROUND, atol=0.012)
+    np.testing.assert_allclose(sole_heights(standing, REST_JOINTS), GROUND, atol=0.002)
 
 
 def test_noise_in_the_legs_does_not_make_the_body_tremble() -> None:
@@ -78,10 +78,10 @@ def test_noise_in_the_legs_does_not_make_the_body_tremble() -> None:
     clip = MotionClip(poses=poses, trans=np.zeros((300, 3)), frame_rate=30)
     trembling = np.diff(GROUND - sole_heights(clip, REST_JOINTS), n=2).std()
     standing = stand_on_ground(clip, REST_JOINTS)
-    assert np.diff(standing.trans[:, 1].astype(float), n=2).std() < 0.05 * trembling
+    assert np.diff(standing.trans[:, 1].astype(float), n=2).std() < 0.1 * trembling
 
 
 @pytest.mark.parametrize("frames", [1, 2, 5])
 def test_the_shortest_clips_stand_too(frames: int) -> None:
     standing = stand_on_ground(_stepping(3, frames=frames), REST_JOINTS)
-    assert sole_heights(standing, REST_JOINTS).min() > GROUND - 1e-5
+    assert sole_heights(standing, REST_JOINTS).min() > GROUND - SINKS_AT_MOST - 1e-5
