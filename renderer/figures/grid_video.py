@@ -20,7 +20,7 @@ from motion.files import replacing
 from renderer.clip_video import Stage
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.figures.lettering import FAINT_INK, INK, fitted, font, wrapped
-from renderer.figures.skeleton_lines import joints_of, with_skeleton
+from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.frames import SUPERSAMPLING
 from renderer.framing import Camera
 from renderer.look import BACKGROUND
@@ -121,7 +121,7 @@ def write_grid(
     speech: Audio,
     *,
     speed: float,
-    skeleton: str | None,
+    skeleton: Place | None,
     text: str,
     video: Path,
     on_frame: Callable[[int, int], None] = lambda done, total: None,
@@ -141,8 +141,8 @@ def write_grid(
     speed : float
         In (0, 1]; below 1 the video is silent, with a silent sound track so that it can be joined
         to others, and says how fast it is.
-    skeleton : str or None
-        Where the skeleton is drawn: one of `renderer.figures.skeleton_lines.PLACES`.
+    skeleton : {'over', 'beside'} or None
+        Where the skeleton is drawn, if it is.
     text : str
         What is said; empty where unknown.
     video : Path
@@ -175,7 +175,7 @@ def write_grid(
 
 
 def _pictures(
-    stage: Stage, camera: Camera, clip: MotionClip, skeleton: str | None
+    stage: Stage, camera: Camera, clip: MotionClip, skeleton: Place | None
 ) -> Iterator[Image.Image]:
     """Yield the frames of one clip as they are shown."""
     joints = joints_of(clip, stage.body) if skeleton is not None else None

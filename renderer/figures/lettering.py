@@ -11,8 +11,6 @@ from PIL import ImageFont
 
 INK: Final = (0x22, 0x22, 0x26)
 FAINT_INK: Final = (0x6A, 0x6A, 0x72)
-LETTER_SHARE: Final = 0.045
-"""Height of a caption's letters, as a share of the picture that it stands under."""
 
 
 @cache

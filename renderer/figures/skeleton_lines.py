@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,8 @@ SIDE_COLOURS: Final = {"left": (0xD5, 0x5E, 0x00), "right": (0x00, 0x72, 0xB2)}
 SIDE_MARKS: Final = {"left": "●", "right": "■"}
 """The form of each side's joints."""
 
-PLACES: Final = ("over", "beside")
+Place = Literal["over", "beside"]
+"""On the body, or in a picture of its own on the right."""
 
 _MIDDLE_COLOUR: Final = (0x30, 0x30, 0x36)
 _HALO: Final = (0xFF, 0xFF, 0xFF)
@@ -47,7 +48,7 @@ def with_skeleton(
     picture: Image.Image,
     joints: NDArray[np.float64],
     camera: Camera,
-    place: str,
+    place: Place,
     *,
     key: bool = True,
 ) -> Image.Image:
@@ -63,7 +64,7 @@ def with_skeleton(
         Where the joints are in that frame, in metres.
     camera : Camera
         Where the picture was taken from.
-    place : str
+    place : {'over', 'beside'}
         ``over`` draws on the body; ``beside`` returns a picture twice as wide, with the
         skeleton alone on its right.
     key : bool

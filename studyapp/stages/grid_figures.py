@@ -9,6 +9,7 @@ from typing import Final
 from motion.errors import InputError
 from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import SLOWEST, GridLayout, Panel, write_grid
+from renderer.figures.skeleton_lines import Place
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.figure_material import FigureMaterial
 
@@ -22,7 +23,7 @@ def write_grid_of(
     segment: str,
     conditions: Sequence[str],
     speed: float,
-    skeleton: str | None,
+    skeleton: Place | None,
     size: int | None,
     closeup: bool,
     output: Path,
@@ -41,8 +42,8 @@ def write_grid_of(
     speed : float
         From `renderer.figures.grid_video.SLOWEST` to 1. Slow motion interpolates the original
         motion, so that it is as smooth as at full speed.
-    skeleton : str or None
-        ``over`` the body or ``beside`` it.
+    skeleton : {'over', 'beside'} or None
+        Where the skeleton is drawn, if it is.
     size : int or None
         Pixels along each side of a panel; None for the study's own, or what makes a video no
         wider than `WIDEST`.

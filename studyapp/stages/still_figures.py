@@ -18,7 +18,7 @@ from renderer.figures.moments import Moment
 from renderer.figures.overlay import blended, draw_overlay, faded
 from renderer.figures.panels import WHOLE, aspect_of, cropped, panel
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
-from renderer.figures.skeleton_lines import joints_of, with_skeleton
+from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.figures.strip import StripLayout, draw_strip
 from renderer.stills import frame_at
 from studyapp.definition.folder import StudyFolder
@@ -86,7 +86,7 @@ def write_still(
     condition: str,
     seconds: float,
     size: int,
-    skeleton: str | None,
+    skeleton: Place | None,
     clear: bool,
     closeup: bool,
     output: Path,
@@ -103,8 +103,8 @@ def write_still(
         Moment from the segment's start.
     size : int
         Pixels along each side.
-    skeleton : str or None
-        Where the skeleton is drawn: one of `renderer.figures.skeleton_lines.PLACES`.
+    skeleton : {'over', 'beside'} or None
+        Where the skeleton is drawn, if it is.
     clear : bool
         Whether there is nothing behind the figure.
     closeup : bool
