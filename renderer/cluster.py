@@ -6,6 +6,7 @@ thread a worker. Dask itself gives a dead worker's job to another one.
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -76,8 +77,9 @@ class ClusterWorkers:
         self._client.close()
 
     def room(self) -> bool:
-        """Tell whether a worker is idle; workers may come and go."""
-        return len(self._running) < self._count_workers()
+        """Tell whether a worker is idle; workers may come and go, so one job may always wait."""
+        self._check_connection()
+        return len(self._running) < max(1, self._count_workers())
 
     def begin(self, number: int, job: Job) -> None:
         """Have `job` done by any worker."""
@@ -131,14 +133,20 @@ class ClusterWorkers:
 
     def _check_connection(self) -> None:
         if self._client.status != "running":
-            raise InputError(
-                "the connection to the cluster was lost",
-                where=self._address,
-                remedy="Start its scheduler again; the same command goes on where it stopped",
-            )
+            raise self._lost()
 
     def _count_workers(self) -> int:
-        return len(self._client.scheduler_info()["workers"])
+        try:
+            return len(self._client.scheduler_info()["workers"])
+        except OSError:
+            raise self._lost() from None
+
+    def _lost(self) -> InputError:
+        return InputError(
+            "the connection to the cluster was lost",
+            where=self._address,
+            remedy="Start its scheduler again; the same command goes on where it stopped",
+        )
 
     def _no_worker(self) -> InputError:
         return InputError(
@@ -158,6 +166,8 @@ def _connected(address: str) -> Any:
             where="--cluster",
             remedy="Install it with: pip install 'motionjury[cluster]'",
         ) from None
+    # A lost connection is told as an error of ours, not by Dask's tracebacks as well.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
         client: Any = Client  # its methods carry no types
         return client(address, timeout=_CONNECTING, set_as_default=False)
