@@ -182,7 +182,7 @@ def _pictures(
     for number in range(len(clip)):
         # Frame by frame, because the clips of a grid are drawn in turns by one stage.
         drawn = next(stage.pictures(clip.frames(slice(number, number + 1))))
-        picture = Image.fromarray(drawn[..., :3].copy()).reduce(SUPERSAMPLING)
+        picture = Image.fromarray(drawn).reduce(SUPERSAMPLING).convert("RGB")
         if joints is not None and skeleton is not None:
             picture = with_skeleton(picture, joints[number], camera, skeleton)
         yield picture
