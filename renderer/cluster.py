@@ -29,6 +29,7 @@ _CONNECTING: Final = 8.0
 _FOR_A_WORKER: Final = 10.0
 _WITHOUT_WORKERS: Final = 120.0
 _LOOKING: Final = 5.0
+_LAST: Final = -1e9
 
 
 class ClusterWorkers:
@@ -47,6 +48,9 @@ class ClusterWorkers:
         self._fitness = (RENDERER_VERSION, sys.version_info[:2], tuple(needed))
         self._running: dict[str, tuple[int, Job, Any]] = {}
         self._ended: SimpleQueue[str] = SimpleQueue()
+        # Dask blames a dead worker's death on what waited there as well, so nothing is given up
+        # at the first time.
+        self._second_chance: set[int] = set()
         self._client: Any = None
 
     def __enter__(self) -> Self:
@@ -83,10 +87,17 @@ class ClusterWorkers:
 
     def begin(self, number: int, job: Job) -> None:
         """Have `job` done by any worker."""
+        self._submit(number, job, priority=-number)
+
+    def _submit(self, number: int, job: Job, priority: float) -> None:
         from renderer.cluster_worker import do_cluster_job
 
         future = self._client.submit(
-            do_cluster_job, job, *self._fitness, key=f"{job.name}-{uuid4().hex}", priority=-number
+            do_cluster_job,
+            job,
+            *self._fitness,
+            key=f"{job.name}-{uuid4().hex}",
+            priority=priority,
         )
         self._running[future.key] = (number, job, future)
         future.add_done_callback(lambda done: self._ended.put(done.key))
@@ -111,6 +122,10 @@ class ClusterWorkers:
                 continue
             self._check_connection()
             number, job, future = self._running.pop(key)
+            if _killed(future) and number not in self._second_chance:
+                self._second_chance.add(number)
+                self._submit(number, job, priority=_LAST)
+                continue
             return [(number, _outcome(future, job))]
 
     def _check_workers(self) -> None:
@@ -187,7 +202,19 @@ def _outcome(future: Any, job: Job) -> Outcome:
         if not isinstance(outcome, Outcome):
             raise TypeError(f"a worker sent {type(outcome).__name__}")
         return outcome
-    problem = future.exception() if future.status == "error" else None
-    if type(problem).__name__ == "KilledWorker":
+    if _killed(future):
         return Outcome(name=job.name, error="every worker that tried it ended early")
-    return Outcome(name=job.name, error=f"the worker failed ({problem!r})")
+    return Outcome(name=job.name, error=f"the worker failed ({_problem(future)!r})")
+
+
+def _killed(future: Any) -> bool:
+    """Tell whether workers died over a job, as often as Dask allows."""
+    from distributed import KilledWorker
+
+    return isinstance(_problem(future), KilledWorker)
+
+
+def _problem(future: Any) -> BaseException | None:
+    """Return what a job raised; None where it did not, or was lost."""
+    problem: BaseException | None = future.exception() if future.status == "error" else None
+    return problem

@@ -13,9 +13,13 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from motion.audio import Audio, write_wav
+from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.formats import write_clip
 from renderer import cluster
 from renderer.framing import Camera
 from renderer.job import ClipJob, Job, PairJob
@@ -31,6 +35,7 @@ PATIENCE = 60.0
 
 def _dask(*arguments: str, log: Path) -> subprocess.Popen[bytes]:
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
+    environment["DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"] = "1"
     with log.open("wb") as file:
         return subprocess.Popen(
             [sys.executable, "-m", "dask", *arguments, "--no-dashboard"],
@@ -56,10 +61,9 @@ def _ended_afterwards(*processes: subprocess.Popen[bytes]) -> Iterator[None]:
                 process.wait()
 
 
-@pytest.fixture(scope="module")
-def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Start a scheduler without workers on loopback; return its address."""
-    folder = tmp_path_factory.mktemp("scheduler")
+@contextmanager
+def _scheduler(folder: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """Start a scheduler without workers on loopback; give its address and process."""
     described = folder / "scheduler.json"
     process = _dask(
         "scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(described),
@@ -70,7 +74,14 @@ def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         while not described.exists() or not described.read_text():
             assert time.monotonic() < until, (folder / "scheduler.log").read_text()
             time.sleep(0.1)
-        yield json.loads(described.read_text())["address"]
+        yield json.loads(described.read_text())["address"], process
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Return the address of a scheduler that several tests use."""
+    with _scheduler(tmp_path_factory.mktemp("scheduler")) as (address, _):
+        yield address
 
 
 @contextmanager
@@ -148,30 +159,84 @@ def _writers_into(folder: Path) -> list[int]:
     return found
 
 
+@contextmanager
+def _killing_writers(folder: Path, times: int) -> Iterator[list[int]]:
+    """Kill, so many times, the process that writes into `folder`; give those killed."""
+    over, killed = threading.Event(), list[int]()
+
+    def kill() -> None:
+        while len(killed) < times and not over.wait(0.03):
+            for pid in _writers_into(folder):
+                if pid not in killed:
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
+
+    killer = threading.Thread(target=kill, daemon=True)
+    killer.start()
+    try:
+        yield killed
+    finally:
+        over.set()
+        killer.join()
+
+
+@pytest.fixture
+def long_job(clip_job: ClipJob, clip: MotionClip, tmp_path: Path) -> ClipJob:
+    """Return a job that takes long enough to be caught at work."""
+    write_clip(tmp_path / "long.npz", clip.frames(np.arange(8 * 30) % len(clip)))
+    write_wav(tmp_path / "long.wav", Audio(np.zeros(8 * 16_000, np.float32), 16_000))
+    return replace(
+        clip_job,
+        name="long",
+        motion=tmp_path / "long.npz",
+        speech=tmp_path / "long.wav",
+        end=8.0,
+        frames=tmp_path / "long" / "clip.mkv",
+        video=tmp_path / "long" / "clip.mp4",
+    )
+
+
 def test_a_killed_workers_clip_is_done_by_another(
-    scheduler: str, clip_job: ClipJob, tmp_path: Path
+    scheduler: str, clip_job: ClipJob, long_job: ClipJob, tmp_path: Path
 ) -> None:
-    over, killed = threading.Event(), []
-
-    def kill_the_first_that_writes() -> None:
-        while not killed and not over.wait(0.005):
-            for pid in _writers_into(clip_job.video.parent):
-                os.kill(pid, signal.SIGKILL)
-                killed.append(pid)
-                break
-
-    jobs = _jobs(clip_job, 2)
-    killer = threading.Thread(target=kill_the_first_that_writes, daemon=True)
-    with _workers(scheduler, tmp_path):
-        killer.start()
-        try:
-            outcomes = run_jobs(jobs, processes=1, cluster=scheduler)
-        finally:
-            over.set()
-            killer.join()
+    with (
+        _workers(scheduler, tmp_path),
+        _killing_writers(long_job.video.parent, times=1) as killed,
+    ):
+        outcomes = run_jobs([long_job, *_jobs(clip_job, 1)], processes=1, cluster=scheduler)
     assert len(killed) == 1
-    assert [outcome.error for outcome in outcomes] == [None] * 4
-    assert all(job.video.exists() for job in jobs)
+    assert [outcome.error for outcome in outcomes] == [None, None, None]
+    assert long_job.video.exists()
+
+
+def test_a_clip_that_kills_worker_after_worker_is_reported_and_the_rest_goes_on(
+    scheduler: str, clip_job: ClipJob, long_job: ClipJob, tmp_path: Path
+) -> None:
+    jobs = [long_job, _pair_of(long_job, "long pair"), *_jobs(clip_job, 1)]
+    with (
+        _workers(scheduler, tmp_path),
+        _killing_writers(long_job.video.parent, times=100) as killed,
+    ):
+        lost, pair, *rest = run_jobs(jobs, processes=1, cluster=scheduler)
+    assert len(killed) == 4
+    assert "ended early" in str(lost.error)
+    assert pair.because_of == "long"
+    assert [outcome.error for outcome in rest] == [None, None]
+
+
+def test_a_scheduler_that_goes_away_is_told(clip_job: ClipJob, tmp_path: Path) -> None:
+    with (
+        _scheduler(tmp_path) as (address, process),
+        _workers(address, tmp_path, count=1),
+        pytest.raises(InputError, match=r"connection .* was lost.*goes on where it stopped"),
+    ):
+        run_jobs(
+            _jobs(clip_job, 2),
+            processes=1,
+            cluster=address,
+            on_done=lambda outcome: process.kill(),
+        )
+    assert clip_job.video.with_stem("clip0").exists()
 
 
 def test_a_worker_of_several_threads_is_refused(
