@@ -109,10 +109,10 @@ def write_clip_video(
     start: float,
     end: float,
     frozen: tuple[str, ...],
-    frames: Path,
-    video: Path,
+    frames: Path | None = None,
+    video: Path | None = None,
 ) -> None:
-    """Write the video of one motion clip, and its lossless frames.
+    """Write the video of one motion clip, its lossless frames, or both.
 
     Parameters
     ----------
@@ -127,8 +127,10 @@ def write_clip_video(
         frames.
     frozen : tuple of str
         Channels to hold still, as `motion.freeze.freeze` names them.
-    frames, video : Path
-        Where to write; both appear whole, or not at all.
+    frames : Path or None
+        Where to write frames without loss, from which pairs are composed.
+    video : Path or None
+        Where to write the video with its speech. Both files appear whole, or not at all.
 
     Raises
     ------
@@ -137,17 +139,21 @@ def write_clip_video(
     """
     look = stage.look
     clip = as_shown(read_clip(motion), stage.body, motion, end - start, frozen, look.frame_rate)
-    sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
+    sound = None
+    if video is not None:
+        sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
+    size, rate = look.size, look.frame_rate
     with ExitStack() as stack:
-        kept = stack.enter_context(replacing(frames))
-        shown = stack.enter_context(replacing(video))
-        lossless = stack.enter_context(VideoWriter(kept, look.size, look.size, look.frame_rate))
-        encoded = stack.enter_context(
-            VideoWriter(shown, look.size, look.size, look.frame_rate, sound)
-        )
+        writers = [
+            stack.enter_context(
+                VideoWriter(stack.enter_context(replacing(path)), size, size, rate, heard)
+            )
+            for path, heard in ((frames, None), (video, sound))
+            if path is not None
+        ]
         for frame in stage.video_frames(clip):
-            lossless.write(frame)
-            encoded.write(frame)
+            for writer in writers:
+                writer.write(frame)
 
 
 def as_shown(

@@ -27,8 +27,10 @@ class ClipJob:
         The body model; None for the default body.
     camera, look
         What all stimuli of the study share.
-    frames, video : Path
-        Where to write.
+    frames : Path
+        Where to write the lossless frames.
+    video : Path or None
+        Where to write the video; None where only pairs are shown.
     """
 
     name: str
@@ -41,7 +43,7 @@ class ClipJob:
     camera: Camera
     look: Look
     frames: Path
-    video: Path
+    video: Path | None
 
 
 @dataclass(frozen=True, kw_only=True)
