@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.clearance import clear_of_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats.bvh import read_bvh
@@ -92,10 +93,10 @@ def _read_bvh_clip(path: Path, frame_rate: float | None, joint_map: JointMap | N
             skeleton, fitting = choose_joint_map(motion.joint_names)
         else:
             skeleton, fitting = "own map", check_joint_map(joint_map, motion.joint_names)
-        clip = retarget(motion, fitting)
+        clip, moved = clear_of_body(retarget(motion, fitting))
     except InputError as error:
         raise InputError(error.what, where=path, remedy=error.remedy) from error
-    return _placed(clip, path, f"bvh ({skeleton})", motion.notes)
+    return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *moved))
 
 
 def _with_absolute_fingers(
