@@ -202,8 +202,8 @@ def _print(
     cores = os.cpu_count() or 1
     ours = {name: median(run[name] for run in all_cores) for name in all_cores[0]}
     pairs = [_pair(*both) for both in zip(runs["frames"], runs["compose"], strict=True)]
-    for said, rate in (("one process", median(pairs)), (f"{cores} processes", ours["pair"])):
-        print(f"{'our pair: both sides drawn, composed, ' + said:46} {rate:8.1f}")
+    for said, pair_rate in (("one process", median(pairs)), (f"{cores} processes", ours["pair"])):
+        print(f"{'our pair: both sides drawn, composed, ' + said:46} {pair_rate:8.1f}")
     print(f"{f'our composing, {cores} processes':46} {ours['compose']:8.1f}")
     print(
         "Ratios to other programs take our rate with one process a core, as the others use all"

@@ -21,6 +21,7 @@ from motion.freeze import freeze
 from motion.ground import stand_on_ground
 from motion.resample import resample
 from renderer.canvas import Canvas
+from renderer.channels import VIDEO
 from renderer.contact_shadow import ContactShadow, ShadowCaster
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
@@ -70,13 +71,11 @@ class Stage:
         self._renderer.__exit__(kind, error, trace)
 
     def pictures(self, clip: MotionClip) -> Iterator[NDArray[np.uint8]]:
-        """Yield each frame of `clip` as RGBA, larger than asked for by `frames.SUPERSAMPLING`.
-
-        The array is reused from frame to frame.
-        """
+        """Yield each frame of `clip` as RGBA, larger than asked for by `frames.SUPERSAMPLING`."""
         for batch in self._vertices(clip):
             for vertices, shadow in zip(batch, self._shadows(clip, batch), strict=True):
-                yield self._renderer.draw(vertices, self._normals.of(vertices), shadow=shadow)
+                planes = self._renderer.draw(vertices, self._normals.of(vertices), shadow=shadow)
+                yield np.stack([*planes, np.full_like(planes[0], 255)], axis=2)
 
     def video_frames(self, clip: MotionClip) -> Iterator[Any]:
         """Yield each frame of `clip` as an `av.VideoFrame`, averaged down, in BT.709 yuv420p."""
@@ -85,8 +84,9 @@ class Stage:
             shadows = self._shadows(clip, batch)
             box = self._renderer.box_around([batch, *(s.corners() for s in shadows if s)])
             for vertices, shadow in zip(batch, shadows, strict=True):
-                picture = self._renderer.draw(vertices, self._normals.of(vertices), box, shadow)
-                yield canvas.with_picture(picture, box)
+                normals = self._normals.of(vertices)
+                planes = self._renderer.draw(vertices, normals, box, shadow, VIDEO)
+                yield canvas.with_picture(planes, box)
 
     def _shadows(self, clip: MotionClip, batch: NDArray[np.float32]) -> list[ContactShadow | None]:
         """Return the shadow on the ground in each frame of `batch`; None where no ground is."""

@@ -9,6 +9,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.channels import RGB
 from renderer.contact_shadow import ContactShadow
 from renderer.framing import Camera
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS
@@ -61,7 +62,7 @@ class FrameRenderer:
 
     def __enter__(self) -> Self:
         self._context = OffscreenContext(self.side)
-        self._context.render(self.scene, PixelBox.whole(16))  # uploads what `draw` rewrites
+        self._context.render(self.scene, PixelBox.whole(16), RGB)  # uploads what `draw` rewrites
         return self
 
     def __exit__(
@@ -93,8 +94,9 @@ class FrameRenderer:
         normals: Floats,
         box: PixelBox | None = None,
         shadow: ContactShadow | None = None,
+        channels: NDArray[np.float64] = RGB,
     ) -> NDArray[np.uint8]:
-        """Return the frame as RGBA, `SUPERSAMPLING` times the size asked for on each side.
+        """Return the frame, `SUPERSAMPLING` times the size asked for on each side.
 
         Parameters
         ----------
@@ -104,18 +106,20 @@ class FrameRenderer:
             The part to return; the whole picture for None.
         shadow : ContactShadow or None
             What the body casts on the ground.
+        channels : ndarray, shape (4, 4)
+            One of `renderer.channels`.
 
         Returns
         -------
-        ndarray, shape (height, width, 4), uint8
-            First row on top. The next call may reuse the array.
+        ndarray, shape (3, height, width), uint8
+            A plane for each channel, first row on top. The next call may reuse the array.
         """
         self._attributes[:, :3] = vertices
         self._attributes[:, 3:6] = normals
         self.context.replace_attributes(self._primitive, self._attributes)
         if shadow is not None:
             self.context.replace_attributes(self._ground, shadow.corners())
-        return self.context.render(self.scene, box or PixelBox.whole(self.side), shadow)
+        return self.context.render(self.scene, box or PixelBox.whole(self.side), channels, shadow)
 
 
 def _build_scene(primitive: Any, ground: Any, camera: Camera) -> Any:

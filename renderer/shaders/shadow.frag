@@ -4,8 +4,12 @@
 // centres.
 
 in vec2 place;
-out vec4 frag_color;
 
+layout(location = 0) out float first;
+layout(location = 1) out float second;
+layout(location = 2) out float third;
+
+uniform mat4 channels;
 uniform vec3 background;
 uniform vec2 centres[ELLIPSES];
 uniform mat2 into_circle[ELLIPSES];
@@ -19,5 +23,8 @@ void main()
         float depth = max(1.0 - dot(inside, inside), 0.0);
         light *= 1.0 - darkness[i] * depth * depth;
     }
-    frag_color = vec4(background * light, 1.0);
+    vec4 shade = channels * vec4(background * light, 1.0);
+    first = shade.x;
+    second = shade.y;
+    third = shade.z;
 }

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from motion.body import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from renderer.canvas import Canvas, plane_pixels
+from renderer.canvas import plane_pixels
 from renderer.clip_video import Stage
 from renderer.contact_shadow import ContactShadow, ShadowCaster
 from renderer.framing import frame_clips
@@ -105,6 +106,13 @@ def test_the_corners_lie_round_all_ellipses(
         assert (rim <= corners.max(axis=0) + 1e-6).all()
 
 
+def _frames_of_whole_pictures(stage: Stage, clip: MotionClip) -> list[Any]:
+    """Return the video frames that are made when no part of a picture is left out."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(PixelBox, "around", lambda *given: PixelBox.whole(given[2]))
+        return list(stage.video_frames(clip))
+
+
 def test_a_whole_body_is_drawn_with_its_shadow_on_an_otherwise_plain_background(
     clip: MotionClip, body: BodyModel, body_path: Path
 ) -> None:
@@ -116,8 +124,7 @@ def test_a_whole_body_is_drawn_with_its_shadow_on_an_otherwise_plain_background(
             [plane_pixels(plane).copy() for plane in frame.planes]
             for frame in stage.video_frames(part)
         ]
-        canvas = Canvas(look.size)
-        whole = [canvas.with_picture(drawn, PixelBox.whole(320)) for drawn in stage.pictures(part)]
+        whole = _frames_of_whole_pictures(stage, part)
         for planes, expected in zip(frames, whole, strict=True):
             for plane, other in zip(planes, expected.planes, strict=True):
                 np.testing.assert_array_equal(plane, plane_pixels(other))

@@ -83,7 +83,7 @@ def test_a_frame_is_drawn_larger_to_be_averaged_down(body: BodyModel, camera: Ca
     vertices = body.template
     with FrameRenderer(body.faces, surface_colours(body), camera, 64) as renderer:
         picture = renderer.draw(vertices, VertexNormals(body).of(vertices))
-    assert picture.shape == (64 * SUPERSAMPLING, 64 * SUPERSAMPLING, 4)
+    assert picture.shape == (3, 64 * SUPERSAMPLING, 64 * SUPERSAMPLING)
 
 
 def test_drawing_outside_the_with_block_is_an_error(body: BodyModel, camera: Camera) -> None:
