@@ -32,6 +32,10 @@ _REQUIRED: Final = (
     "v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table",
 )  # fmt: skip
 _SURFACE: Final = ("material", "material_names", "shade", "colours")
+_PER_VERTEX: Final = (
+    "v_template", "shapedirs", "posedirs", "weights", "twist_weights", "material", "shade",
+    "colours",
+)  # fmt: skip
 _TWIST: Final = ("twist_bones", "twist_shares", "twist_weights")
 _FULL_SHAPE_COUNT: Final = 300
 _SHORT_SHAPE_COUNT: Final = 10  # SMPL-X files of 2019 hold 10 shape and 10 expression components
@@ -275,6 +279,7 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
             remedy="Give an SMPL-X model in .npz format; convert a .pkl with the smplx tools",
         ) from error
     _check_shapes(arrays, path)
+    arrays = _without_spare_vertices(arrays)
     shapes = arrays.pop("shapedirs").astype(np.float32, copy=False)
     full = shapes.shape[2] >= _FULL_SHAPE_COUNT + EXPRESSION_COUNT
     shape_count = _FULL_SHAPE_COUNT if full else _SHORT_SHAPE_COUNT
@@ -297,7 +302,7 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
 
 
 def _extras(names: list[str]) -> list[str]:
-    optional = [*_SURFACE, "arkit_slots", "credits"]
+    optional = [*_SURFACE, "arkit_slots", "credits", "spare_vertices"]
     if all(name in names for name in _TWIST):
         optional += _TWIST
     return [name for name in optional if name in names]
@@ -356,6 +361,16 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
             where=path,
             remedy="Give an SMPL-X model in .npz format",
         )
+
+
+def _without_spare_vertices(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the arrays without the vertices at the end that are there only for smplx.
+
+    It looks up landmarks at fixed places, beyond what the default bodies have.
+    """
+    count = len(arrays["v_template"]) - int(arrays.get("spare_vertices", 0))
+    shortened = {name: arrays[name][:count] for name in _PER_VERTEX if name in arrays}
+    return {**arrays, **shortened, "J_regressor": arrays["J_regressor"][:, :count]}
 
 
 def _without_zeros_at_end(directions: FloatArray) -> FloatArray:

@@ -34,6 +34,9 @@ CREDITS: Final = (
 )
 _SHAPE_COUNT: Final = 300
 _EXPRESSION_COUNT: Final = 100
+_LEAST_VERTICES: Final = 9930
+"""What `smplx` needs to look up its landmarks on an SMPL-X body."""
+
 _MAX_JOINTS_PER_VERTEX: Final = 6
 _REGRESSED_FROM: Final = 300
 
@@ -44,7 +47,7 @@ def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
     Beyond those: ``arkit_slots`` says that expression slots 0-51 hold ARKit's actions,
     ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
     ``material_names`` names the materials, ``colours`` (V, 4) holds sRGB and gleam, each in
-    0-255, ``credits`` the sources; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
+    0-255, ``credits`` the sources, ``spare_vertices`` how many at the end no face uses; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
     `motion.skinning.TwistJoints` and the skin weights with them.
     """
     sitter = sitter_for(avatar)
@@ -65,30 +68,47 @@ def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
     regressor = _joint_regressor(template, joints, np.abs(actions).max(axis=(0, 2)) > 1e-7)
     shade = _shade(vertices, faces)
     hands = np.zeros((45, 45), np.float32)
-    return {
-        "v_template": template.astype(np.float32),
-        "f": faces.astype(np.uint32),
-        "shapedirs": shapes,
-        "posedirs": np.zeros((len(template), 3, 9 * (JOINT_COUNT - 1)), np.float32),
-        "J_regressor": regressor.astype(np.float32),
-        "weights": _sparser(with_wrists_in_forearms(weights, vertices, stance)).astype(np.float32),
-        "twist_weights": twist_weights.astype(np.float32),
-        "twist_bones": twist_joints().bones,
-        "twist_shares": twist_joints().shares,
-        "kintree_table": np.stack([np.array(PARENTS), np.arange(JOINT_COUNT)]).astype(np.int32),
-        "hands_componentsl": hands,
-        "hands_componentsr": hands,
-        "hands_meanl": hands[0],
-        "hands_meanr": hands[0],
-        "lmk_faces_idx": np.zeros(51, np.int32),
-        "lmk_bary_coords": np.full((51, 3), 1 / 3, np.float32),
-        "arkit_slots": np.array(avatar.has_face),
-        "material": material.astype(np.uint8),
-        "shade": shade.astype(np.float32),
-        "colours": baked_colours(avatar, pieces, shade),
-        "material_names": np.array(MATERIALS),
-        "credits": np.array(CREDITS),
-    }
+    return _with_spare_vertices(
+        {
+            "v_template": template.astype(np.float32),
+            "f": faces.astype(np.uint32),
+            "shapedirs": shapes,
+            "posedirs": np.zeros((len(template), 3, 9 * (JOINT_COUNT - 1)), np.float32),
+            "J_regressor": regressor.astype(np.float32),
+            "weights": _sparser(with_wrists_in_forearms(weights, vertices, stance)).astype(
+                np.float32
+            ),
+            "twist_weights": twist_weights.astype(np.float32),
+            "twist_bones": twist_joints().bones,
+            "twist_shares": twist_joints().shares,
+            "kintree_table": np.stack([np.array(PARENTS), np.arange(JOINT_COUNT)]).astype(np.int32),
+            "hands_componentsl": hands,
+            "hands_componentsr": hands,
+            "hands_meanl": hands[0],
+            "hands_meanr": hands[0],
+            "lmk_faces_idx": np.zeros(51, np.int32),
+            "lmk_bary_coords": np.full((51, 3), 1 / 3, np.float32),
+            "arkit_slots": np.array(avatar.has_face),
+            "material": material.astype(np.uint8),
+            "shade": shade.astype(np.float32),
+            "colours": baked_colours(avatar, pieces, shade),
+            "material_names": np.array(MATERIALS),
+            "credits": np.array(CREDITS),
+        }
+    )
+
+
+def _with_spare_vertices(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the arrays with vertices that no face uses, up to smplx's table of landmarks."""
+    count = len(arrays["v_template"])
+    spare = max(0, _LEAST_VERTICES - count)
+    padded = {**arrays, "spare_vertices": np.array(spare)}
+    for name, values in arrays.items():
+        if name == "J_regressor":
+            padded[name] = np.pad(values, [(0, 0), (0, spare)])
+        elif name != "f" and values.ndim and len(values) == count:
+            padded[name] = np.pad(values, [(0, spare)] + [(0, 0)] * (values.ndim - 1), mode="edge")
+    return padded
 
 
 def sitter_for(avatar: Avatar) -> Sitter:

@@ -22,8 +22,11 @@ Measure = Callable[[Array], Array]
 
 TIGHTS: Final = "helper-tights"
 _SMOOTHING_ROUNDS: Final = 6
-_LINED: Final = 0.11
-"""Metres from an opening up to which one sees into a garment."""
+_LINED: Final = 0.03
+"""Metres from an opening from which the other side of the cloth leads down to the skin."""
+
+_CLOSED: Final = -0.022
+"""How far off the body that other side ends: below skin and trousers, so that no hole shows."""
 
 
 def fabric(sitter: Sitter) -> Patch:
@@ -53,7 +56,9 @@ def from_edge(sitter: Sitter, cloth: Patch) -> Array:
 
 
 def thick(sitter: Sitter, cloth: Patch, depth: float) -> tuple[Patch, NDArray[np.bool_]]:
-    """Return `cloth` with a rim `depth` metres deep, and its other side where one sees it.
+    """Return `cloth` with a rim `depth` metres deep, and its other side near the openings.
+
+    Whoever looks into a sleeve sees that side close around the arm.
 
     Returns
     -------
@@ -62,7 +67,11 @@ def thick(sitter: Sitter, cloth: Patch, depth: float) -> tuple[Patch, NDArray[np
     added : ndarray of bool, shape (F,)
         Which faces are new.
     """
-    inner = lining(cloth.inside(from_edge(sitter, cloth) < _LINED), depth)
+    inner = lining(cloth.touching(from_edge(sitter, cloth) < _LINED), depth)
+    border = cloth.take(sitter.person.vertices)[np.unique(boundary_edges(cloth.faces))]
+    distance, _ = cKDTree(border).query(inner.take(sitter.person.vertices))
+    deep = np.clip((distance - 0.4 * _LINED) / _LINED, 0, 1)
+    inner = replace(inner, lift=(1 - deep) * inner.lift + deep * _CLOSED)
     whole = joined(hemmed(cloth, boundary_edges(cloth.faces), depth), inner)
     added = np.ones(len(whole.faces), bool)
     added[: len(cloth.faces)] = False

@@ -40,12 +40,13 @@ _WRIST: Final = 1.985
 
 def mannequin(sitter: Sitter, fabric: Patch) -> list[Piece]:
     """Return all pieces of the mannequin."""
-    return [
+    pieces = [
         _head(sitter),
         *arms(sitter, _WRIST),
         _suit(sitter, fabric),
         *shoes(sitter, fabric),
     ]
+    return [replace(piece, weights=_without_jaw(piece.weights)) for piece in pieces]
 
 
 def _suit(sitter: Sitter, fabric: Patch) -> Piece:
@@ -151,11 +152,16 @@ def _reach(at: Array, origin: Array, directions: Array, rise: float) -> Array:
 
 
 def _weights(sitter: Sitter, vertices: Array, at: Array, source: NDArray[np.int64]) -> Array:
-    """Return skin weights taken over from the body; there is no jaw to open."""
+    """Return skin weights taken over from the body."""
     distance, near = cKDTree(at).query(vertices, k=8)
     share = 1 / np.maximum(distance, 1e-3)
     share /= share.sum(axis=1, keepdims=True)
-    weights = np.einsum("nk,nkj->nj", share, sitter.weights[source][near])
-    weights[:, joint_index("head")] += weights[:, joint_index("jaw")]
-    weights[:, joint_index("jaw")] = 0.0
-    return np.asarray(weights)
+    return np.asarray(np.einsum("nk,nkj->nj", share, sitter.weights[source][near]))
+
+
+def _without_jaw(weights: Array) -> Array:
+    """Return skin weights with the head's in place of the jaw's: there is no mouth to open."""
+    result = weights.copy()
+    result[:, joint_index("head")] += weights[:, joint_index("jaw")]
+    result[:, joint_index("jaw")] = 0.0
+    return result
