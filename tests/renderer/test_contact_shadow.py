@@ -127,7 +127,8 @@ def test_a_whole_body_is_drawn_with_its_shadow_on_an_otherwise_plain_background(
         whole = _frames_of_whole_pictures(stage, part)
         for planes, expected in zip(frames, whole, strict=True):
             for plane, other in zip(planes, expected.planes, strict=True):
-                np.testing.assert_array_equal(plane, plane_pixels(other))
+                # Where a box begins, what is interpolated rounds otherwise.
+                np.testing.assert_allclose(plane.astype(int), plane_pixels(other), atol=1)
     between_feet = picture[290:310, 150:170, :3]
     assert between_feet.min() < min(BACKGROUND) - 8
     for edge in (picture[:, 0], picture[:, -1], picture[0], picture[-1]):
