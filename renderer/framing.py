@@ -92,7 +92,7 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     half = aside / (1 - _MARGIN) + slope * (shown[:, 2] - depth)
     distance = _rounded_up(np.percentile(half, _REACHED)) / slope
     return Camera(
-        eye=(middle, height, round(depth + distance, 4)),
+        eye=(middle, height, round(float(depth + distance), 4)),
         target=(middle, height, depth),
         field_of_view=FIELD_OF_VIEW,
     )
