@@ -1,6 +1,7 @@
 """Contact sheets to look at: every avatar in a dozen poses, whole and close by.
 
-``python -m renderer.avatar_sheet FOLDER [AVATAR ...]`` writes one picture per avatar and framing.
+``python -m renderer.avatar_sheet FOLDER [AVATAR ...]`` writes one picture per avatar and framing,
+and ``everyone.png`` with all of them at rest.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ FRAMINGS: Final[Mapping[str, tuple[str, float, float]]] = MappingProxyType({
 })  # fmt: skip
 """What each sheet shows: the joint in its middle, the metres around it, how far it is moved up."""
 
+_EVERYONE: Final = ("spine3", 0.92, 0.08)
 _FIELD_OF_VIEW: Final = 20.0
 
 
@@ -50,6 +52,20 @@ def main() -> None:
             path = folder / f"{name} {framing}.png".replace(" ", "_")
             avatar_sheet(body, framing).save(path)
             print(path)
+    everyone().save(folder / "everyone.png")
+
+
+def everyone(*, size: int = 400) -> Image.Image:
+    """Return one picture of all avatars at rest, side by side."""
+    sheet = Image.new("RGB", (size * len(AVATARS), size))
+    joint, width, above = _EVERYONE
+    for number, name in enumerate(AVATARS):
+        body = default_body(name)
+        with Stage(body, _camera(width, above, 0.0), replace(Look(), size=size)) as stage:
+            clip = _centred(sample_clip(SAMPLE_POSES["blinking"]), read_body(body), joint)
+            awake = replace(clip, arkit=None)
+            sheet.paste(still(stage, awake, 0.0), (number * size, 0))
+    return sheet
 
 
 def avatar_sheet(body: Path, framing: str, *, size: int = 480, aside: float = 0.0) -> Image.Image:

@@ -47,8 +47,9 @@ def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
     Beyond those: ``arkit_slots`` says that expression slots 0-51 hold ARKit's actions,
     ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
     ``material_names`` names the materials, ``colours`` (V, 4) holds sRGB and gleam, each in
-    0-255, ``credits`` the sources, ``spare_vertices`` how many at the end no face uses; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
-    `motion.skinning.TwistJoints` and the skin weights with them.
+    0-255, ``credits`` the sources; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
+    `motion.skinning.TwistJoints` and the skin weights with them; ``spare_vertices`` at the end
+    are used by no face.
     """
     sitter = sitter_for(avatar)
     stance = sitter.joints
