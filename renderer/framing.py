@@ -25,7 +25,10 @@ _STEP: Final = 0.02
 """Metres in which cameras differ: a clip made anew then rarely means that all are drawn anew."""
 
 _REACHED: Final = 99.5
-"""Percentile of all positions that must be in the picture; a stray frame does not set it."""
+"""Percentile of a clip's positions that must be in the picture; a stray frame does not set it."""
+
+_CLIPS_REACHED: Final = 97
+"""Percentile of all clips for which that holds; one that wanders off does not shrink all others."""
 
 _ABOVE_HEAD: Final = 0.19  # from the head joint to the top of the hair, in metres
 _BELOW_FOOT: Final = 0.09
@@ -87,15 +90,24 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     height = _rounded((float(low) + top) / 2)
     depth = _rounded(np.median(shown[:, 2]))
     slope = np.tan(np.radians(FIELD_OF_VIEW / 2))
-    aside = np.maximum(np.abs(shown[:, 0] - middle), np.abs(shown[:, 1] - height))
-    # Half of what the picture shows at `depth`, for each point to be just inside.
-    half = aside / (1 - _MARGIN) + slope * (shown[:, 2] - depth)
-    distance = _rounded_up(np.percentile(half, _REACHED)) / slope
+    halves = [_half_shown(part, middle, height, depth, slope) for part in points]
+    # Clip by clip, so that a condition that reaches far is not outvoted by those that do not.
+    half = np.percentile(halves, _CLIPS_REACHED, method="higher")
+    distance = _rounded_up(half) / slope
     return Camera(
         eye=(middle, height, round(float(depth + distance), 4)),
         target=(middle, height, depth),
         field_of_view=FIELD_OF_VIEW,
     )
+
+
+def _half_shown(
+    points: NDArray[np.float64], middle: float, height: float, depth: float, slope: float
+) -> float:
+    """Return half of what a picture must show at `depth` for `points` to be just inside."""
+    aside = np.maximum(np.abs(points[:, 0] - middle), np.abs(points[:, 1] - height))
+    half = aside / (1 - _MARGIN) + slope * (points[:, 2] - depth)
+    return float(np.percentile(half, _REACHED))
 
 
 def _rounded(metres: float | np.floating) -> float:
