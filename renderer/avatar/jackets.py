@@ -55,7 +55,7 @@ def jacket(sitter: Sitter, fabric: Patch, neckline: Neckline, hem: float) -> lis
     cloth, beyond = cloth.split(np.asarray(_LAPEL - distance))
     lapel = beyond[cloth.faces].sum(axis=1) > 0
     cloth = cloth.raised(np.where(beyond > -1e-6, 0.005, 0.0))
-    whole, added = thick(sitter, cloth, 0.006)
+    whole, added = thick(sitter, cloth, 0.008)
     on_lapel = added.copy()
     on_lapel[:] = False
     on_lapel[: len(lapel)] = lapel

@@ -65,7 +65,7 @@ def _banded(
     """Return `cloth` as a garment with bands of another colour at its openings."""
     cloth, beyond = cloth.split(from_edge(sitter, cloth) - band)
     in_band = beyond[cloth.faces].sum(axis=1) < 0
-    whole, added = thick(sitter, cloth, 0.004)
+    whole, added = thick(sitter, cloth, 0.007)
     trim = added.copy()
     trim[: len(in_band)] = in_band
     return sitter.pieces(whole, {material: ~trim, "trim": trim}, part=TIGHTS, triangles=triangles)

@@ -32,7 +32,10 @@ _BELOW_NECK: Final = 0.055
 _SMOOTHED_BY: Final = (1.6, 1.8)
 """Rows and columns over which features of the head are smoothed away."""
 
-_SMOOTHING_ROUNDS: Final = 24
+_SMOOTHING_ROUNDS: Final = 14
+_SHRUNK_BY: Final = 0.010
+"""Metres by which smoothing draws the trunk in, given back."""
+
 _SUIT_TRIANGLES: Final = 3600
 _NECKLINE: Final = Neckline(rise=0.002)
 _WRIST: Final = 1.985
@@ -63,7 +66,7 @@ def _suit(sitter: Sitter, fabric: Patch) -> Piece:
         ),
     )
     cloth = _smooth_trunk(sitter, cloth)
-    whole, _ = thick(sitter, cloth.raised(0.006), 0.005)
+    whole, _ = thick(sitter, cloth.raised(0.006), 0.007)
     return sitter.piece("sweater", whole, part=TIGHTS, triangles=_SUIT_TRIANGLES)
 
 
@@ -72,10 +75,11 @@ def _smooth_trunk(sitter: Sitter, cloth: Patch) -> Patch:
     at = cloth.take(sitter.person.vertices)
     along = np.maximum(sitter.along_arm(at, "left"), sitter.along_arm(at, "right"))
     hips = sitter.joint("left_hip")[1]
-    trunk = np.clip(1 - 3 * along, 0, 1) * np.clip((at[:, 1] - hips + 0.16) / 0.1, 0, 1)
+    trunk = np.clip(1 - 3 * along, 0, 1) * np.clip((at[:, 1] - hips + 0.20) / 0.30, 0, 1)
     blend = sparse.diags_array(trunk) @ smoothed(cloth, _SMOOTHING_ROUNDS).blend
     blend = blend + sparse.diags_array(1 - trunk) @ cloth.blend
-    return replace(cloth, blend=sparse.csr_array(blend))
+    smooth = replace(cloth, blend=sparse.csr_array(blend))
+    return smooth.raised(_SHRUNK_BY * trunk)
 
 
 def _head(sitter: Sitter) -> Piece:

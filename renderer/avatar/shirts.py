@@ -55,7 +55,7 @@ def shirt(sitter: Sitter, fabric: Patch, neckline: Neckline, hem: float) -> list
     cloth = cloth.raised(np.where(np.abs(at[:, 0]) > 0.2, 0.008, slack))
     cloth = cloth.raised(np.where(beyond > -1e-6, 0.002, 0.0))
     in_cuff = beyond[cloth.faces].sum(axis=1) > 0
-    whole, added = thick(sitter, cloth, 0.004)
+    whole, added = thick(sitter, cloth, 0.007)
     trim = added.copy()
     trim[: len(in_cuff)] = in_cuff
     body = sitter.pieces(whole, {"shirt": ~trim, "trim": trim}, part=TIGHTS, triangles=_TRIANGLES)
