@@ -104,18 +104,20 @@ def main() -> None:
         write_clip(setting.folder / "clip.npz", clip)
         silence = Audio(np.zeros(round(SECONDS * SOUND_RATE), np.float32), SOUND_RATE)
         write_wav(setting.folder / "speech.wav", silence)
+        # First, as a new process's peak counts what this one held when it was started.
+        all_cores = [_one_process_per_core(setting)]
         stage = Stage(body, camera, look)
-        edges = edge_errors(stage, camera, stage.body.vertices(clip, slice(0, 1))[0])
         posed = setting.folder / "posed.npz"
         write_posed_mesh(posed, stage.body, camera, look, PEER_FRAMES)
         with stage:
             tasks = {**_our_tasks(setting, stage, silence), **peers(posed)}
             runs: dict[str, list[Measured]] = {name: [] for name in tasks}
-            all_cores: list[dict[str, float]] = []
-            for _ in range(ROUNDS):
-                all_cores.append(_one_process_per_core(setting))
+            for number in range(ROUNDS):
+                if number:
+                    all_cores.append(_one_process_per_core(setting))
                 for name, task in tasks.items():
                     runs[name].append(task())
+        edges = edge_errors(stage, camera, stage.body.vertices(clip, slice(0, 1))[0])
         print(f"{stage.body.template.shape[0]} vertices, {len(stage.body.faces)} triangles,"
               f" {look.size} x {look.size} pixels a side")  # fmt: skip
     _print(runs, all_cores, edges)
