@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
+from scipy.signal import find_peaks
 
 from motion.audio import Audio
 from motion.errors import InputError
@@ -57,25 +58,22 @@ def even_moments(duration: float, count: int) -> tuple[Moment, ...]:
 
 
 def loud_moments(speech: Audio, count: int) -> tuple[Moment, ...]:
-    """Return the loudest moment in each of `count` equal parts of `speech`, in order.
+    """Return the loudest syllable in each of `count` equal parts of `speech`, in order.
 
     Gestures fall on stressed syllables, and those are loud; one for each part keeps the whole
-    speech in view. A part without sound gives its middle.
+    speech in view. They lie at least half a part from each other, so that no syllable is shown
+    twice; a part without one gives its middle.
     """
     step = max(1, round(_STEP * speech.sample_rate))
     whole = len(speech.samples) // step * step
+    if whole < count * step:
+        return even_moments(speech.duration, count)
     energy = np.square(speech.samples[:whole], dtype=np.float64).reshape(-1, step).mean(axis=1)
     loudness = gaussian_filter1d(energy, _SYLLABLE / _STEP)
+    syllables, _ = find_peaks(loudness, distance=math.ceil(len(loudness) / count / 2))
     moments = []
     for part in np.array_split(np.arange(len(loudness)), count):
-        if not len(part):
-            return even_moments(speech.duration, count)
-        moments.append(Moment(seconds=round(float(_loudest(loudness, part)) * _STEP, 3)))
+        within = syllables[(syllables >= part[0]) & (syllables <= part[-1])]
+        loudest = within[np.argmax(loudness[within])] if len(within) else part[len(part) // 2]
+        moments.append(Moment(seconds=round(float(loudest) * _STEP, 3)))
     return tuple(moments)
-
-
-def _loudest(loudness: NDArray[np.float64], part: NDArray[np.int_]) -> int:
-    """Return the step of `part` with the greatest `loudness`, its middle in silence."""
-    if loudness[part].max() <= 0:
-        return int(part[len(part) // 2])
-    return int(part[int(np.argmax(loudness[part]))])
