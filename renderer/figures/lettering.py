@@ -9,8 +9,8 @@ from typing import Final
 import matplotlib as mpl
 from PIL import ImageFont
 
-INK: Final = (0x22, 0x22, 0x26)
-FAINT_INK: Final = (0x6A, 0x6A, 0x72)
+INK: Final = "#222226"
+FAINT_INK: Final = "#6a6a72"
 
 
 @cache

@@ -1,4 +1,4 @@
-"""A figure as it is printed: pictures in rows and columns with text around them, PNG and PDF."""
+"""A page as it is printed: pictures with text around them, as PNG and PDF."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from PIL import Image
 
 from motion.errors import InputError
 from motion.files import replacing
+from renderer.figures.lettering import INK
 
 DOTS_PER_INCH: Final = 300
 """Resolution that journals ask for."""
@@ -21,8 +22,6 @@ POINTS_PER_INCH: Final = 72
 LETTERS: Final = 8.0
 """Points; as large as captions in two-column papers."""
 ENDINGS: Final = (".pdf", ".png")
-INK: Final = "#222226"
-FAINT_INK: Final = "#6a6a72"
 
 # Text stays text in a PDF, in letters that a reader can search and an author can edit.
 _STYLE: Final[dict[Any, Any]] = {"pdf.fonttype": 42, "font.family": "DejaVu Sans"}

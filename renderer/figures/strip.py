@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,14 +11,15 @@ from PIL import Image
 
 from motion.audio import Audio
 from motion.errors import InputError
-from renderer.figures.lettering import font
+from renderer.figures.lettering import FAINT_INK, INK, fitted, font
 from renderer.figures.moments import Moment
-from renderer.figures.plate import DOTS_PER_INCH, FAINT_INK, INK, LETTERS, Plate, pixels
+from renderer.figures.plate import DOTS_PER_INCH, LETTERS, Plate, pixels
 from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
 
 MOST_MOMENTS: Final = 16
 
 _SMALLEST_LETTERS: Final = 4.5
+_USABLE: Final = 0.95  # share of a panel's side that text may fill
 _GAP: Final = 6  # pixels between panels
 _LINE: Final = 1.5  # height of a line of text, in letters
 _WAVE_HEIGHT: Final = 0.34  # inches
@@ -104,12 +105,12 @@ def draw_strip(
         round(axis_at + wave + (2.4 if layout.skeleton else 1.4) * line),
         clear=clear,
     )
-    names_size = _letters_for(layout.rows, height)
+    shown, names_size = _lettered(layout.rows, height)
     for row, name in enumerate(layout.rows):
         top = row * (height + _GAP)
         middle = top + height / 2
         page.write(
-            line / 2, middle, name, rotation=90, ha="center", va="center", fontsize=names_size
+            line / 2, middle, shown[row], rotation=90, ha="center", va="center", fontsize=names_size
         )
         for column, moment in enumerate(layout.moments):
             left = layout.margin + column * (width + _GAP)
@@ -118,8 +119,8 @@ def draw_strip(
         layout.margin + column * (width + _GAP) + width / 2 for column in range(len(layout.moments))
     ]
     words = [f"“{moment.word}”" if moment.word else moment.label for moment in layout.moments]
-    words_size = _letters_for(words, width)
-    for centre, moment, word in zip(centres, layout.moments, words, strict=True):
+    shown, words_size = _lettered(words, width)
+    for centre, moment, word in zip(centres, layout.moments, shown, strict=True):
         page.write(
             centre,
             panels_height + line * 0.55,
@@ -144,10 +145,12 @@ def draw_strip(
     return page
 
 
-def _letters_for(texts: Iterable[str], room: float) -> float:
-    """Return the points at which the longest of `texts` fits into `room` pixels."""
+def _lettered(texts: Sequence[str], room: float) -> tuple[list[str], float]:
+    """Return `texts`, cut where they must be, and the points at which each fits `room` pixels."""
+    usable = _USABLE * room
     longest = max(font(pixels(LETTERS)).getlength(text) for text in texts)
-    return min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * room / longest))
+    size = min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * usable / longest))
+    return [fitted(text, font(pixels(size)), usable) for text in texts], size
 
 
 def _draw_time(
@@ -179,7 +182,7 @@ def _draw_time(
             linewidth=0.6,
             clip_on=False,
         )
-    step = _tick_step(speech.duration)
+    step = _tick_step(speech.duration, room)
     for tick in np.arange(0, speech.duration + 1e-6, step):
         x = layout.margin + tick / speech.duration * room
         last = tick + step > speech.duration
@@ -205,6 +208,7 @@ def _envelope(samples: np.ndarray) -> np.ndarray:
     return peaks / max(float(peaks.max()), 1e-9)
 
 
-def _tick_step(duration: float) -> float:
-    """Return seconds between ticks, so that there are four to ten."""
-    return next((step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= 10), 60)
+def _tick_step(duration: float, room: float) -> float:
+    """Return seconds between at most ten ticks, whose numbers have space in `room` pixels."""
+    most = min(10, room / pixels(2.5 * LETTERS))
+    return next((step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= most), 60)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -67,16 +68,32 @@ def test_no_moment_and_too_many_are_refused() -> None:
         layout(moments=even_moments(10, 17))
 
 
-def test_long_names_and_words_are_written_smaller() -> None:
-    shape = layout(rows=("a_condition_with_quite_a_long_name",), moments=MOMENTS)
+def empty_strip(shape: StripLayout) -> Plate:
     panels = {
-        (row, moment): Image.new("RGBA", shape.panel) for row in shape.rows for moment in MOMENTS
+        (row, moment): Image.new("RGBA", shape.panel)
+        for row in shape.rows
+        for moment in shape.moments
     }
-    sizes = {
-        text.get_text(): text.get_fontsize()
-        for text in draw_strip(shape, panels, SPEECH, clear=False).figure.texts
-    }
+    return draw_strip(shape, panels, SPEECH, clear=False)
+
+
+def test_long_names_and_words_are_written_smaller() -> None:
+    shape = layout(rows=("a_long_condition",))
+    sizes = {text.get_text(): text.get_fontsize() for text in empty_strip(shape).figure.texts}
     assert sizes[shape.rows[0]] < sizes["“no”"] == LETTERS
+
+
+@pytest.mark.parametrize("inches", [1.0, 2.0, 6.9])
+def test_no_text_covers_another_or_leaves_the_page(inches: float) -> None:
+    moments = tuple(Moment(seconds=k / 10, word="an enormous breakfast") for k in range(4))
+    shape = layout(inches=inches, rows=("x" * 40, "y" * 40), moments=moments)
+    page = empty_strip(shape)
+    extents = [text.get_window_extent() for text in page.figure.texts]
+    for extent in extents:
+        assert extent.x0 >= -1 and extent.x1 <= page.width + 1
+        assert extent.y0 >= -1 and extent.y1 <= page.height + 1
+    for one, other in combinations(extents, 2):
+        assert not one.overlaps(other)
 
 
 def test_a_clear_strip_has_nothing_behind_it(tmp_path: Path) -> None:
@@ -96,11 +113,7 @@ def test_the_wave_may_be_left_out() -> None:
 
 
 def test_with_skeletons_the_page_says_which_side_is_which() -> None:
-    shape = layout(skeleton=True)
-    panels = {
-        (row, moment): Image.new("RGBA", shape.panel) for row in shape.rows for moment in MOMENTS
-    }
-    page = draw_strip(shape, panels, SPEECH, clear=False)
+    page = empty_strip(layout(skeleton=True))
     told = {text.get_text() for text in page.figure.texts}
     assert {"● left", "■ right"} <= told
     assert page.height > strip().height
