@@ -175,6 +175,7 @@ def _connected(address: str) -> Any:
     """Return a client of the scheduler at `address`."""
     try:
         from distributed import Client
+        from distributed.comm.addressing import resolve_address
     except ImportError:
         raise InputError(
             "Dask is not installed here",
@@ -183,8 +184,10 @@ def _connected(address: str) -> Any:
         ) from None
     # A lost connection is told as an error of ours, not by Dask's tracebacks as well.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
+    client: Any = Client  # its methods carry no types
     try:
-        client: Any = Client  # its methods carry no types
+        # A client made for what is no address hangs, and complains, when it is thrown away.
+        resolve_address(address)
         return client(address, timeout=_CONNECTING, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(

@@ -7,6 +7,7 @@ on.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
 from renderer.job import ClipJob, Job, Outcome
 from renderer.job_order import JobOrder
@@ -61,13 +62,18 @@ def run_jobs(
 def _workers(jobs: Sequence[Job], processes: int, cluster: str | None) -> Workers:
     if cluster is None:
         return LocalWorkers(processes)
-    first = jobs[0]
-    body = first.body if isinstance(first, ClipJob) else None
-    needed = [path for path in (first.speech, body) if path is not None]
     # Imported here: Dask is an optional extra.
     from renderer.cluster import ClusterWorkers
 
-    return ClusterWorkers(cluster, needed)
+    return ClusterWorkers(cluster, _needed_files(jobs))
+
+
+def _needed_files(jobs: Sequence[Job]) -> list[Path]:
+    """Return what tells whether a machine sees the study: all share a body, one speech will do."""
+    clips = [job for job in jobs if isinstance(job, ClipJob)]
+    needed = {jobs[0].speech, *(job.body for job in clips)}
+    needed |= {job.look.expression_matrix for job in clips}
+    return sorted(path for path in needed if path is not None)
 
 
 def _done_in_order(jobs: Sequence[Job], workers: Workers) -> Iterator[tuple[int, Outcome]]:

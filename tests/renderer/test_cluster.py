@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+import distributed
 import numpy as np
 import pytest
 
@@ -82,6 +83,11 @@ def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Return the address of a scheduler that several tests use."""
     with _scheduler(tmp_path_factory.mktemp("scheduler")) as (address, _):
         yield address
+
+
+@pytest.fixture(autouse=True)
+def _time_for_workers_to_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "_FOR_A_WORKER", PATIENCE)
 
 
 @contextmanager
@@ -253,9 +259,15 @@ def test_workers_of_another_version_or_without_the_files_are_refused(
     scheduler: str, clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with _workers(scheduler, tmp_path, count=1):
-        with pytest.raises(InputError, match=r"1 of 1 workers cannot render.*does not see .*gone"):
-            gone = replace(clip_job, speech=tmp_path / "gone.wav")
-            run_jobs([gone], processes=1, cluster=scheduler)
+        pair, gone = _pair_of(clip_job, "pair"), tmp_path / "gone.npz"
+        without: list[list[Job]] = [
+            [replace(clip_job, speech=gone)],
+            [pair, replace(clip_job, body=gone)],
+            [pair, replace(clip_job, look=replace(clip_job.look, expression_matrix=gone))],
+        ]
+        for lacking in without:
+            with pytest.raises(InputError, match=r"1 of 1 workers cannot .* does not see .*gone"):
+                run_jobs(lacking, processes=1, cluster=scheduler)
         monkeypatch.setattr(cluster, "RENDERER_VERSION", "another")
         with pytest.raises(InputError, match=r"another version .*here another"):
             run_jobs([clip_job], processes=1, cluster=scheduler)
@@ -269,16 +281,24 @@ def test_a_cluster_without_workers_is_told(
         run_jobs([clip_job], processes=1, cluster=scheduler)
 
 
-@pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1:{free}"])
 def test_an_address_where_nobody_answers_is_told(
-    clip_job: ClipJob, address: str, monkeypatch: pytest.MonkeyPatch
+    clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "_CONNECTING", 0.5)
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
-        address = address.format(free=unused.getsockname()[1])
+        address = f"tcp://127.0.0.1:{unused.getsockname()[1]}"
         with pytest.raises(InputError, match="no Dask scheduler can be reached"):
             run_jobs([clip_job], processes=1, cluster=address)
+
+
+@pytest.mark.parametrize("address", ["", "nonsense", "http://node1", "tcp://"])
+def test_what_is_no_address_is_told_before_a_client_is_made(
+    clip_job: ClipJob, address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(distributed.Client, "__init__")
+    with pytest.raises(InputError, match="no Dask scheduler can be reached"):
+        run_jobs([clip_job], processes=1, cluster=address)
 
 
 def test_without_dask_the_remedy_is_said(
