@@ -19,7 +19,8 @@ from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
 MOST_MOMENTS: Final = 16
 
 _SMALLEST_LETTERS: Final = 4.5
-_USABLE: Final = 0.95  # share of a panel's side that text may fill
+_SHRUNK_TO: Final = 0.93  # share of a panel's side that text may fill
+_CUT_AT: Final = 0.97  # a little more, as sizes of letters are rounded
 _GAP: Final = 6  # pixels between panels
 _LINE: Final = 1.5  # height of a line of text, in letters
 _WAVE_HEIGHT: Final = 0.34  # inches
@@ -147,10 +148,9 @@ def draw_strip(
 
 def _lettered(texts: Sequence[str], room: float) -> tuple[list[str], float]:
     """Return `texts`, cut where they must be, and the points at which each fits `room` pixels."""
-    usable = _USABLE * room
     longest = max(font(pixels(LETTERS)).getlength(text) for text in texts)
-    size = min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * usable / longest))
-    return [fitted(text, font(pixels(size)), usable) for text in texts], size
+    size = min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * _SHRUNK_TO * room / longest))
+    return [fitted(text, font(pixels(size)), _CUT_AT * room) for text in texts], size
 
 
 def _draw_time(

@@ -77,8 +77,10 @@ def empty_strip(shape: StripLayout) -> Plate:
     return draw_strip(shape, panels, SPEECH, clear=False)
 
 
-def test_long_names_and_words_are_written_smaller() -> None:
-    shape = layout(rows=("a_long_condition",))
+@pytest.mark.parametrize("inches", [1.9, 2.0, 2.05, 2.1, 2.15])
+def test_long_names_and_words_are_written_smaller(inches: float) -> None:
+    # At any width: letters of another size are not exactly in proportion.
+    shape = layout(rows=("a_long_condition",), inches=inches)
     sizes = {text.get_text(): text.get_fontsize() for text in empty_strip(shape).figure.texts}
     assert sizes[shape.rows[0]] < sizes["“no”"] == LETTERS
 
