@@ -7,7 +7,6 @@ once, because drawing videos needs no gradients.
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
+from motion.body_archive import body_archive
 from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
 from motion.expression_matrix import face_for, read_expression_matrix
@@ -258,26 +258,15 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
     InputError
         If the file is missing, is no such archive, or lacks an array or has one of a wrong shape.
     """
-    if not path.is_file():
-        raise InputError(
-            "there is no such body model", where=path, remedy="Give the path of an SMPL-X .npz file"
-        )
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            missing = [name for name in _REQUIRED if name not in archive]
-            if missing:
-                raise InputError(
-                    f"the body model lacks {', '.join(missing)}",
-                    where=path,
-                    remedy="Give an SMPL-X model in .npz format (not SMPL, SMPL+H or MANO)",
-                )
-            arrays = {name: archive[name] for name in (*_REQUIRED, *_extras(archive.files))}
-    except (ValueError, OSError, zipfile.BadZipFile) as error:
-        raise InputError(
-            "the file cannot be read as a body model: it is no NumPy archive, or damaged",
-            where=path,
-            remedy="Give an SMPL-X model in .npz format; convert a .pkl with the smplx tools",
-        ) from error
+    with body_archive(path) as archive:
+        missing = [name for name in _REQUIRED if name not in archive]
+        if missing:
+            raise InputError(
+                f"the body model lacks {', '.join(missing)}",
+                where=path,
+                remedy="Give an SMPL-X model in .npz format (not SMPL, SMPL+H or MANO)",
+            )
+        arrays = {name: archive[name] for name in (*_REQUIRED, *_extras(archive.files))}
     _check_shapes(arrays, path)
     arrays = _without_spare_vertices(arrays)
     shapes = arrays.pop("shapedirs").astype(np.float32, copy=False)
@@ -319,7 +308,7 @@ def _twist_joints(arrays: Mapping[str, NDArray[Any]]) -> TwistJoints | None:
 
 def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
     """Raise where the arrays do not fit together as SMPL-X's do."""
-    count = len(arrays["v_template"])
+    count = arrays["v_template"].shape[0] if arrays["v_template"].ndim else 0
     expected: dict[str, tuple[int | None, ...]] = {
         "v_template": (count, 3),
         "f": (None, 3),

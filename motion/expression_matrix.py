@@ -95,7 +95,8 @@ def _numbers(path: Path) -> NDArray[np.generic]:
     """Return the one array in the file."""
     try:
         if path.suffix.lower() == ".csv":
-            return np.loadtxt(path, delimiter=",", ndmin=2)
+            lines = path.read_text(encoding="utf-8-sig").splitlines()
+            return np.loadtxt(lines, delimiter=",", ndmin=2) if any(lines) else np.zeros((0, 0))
         with path.open("rb") as file:
             content = np.load(file, allow_pickle=False)
             if isinstance(content, np.ndarray):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -10,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.body_archive import body_archive
 from motion.clip import MotionClip
-from motion.errors import InputError
 from motion.skeleton import LEFT_HAND_JOINTS, joint_index
 
 FloatArray = NDArray[np.float32]
@@ -60,17 +59,10 @@ def read_mean_hands(body: Path) -> FloatArray | None:
     InputError
         If the file is missing or cannot be read.
     """
-    try:
-        with body.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            if any(name not in archive for name in _MEAN_HANDS):
-                return None
-            both = np.concatenate([archive[name].reshape(-1) for name in _MEAN_HANDS])
-    except (ValueError, OSError, zipfile.BadZipFile) as error:
-        raise InputError(
-            "the mean hands of the body model cannot be read",
-            where=body,
-            remedy="Give an SMPL-X model in .npz format",
-        ) from error
+    with body_archive(body) as archive:
+        if any(name not in archive for name in _MEAN_HANDS):
+            return None
+        both = np.concatenate([archive[name].reshape(-1) for name in _MEAN_HANDS])
     if both.size != _FINGERS_COUNT * 3 or not both.any():
         return None
     return both.reshape(_FINGERS_COUNT, 3).astype(np.float32)

@@ -222,6 +222,10 @@ def _twist_without_weights(arrays: Arrays) -> Arrays:
     return _with_twist(arrays) | {"twist_weights": arrays["weights"]}
 
 
+def _numbers_alone(arrays: Arrays) -> Arrays:
+    return arrays | {"v_template": np.float32(1)}
+
+
 def _pickled(arrays: Arrays) -> Arrays:
     return arrays | {"f": np.array([{"not": "numbers"}], dtype=object)}
 
@@ -234,6 +238,7 @@ def _pickled(arrays: Arrays) -> Arrays:
         (_another_tree, "joint tree"),
         (_twist_about_no_bone, "twist_bones .* joints that there are not"),
         (_twist_without_weights, "twist_weights of the body model has shape"),
+        (_numbers_alone, r"v_template of the body model has shape \(\)"),
         (_pickled, "cannot be read"),
     ],
 )

@@ -37,6 +37,18 @@ def test_matrix_is_read_in_every_format_either_way_round(
     np.testing.assert_allclose(read_expression_matrix(path), MATRIX, rtol=1e-6)
 
 
+def test_matrix_that_a_spreadsheet_saved_is_read(tmp_path: Path) -> None:
+    plain = _written(tmp_path, "m.csv", MATRIX).read_text()
+    (tmp_path / "m.csv").write_text(plain.replace(",", ", "), encoding="utf-8-sig", newline="\r\n")
+    np.testing.assert_allclose(read_expression_matrix(tmp_path / "m.csv"), MATRIX, rtol=1e-6)
+
+
+def test_empty_table_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "m.csv").touch()
+    with pytest.raises(InputError, match=r"shape \(0, 0\)"):
+        read_expression_matrix(tmp_path / "m.csv")
+
+
 @pytest.mark.parametrize(
     ("name", "content", "what"),
     [

@@ -58,5 +58,5 @@ def test_file_without_mean_hands_gives_none(tmp_path: Path, arrays: dict[str, np
 
 def test_garbled_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.npz").write_text("hello")
-    with pytest.raises(InputError, match=r"a\.npz: the mean hands"):
+    with pytest.raises(InputError, match=r"a\.npz: .* cannot be read"):
         read_mean_hands(tmp_path / "a.npz")
