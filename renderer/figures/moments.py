@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import Final, Self
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -13,8 +13,11 @@ from scipy.signal import find_peaks
 from motion.audio import Audio
 from motion.errors import InputError
 
-_STEP = 0.01
-_SYLLABLE = 0.06
+MOST_MOMENTS: Final = 16
+"""As many as are told apart in one figure."""
+
+_STEP: Final = 0.01
+_SYLLABLE: Final = 0.06
 """Seconds over which loudness is averaged, about half a syllable."""
 
 

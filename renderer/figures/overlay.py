@@ -12,6 +12,7 @@ from PIL import Image, ImageColor
 
 from motion.errors import InputError
 from renderer.figures.cut_out import CutOut
+from renderer.figures.lettering import fitted, font
 from renderer.figures.plate import LETTERS, Plate, pixels
 from renderer.look import BACKGROUND
 
@@ -30,6 +31,16 @@ _COVERING: Final = 0.04
 _VARIATION_STRENGTH: Final = 0.85
 _TINT: Final = 0.75
 _LINE: Final = 1.6  # height of a line of text, in letters
+
+
+def colours_for(count: int) -> tuple[str, ...]:
+    """Return the colours of `count` variations; `InputError` if they cannot be told apart."""
+    if count > len(VARIATION_COLOURS):
+        raise InputError(
+            f"{count} variations cannot be told apart in one picture",
+            remedy=f"Show at most {len(VARIATION_COLOURS)}",
+        )
+    return VARIATION_COLOURS[:count]
 
 
 def faded(moments: Sequence[CutOut]) -> CutOut:
@@ -68,11 +79,7 @@ def blended(variations: Sequence[CutOut]) -> CutOut:
     InputError
         If there are more variations than colours.
     """
-    if len(variations) > len(VARIATION_COLOURS):
-        raise InputError(
-            f"{len(variations)} variations cannot be told apart in one picture",
-            remedy=f"Show at most {len(VARIATION_COLOURS)}",
-        )
+    colours = colours_for(len(variations))
     if len(variations) == 1:
         return variations[0]
     pictures, depths = _stacked(variations)
@@ -80,7 +87,7 @@ def blended(variations: Sequence[CutOut]) -> CutOut:
     weighed = np.zeros((*nearest.shape, 3), np.float32)
     total = np.zeros_like(nearest)
     clear = np.ones_like(nearest)
-    for picture, depth, colour in zip(pictures, depths, VARIATION_COLOURS, strict=False):
+    for picture, depth, colour in zip(pictures, depths, colours, strict=True):
         apart = np.maximum(np.abs(depths - depth) - _DEPTH_STEP, 0)
         shared = (np.exp(-apart / _SAME_DEPTH).sum(axis=0) - 1) / (len(depths) - 1)
         behind = np.maximum(depth - nearest - _DEPTH_STEP, 0)
@@ -108,6 +115,7 @@ def draw_overlay(picture: Image.Image, names: Sequence[str], caption: str, *, cl
         Whether nothing is behind the figures, rather than the videos' background.
     """
     line = pixels(LETTERS) * _LINE
+    letters = font(pixels(LETTERS))
     lines = (len(names) if len(names) > 1 else 0) + 1
     page = Plate.of(picture.width, round(picture.height + (lines + 0.3) * line), clear=clear)
     ground = Image.new("RGBA", picture.size, (0, 0, 0, 0) if clear else (*BACKGROUND, 255))
@@ -117,9 +125,11 @@ def draw_overlay(picture: Image.Image, names: Sequence[str], caption: str, *, cl
         middle = picture.height + (place + 0.7) * line
         swatch = page.area(0, middle - line / 4, line / 2, line / 2)
         swatch.add_patch(Rectangle((0, 0), 1, 1, color=VARIATION_COLOURS[place]))
-        page.write(line * 0.8, middle, name, ha="left", va="center", fontsize=LETTERS)
+        shown = fitted(name, letters, picture.width - line)
+        page.write(line * 0.8, middle, shown, ha="left", va="center", fontsize=LETTERS)
     middle = picture.height + (lines - 0.3) * line
-    page.write(0, middle, caption, ha="left", va="center", fontsize=LETTERS)
+    shown = fitted(caption, letters, 0.98 * picture.width)
+    page.write(0, middle, shown, ha="left", va="center", fontsize=LETTERS)
     return page
 
 

@@ -10,13 +10,10 @@ import numpy as np
 from PIL import Image
 
 from motion.audio import Audio
-from motion.errors import InputError
 from renderer.figures.lettering import FAINT_INK, INK, fitted, font
 from renderer.figures.moments import Moment
 from renderer.figures.plate import DOTS_PER_INCH, LETTERS, Plate, pixels
 from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
-
-MOST_MOMENTS: Final = 16
 
 _SMALLEST_LETTERS: Final = 4.5
 _SHRUNK_TO: Final = 0.93  # share of a panel's side that text may fill
@@ -39,7 +36,7 @@ class StripLayout:
     rows : tuple of str
         Names of the conditions, top to bottom.
     moments : tuple of Moment
-        Left to right.
+        Left to right; at least one.
     aspect : float
         Height of a panel over its width.
     wave : bool
@@ -54,13 +51,6 @@ class StripLayout:
     aspect: float
     wave: bool = True
     skeleton: bool = False
-
-    def __post_init__(self) -> None:
-        if not 0 < len(self.moments) <= MOST_MOMENTS:
-            raise InputError(
-                f"{len(self.moments)} moments make no strip",
-                remedy=f"Give 1 to {MOST_MOMENTS}",
-            )
 
     @property
     def margin(self) -> int:

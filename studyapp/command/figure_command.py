@@ -13,7 +13,6 @@ from studyapp.command.arguments import study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
 
-_MOTION = click.Path(exists=True, dir_okay=False, path_type=Path)
 _OUTPUT = click.Path(dir_okay=False, path_type=Path)
 _ENDINGS = (".pdf", ".png")
 
@@ -27,6 +26,25 @@ class _MomentType(click.ParamType[Moment]):
         return value if isinstance(value, Moment) else Moment.parse(str(value))
 
 
+class _MotionType(click.ParamType[tuple[Path, str]]):
+    """A motion file and what the figure calls it."""
+
+    name = "motion"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[Path, str]:
+        if isinstance(value, tuple):
+            return value
+        path, called = Path(str(value)), ""
+        if not path.is_file():
+            name, _, called = str(value).rpartition("=")
+            path = Path(name)
+        if not path.is_file():
+            self.fail(f"there is no file {str(value)!r}", param, ctx)
+        return path, called.strip() or path.stem
+
+
 segment = click.option("--segment", required=True, help="The segment that is shown.")
 conditions = click.option(
     "--condition",
@@ -35,14 +53,6 @@ conditions = click.option(
     metavar="NAME[=CALLED]",
     help="A condition, as often as wanted, and what the figure calls it; without any, all but "
     "the catch motion.",
-)
-moments = click.option(
-    "--at",
-    "moments",
-    type=_MomentType(),
-    multiple=True,
-    metavar="[WORD=]SECONDS",
-    help="A moment of the segment, as often as wanted, and the key word spoken there.",
 )
 count = click.option(
     "--moments",
@@ -62,6 +72,19 @@ output = click.option(
     type=_OUTPUT,
     help="Where to write it, instead of into FOLDER/figures.",
 )
+
+
+def moments(*, required: bool) -> Callable[..., Any]:
+    """Return the option for the moments that a figure shows."""
+    return click.option(
+        "--at",
+        "moments",
+        type=_MomentType(),
+        multiple=True,
+        required=required,
+        metavar="[WORD=]SECONDS",
+        help="A moment of the segment, as often as wanted, and the key word spoken there.",
+    )
 
 
 def inches(default: float) -> Callable[..., Any]:
@@ -107,7 +130,7 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
 @study_folder
 @segment
 @conditions
-@moments
+@moments(required=False)
 @count
 @even
 @inches(6.9)
@@ -135,20 +158,20 @@ def strip(
 @click.option(
     "--motion",
     "motions",
-    type=_MOTION,
+    type=_MotionType(),
     multiple=True,
-    help="A motion file for the segment's speech, such as another seed; as often as wanted.",
+    metavar="FILE[=CALLED]",
+    help="A motion file for the segment's speech, such as another seed, as often as wanted, and "
+    "what the figure calls it.",
 )
-@moments
-@count
-@even
+@moments(required=True)
 @inches(3.3)
 @clear
 @whole
 @closeup
 @output
 def overlay(
-    folder: StudyFolder, output: Path | None, motions: tuple[Path, ...], **options: Any
+    folder: StudyFolder, output: Path | None, motions: tuple[tuple[Path, str], ...], **options: Any
 ) -> None:
     """Write several moments or variations over each other in one picture.
 

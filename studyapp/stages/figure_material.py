@@ -16,7 +16,7 @@ from motion.segment import Segment
 from renderer.clip_video import Stage, as_shown
 from renderer.figures.closeup import face_camera
 from renderer.figures.cut_out import Box
-from renderer.figures.moments import Moment, even_moments, loud_moments
+from renderer.figures.moments import MOST_MOMENTS, Moment, even_moments, loud_moments
 from renderer.figures.panels import common_box
 from renderer.framing import Camera
 from studyapp.definition.folder import StudyFolder
@@ -79,28 +79,25 @@ class FigureMaterial:
         Raises
         ------
         InputError
-            If the study shows no such condition.
+            If the study shows no such condition, or two in the figure are the same or called so.
         """
         study = self.plan.study
         shown = study.shown_conditions
         if not given:
             return {name: name for name in shown if name != study.catch.condition}
         parts = [text.partition("=") for text in given]
-        called = {
-            _known(name, "condition", shown): label.strip() or name for name, _, label in parts
-        }
-        for label in called.values():
-            if list(called.values()).count(label) > 1:
-                raise InputError(
-                    f"two conditions are called {label!r}", remedy="Call each something else"
-                )
-        return called
+        names = [_known(name, "condition", shown) for name, _, _ in parts]
+        labels = [label.strip() or name for name, _, label in parts]
+        check_distinct(names)
+        check_distinct(labels)
+        return dict(zip(names, labels, strict=True))
 
     def clip(
         self, segment: Segment, condition: str, *, frame_rate: float | None = None
     ) -> MotionClip:
         """Return the motion as participants see it, at the videos' rate unless told otherwise."""
-        path = self.plan.folder.clip(condition, segment.name)
+        shown = self.plan.study.shown_conditions
+        path = self.plan.folder.clip(_known(condition, "condition", shown), segment.name)
         rate = frame_rate or self.plan.look.frame_rate
         return self._shown(read_clip(path), path, segment, rate)
 
@@ -131,8 +128,12 @@ class FigureMaterial:
         Raises
         ------
         InputError
-            If a moment lies outside the segment.
+            If a moment lies outside the segment, or there are more than `MOST_MOMENTS`.
         """
+        if len(given) > MOST_MOMENTS:
+            raise InputError(
+                f"{len(given)} moments are too many", remedy=f"Give 1 to {MOST_MOMENTS}"
+            )
         if not given:
             if even:
                 return even_moments(segment.duration, count)
@@ -145,6 +146,15 @@ class FigureMaterial:
                     remedy=f"Give times from 0 to {segment.duration:.2f} s",
                 )
         return tuple(sorted(given, key=lambda moment: moment.seconds))
+
+
+def check_distinct(names: Sequence[str]) -> None:
+    """Raise `InputError` if two things in a figure would have one name."""
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(
+                f"two in this figure are called {name!r}", remedy="Call each something else"
+            )
 
 
 def _known(name: str, kind: str, known: Sequence[str]) -> str:

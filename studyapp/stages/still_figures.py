@@ -15,14 +15,14 @@ from motion.errors import InputError
 from motion.files import replacing
 from renderer.figures.cut_out import Box, cut_out
 from renderer.figures.moments import Moment
-from renderer.figures.overlay import blended, draw_overlay, faded
+from renderer.figures.overlay import blended, colours_for, draw_overlay, faded
 from renderer.figures.panels import WHOLE, aspect_of, cropped, panel
 from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.figures.strip import StripLayout, draw_strip
 from renderer.stills import frame_at
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.figure_material import FigureMaterial
+from studyapp.stages.figure_material import FigureMaterial, check_distinct
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,8 +116,7 @@ def write_still(
         raise InputError("a still is written as PNG", where=output, remedy="End its name with .png")
     material = FigureMaterial.of(folder)
     excerpt = material.segment(segment)
-    (name,) = material.conditions([condition])
-    pose = frame_at(material.clip(excerpt, name), seconds)
+    pose = frame_at(material.clip(excerpt, condition), seconds)
     if closeup:
         material = material.close_to_faces([pose])
     with material.stage(size) as stage:
@@ -180,7 +179,7 @@ def write_strip(
 
 
 def write_overlay(
-    folder: StudyFolder, choice: Choice, printed: Print, *, motions: Sequence[Path]
+    folder: StudyFolder, choice: Choice, printed: Print, *, motions: Sequence[tuple[Path, str]]
 ) -> None:
     """Write an overlay of moments, or of variations at a moment, in one picture.
 
@@ -192,15 +191,18 @@ def write_overlay(
         Several conditions are variations of each other, several moments a trail.
     printed : Print
         How it is printed.
-    motions : sequence of Path
-        Motion files of the segment's speech that are variations too, such as other seeds.
+    motions : sequence of (Path, str)
+        Motion files of the segment's speech that are variations too, such as other seeds, and
+        what each is called.
     """
     material = FigureMaterial.of(folder)
     segment = material.segment(choice.segment)
     names = material.conditions(choice.conditions) if choice.conditions or not motions else {}
+    check_distinct([*names.values(), *(called for _, called in motions)])
+    colours_for(len(names) + len(motions))
     moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
     clips = {called: material.clip(segment, name) for name, called in names.items()}
-    clips |= {path.stem: material.variation(segment, path) for path in motions}
+    clips |= {called: material.variation(segment, path) for path, called in motions}
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
     material, box = _view(material, printed, [pose for row in poses for pose in row])
     width = round(printed.inches * DOTS_PER_INCH)

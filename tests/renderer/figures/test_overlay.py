@@ -79,3 +79,10 @@ def test_the_page_says_what_each_colour_is_and_which_moments_are_seen() -> None:
     swatches = [patch.get_facecolor() for axes in page.figure.axes for patch in axes.patches]
     assert len(set(swatches)) == 2
     assert page.width == 300
+
+
+def test_text_that_is_wider_than_the_page_is_cut() -> None:
+    picture = Image.new("RGBA", (300, 200))
+    page = draw_overlay(picture, ["ours " * 20, "theirs"], "1.2 s → " * 16, clear=True)
+    for text in page.figure.texts:
+        assert text.get_window_extent().x1 <= page.width

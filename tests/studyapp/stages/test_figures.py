@@ -90,8 +90,9 @@ def test_a_figure_may_call_conditions_otherwise(study: StudyFolder) -> None:
     material = FigureMaterial.of(study)
     called = material.conditions(["ground_truth=Recording", "mismatched"])
     assert called == {"ground_truth": "Recording", "mismatched": "mismatched"}
-    with pytest.raises(InputError, match="'Ours'"):
-        material.conditions(["rule_based=Ours", "mismatched=Ours"])
+    for twice in (["rule_based=Ours", "mismatched=Ours"], ["rule_based", "rule_based=Ours"]):
+        with pytest.raises(InputError, match="Call each something else"):
+            material.conditions(twice)
 
 
 def test_an_overlay_shows_where_variations_differ(study: StudyFolder, tmp_path: Path) -> None:
@@ -109,8 +110,22 @@ def test_motion_files_are_variations_too(study: StudyFolder, tmp_path: Path) -> 
     write_clip(seed, read_clip(study.clip("rule_based", SEGMENT)))
     path = tmp_path / "overlay.pdf"
     choice = Choice(segment=SEGMENT, conditions=("ground_truth",), moments=(Moment(seconds=0.5),))
-    write_overlay(study, choice, a_print(path, clear=True), motions=(seed,))
+    write_overlay(study, choice, a_print(path, clear=True), motions=((seed, "seed 7"),))
     assert path.read_bytes().startswith(b"%PDF")
+
+
+def test_variations_of_one_file_name_are_told_apart(study: StudyFolder) -> None:
+    seed = str(study.clip("rule_based", SEGMENT))
+    command = ["--debug", "figure", "overlay", str(study.root), "--segment", SEGMENT, "--at", "0.5",
+               "--inches", "1", "--motion", f"{seed}=seed 1"]  # fmt: skip
+    shown = CliRunner().invoke(group, [*command, "--motion", f"{seed}=seed 2"])
+    assert shown.exit_code == 0, shown.output
+    with pytest.raises(InputError, match="'seed 1'"):
+        CliRunner().invoke(group, [*command, "--motion", f"{seed}=seed 1"], catch_exceptions=False)
+    with pytest.raises(InputError, match="at most 7"):
+        CliRunner().invoke(
+            group, command + [f"--motion={seed}={k}" for k in range(7)], catch_exceptions=False
+        )
 
 
 def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
@@ -135,6 +150,8 @@ def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
         (["still", "--segment", SEGMENT, "--condition", "no", "--at", "0"], "ground_truth, "),
         (["still", "--segment", SEGMENT, "--condition", "broken", "--at", "1.5"], "0 to 1.00 s"),
         (["strip", "--segment", SEGMENT, "--at", "x=1.5"], "0 to 1.00 s"),
+        (["strip", "--segment", SEGMENT, *["--at", "0.1"] * 17], "1 to 16"),
+        (["still", "--segment", SEGMENT, "--condition", "broken=x", "--at", "0"], "ground_truth, "),
         (["strip", "--segment", SEGMENT, "--at", "soon"], "'soon' is no moment"),
         (["strip", "--segment", SEGMENT, "--output", "strip.svg"], ".pdf or .png"),
         (
