@@ -43,20 +43,35 @@ def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     """Return `clip` with its hands outside the default body, and a note where that changed it.
 
     Only the shoulders' rotations differ; elbow, wrist and fingers keep their bend. An arm
-    stays as it is where its hand is outside and has been, and will be, for half a second.
+    stays as it is where its hand is outside and has been, and will be, for half a second. A clip
+    in which no arm would turn by a degree is returned as it is.
     """
-    changed = np.zeros(len(clip), bool)
+    recorded = clip
     for side, sign in (("left", 1.0), ("right", -1.0)):
         for _ in range(_ROUNDS):
             turn = _smooth(_turns_out(clip, side, sign), round(_SMOOTHED_OVER * clip.frame_rate))
             if not turn.any():
                 break
-            changed |= np.linalg.norm(turn, axis=1) > _WORTH_SAYING
             clip = _with_arm_turned(clip, joint_index(f"{side}_shoulder"), turn)
+    turned = _arms_turned(recorded, clip)
+    changed = turned > _WORTH_SAYING
     if not changed.any():
-        return clip, ()
-    share = max(1, round(100 * changed.mean()))
-    return clip, (f"hands were moved out of trunk and thighs in {share} % of the frames",)
+        return recorded, ()
+    share, most = max(1, round(100 * changed.mean())), np.degrees(turned.max())
+    return clip, (
+        f"hands were moved out of trunk and thighs in {share} % of the frames, by up to {most:.0f} "
+        "degrees at the shoulder (--as-recorded leaves them)",
+    )
+
+
+def _arms_turned(before: MotionClip, after: MotionClip) -> FloatArray:
+    """Return by how much the arm that differs more was turned in each frame, in radians."""
+    turns = []
+    for side in ("left", "right"):
+        joint = joint_index(f"{side}_shoulder")
+        old, new = (Rotation.from_rotvec(clip.poses[:, joint]) for clip in (before, after))
+        turns.append((old.inv() * new).magnitude())
+    return np.asarray(np.max(turns, axis=0))
 
 
 def _turns_out(clip: MotionClip, side: str, sign: float) -> FloatArray:

@@ -30,6 +30,7 @@ def read_motion(
     frame_rate: float | None = None,
     joint_map: JointMap | None = None,
     mean_hands: NDArray[np.float32] | None = None,
+    as_recorded: bool = False,
 ) -> MotionClip:
     """Read a motion of any known format, by content, into the study's world.
 
@@ -44,6 +45,9 @@ def read_motion(
     mean_hands : ndarray, shape (30, 3), optional
         SMPL-X's own mean hands, as `motion.hands.read_mean_hands` gives them, for BEAT2 and
         TalkSHOW, which tell fingers relative to them. Without, relaxed hands take their place.
+    as_recorded : bool
+        Whether hands of a BVH stay where they come to lie inside the body, rather than being
+        moved out by `motion.clearance`.
 
     Returns
     -------
@@ -78,7 +82,7 @@ def read_motion(
         clip, note = _with_absolute_fingers(clip, mean_hands)
         return _placed(clip, path, "talkshow", (note,))
     if start.removeprefix(b"\xef\xbb\xbf").lstrip().upper().startswith(b"HIERARCHY"):
-        return _read_bvh_clip(path, frame_rate, joint_map)
+        return _read_bvh_clip(path, frame_rate, joint_map, as_recorded)
     raise InputError(
         "the file is no motion of a known format",
         where=path,
@@ -86,16 +90,19 @@ def read_motion(
     )
 
 
-def _read_bvh_clip(path: Path, frame_rate: float | None, joint_map: JointMap | None) -> MotionClip:
+def _read_bvh_clip(
+    path: Path, frame_rate: float | None, joint_map: JointMap | None, as_recorded: bool
+) -> MotionClip:
     motion = settle_first_frame(read_bvh(path, frame_rate=frame_rate))
     try:
         if joint_map is None:
             skeleton, fitting = choose_joint_map(motion.joint_names)
         else:
             skeleton, fitting = "own map", check_joint_map(joint_map, motion.joint_names)
-        clip, moved = clear_of_body(retarget(motion, fitting))
+        clip = retarget(motion, fitting)
     except InputError as error:
         raise InputError(error.what, where=path, remedy=error.remedy) from error
+    clip, moved = (clip, ()) if as_recorded else clear_of_body(clip)
     return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *moved))
 
 

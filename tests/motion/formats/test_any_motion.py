@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motion.clearance import clear_of_body
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion, write_clip
 from motion.hands import FINGERS, RELAXED_HANDS
@@ -154,3 +155,14 @@ def test_other_real_recording_is_turned_to_the_front(shared_data: Path) -> None:
     assert "to face +z" in clip.provenance["notes"]
     assert positions[:, :, 1].min() > -1.5
     assert np.abs(clip.trans).max() < 1
+
+
+def test_hands_stay_where_they_were_recorded_if_asked(shared_data: Path) -> None:
+    path = shared_data / "2_scott_0_1_1.bvh"
+    moved, recorded = (
+        read_motion(path, frame_rate=15, as_recorded=as_recorded) for as_recorded in (False, True)
+    )
+    cleared, (note,) = clear_of_body(recorded)
+    assert note in moved.provenance["notes"]
+    assert "moved out" not in recorded.provenance["notes"]
+    np.testing.assert_allclose(cleared.poses, moved.poses, atol=1e-3)
