@@ -70,7 +70,10 @@ def cut_out(stage: Stage, pose: MotionClip, camera: Camera) -> CutOut:
     # Colour alone does not tell where the figure is: its shadow on the floor is no part of it.
     depth = _depth(stage.body, pose, camera, drawn.width)
     near = minimum_filter(depth, 3) < FAR
-    differs = np.abs(np.asarray(drawn, int) - BACKGROUND).max(axis=-1) > _SAME_COLOUR
+    differs = (
+        np.abs(np.asarray(drawn, np.int16) - np.array(BACKGROUND, np.int16)).max(axis=-1)
+        > _SAME_COLOUR
+    )
     drawn.putalpha(Image.fromarray(np.where(near & differs, 255, 0).astype(np.uint8)))
     # Averaged with colours weighed by alpha, so that the background's colour leaves no rim.
     picture = drawn.convert("RGBa").reduce(SUPERSAMPLING).convert("RGBA")

@@ -19,7 +19,9 @@ MOMENTS: Final = 7
 SIDE: Final = 112
 """Pixels along each side of a small picture."""
 
-_BACKGROUND_LIGHT: Final = round(float(np.dot((0.2126, 0.7152, 0.0722), BACKGROUND)))
+_LIGHT: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
+"""How much each channel of RGB adds to how light a pixel is."""
+_BACKGROUND_LIGHT: Final = round(float(_LIGHT @ BACKGROUND))
 _DIFFERENT: Final = 10
 """Of 255: what differs so much from the background belongs to the figure."""
 _STILL: Final = 2.5
@@ -81,7 +83,7 @@ def glance_at(video: Path) -> Glance:
         ) from error
     count = len(frames)
     chosen = [int((place + 0.5) * count / MOMENTS) for place in range(MOMENTS)]
-    light = frames @ np.array([0.2126, 0.7152, 0.0722], np.float32)
+    light = frames @ _LIGHT
     figure = np.abs(light - _BACKGROUND_LIGHT) > _DIFFERENT
     change = np.abs(np.diff(light, axis=0))
     either = figure[1:] | figure[:-1]

@@ -142,5 +142,8 @@ def _draw_key(pen: ImageDraw.ImageDraw, side: int) -> None:
         centre = np.array([left + _JOINT_SHARE * side, middle])
         _draw_joint(pen, centre, _JOINT_SHARE * side, colour, square=name == "right")
         left += 0.026 * side
-        pen.text((left, middle), name, INK, font=letters, anchor="lm")
+        pen.text(
+            (left, middle), name, INK, letters, anchor="lm",
+            stroke_width=0.003 * side, stroke_fill=_HALO,
+        )  # fmt: skip
         left += letters.getlength(name) + 0.03 * side

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
 
@@ -86,7 +85,3 @@ def test_a_clip_without_picture_has_an_empty_frame_there(cell: Cell) -> None:
     (page,) = sheet_pictures(sheet_of(cell, 1))
     colours = {colour for _, colour in page.getcolors(1 << 20) or []}
     assert (0xB0, 0x45, 0x00) in colours
-
-
-def test_the_same_sheet_is_the_same_text(cell: Cell, tmp_path: Path) -> None:
-    assert sheet_page(sheet_of(cell, 2)) == sheet_page(sheet_of(cell, 2))
