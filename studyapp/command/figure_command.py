@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from renderer.figures.moments import Moment
+from renderer.figures.moments import MOST_MOMENTS, Moment
 from studyapp.command.arguments import study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
@@ -54,19 +54,12 @@ conditions = click.option(
     help="A condition, as often as wanted, and what the figure calls it; without any, all but "
     "the catch motion.",
 )
-count = click.option(
-    "--moments",
-    "count",
-    type=click.IntRange(1, 16),
-    default=6,
-    show_default=True,
-    help="Without --at: how many moments, the loudest syllable of each part of the speech.",
-)
-even = click.option("--even", is_flag=True, help="Without --at: spread the moments evenly.")
 clear = click.option("--clear", is_flag=True, help="Leave the background transparent.")
 whole = click.option("--whole", is_flag=True, help="Show whole frames, not what figures fill.")
 closeup = click.option("--closeup", is_flag=True, help="Show the faces alone.")
-skeleton = click.option("--skeleton", is_flag=True, help="Draw the skeleton over the body.")
+skeleton = click.option(
+    "--skeleton", type=click.Choice(["over", "beside"]), help="Draw the skeleton too."
+)
 output = click.option(
     "--output",
     type=_OUTPUT,
@@ -112,7 +105,7 @@ def command() -> None:
 @click.option("--condition", required=True, help="The condition that is shown.")
 @click.option("--at", "seconds", type=click.FloatRange(0), required=True, help="Seconds.")
 @click.option("--size", type=click.IntRange(64, 2160), default=1440, show_default=True)
-@click.option("--skeleton", type=click.Choice(["over", "beside"]), help="Draw the skeleton too.")
+@skeleton
 @clear
 @closeup
 @output
@@ -131,23 +124,36 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
 @segment
 @conditions
 @moments(required=False)
-@count
-@even
+@click.option(
+    "--moments",
+    "count",
+    type=click.IntRange(1, MOST_MOMENTS),
+    default=6,
+    show_default=True,
+    help="Without --at: how many moments, the loudest syllable of each part of the speech.",
+)
+@click.option("--even", is_flag=True, help="Without --at: spread the moments evenly.")
 @inches(6.9)
 @click.option("--wave/--no-wave", default=True, help="Draw the speech's wave under it.")
 @clear
 @whole
 @closeup
-@skeleton
+@click.option("--skeleton", is_flag=True, help="Draw the skeleton over the body.")
 @output
 def strip(
-    folder: StudyFolder, output: Path | None, wave: bool, skeleton: bool, **options: Any
+    folder: StudyFolder,
+    output: Path | None,
+    count: int,
+    even: bool,
+    wave: bool,
+    skeleton: bool,
+    **options: Any,
 ) -> None:
     """Write a strip: a row for each condition, a column for each key word."""
     from studyapp.stages.still_figures import write_strip
 
     choice, printed = _split(folder, "strip", output, options)
-    write_strip(folder, choice, printed, wave=wave, skeleton=skeleton)
+    write_strip(folder, choice, printed, count=count, even=even, wave=wave, skeleton=skeleton)
     click.echo(f"The strip is {' and '.join(map(str, printed.outputs))}")
 
 
@@ -162,7 +168,7 @@ def strip(
     multiple=True,
     metavar="FILE[=CALLED]",
     help="A motion file for the segment's speech, such as another seed, as often as wanted, and "
-    "what the figure calls it.",
+    "what the figure calls it; without --condition, these alone.",
 )
 @moments(required=True)
 @inches(3.3)
@@ -197,7 +203,7 @@ def overlay(
     metavar="SPEED",
     help="Slow motion without sound, such as 0.25 for quarter speed.",
 )
-@click.option("--skeleton", type=click.Choice(["over", "beside"]), help="Draw the skeleton too.")
+@skeleton
 @click.option("--size", type=click.IntRange(64, 2160), help="Pixels along each side of a panel.")
 @closeup
 @output

@@ -120,10 +120,14 @@ class FigureMaterial:
         path = self.plan.folder.speech / segment.wav
         return read_audio(path, sample_rate=sample_rate).cut(segment.start, segment.end)
 
-    def moments(
-        self, segment: Segment, given: Sequence[Moment], *, count: int, even: bool
-    ) -> tuple[Moment, ...]:
-        """Return the moments `given`, in order of time; without any, `count` found ones.
+    def found_moments(self, segment: Segment, count: int, *, even: bool) -> tuple[Moment, ...]:
+        """Return `count` moments: spread evenly, or on the loudest syllables of equal parts."""
+        if even:
+            return even_moments(segment.duration, count)
+        return loud_moments(self.speech(segment, sample_rate=SPEECH_RATE), count)
+
+    def moments(self, segment: Segment, given: Sequence[Moment]) -> tuple[Moment, ...]:
+        """Return the moments `given`, in order of time.
 
         Raises
         ------
@@ -134,10 +138,6 @@ class FigureMaterial:
             raise InputError(
                 f"{len(given)} moments are too many", remedy=f"Give 1 to {MOST_MOMENTS}"
             )
-        if not given:
-            if even:
-                return even_moments(segment.duration, count)
-            return loud_moments(self.speech(segment, sample_rate=SPEECH_RATE), count)
         for moment in given:
             if not 0 <= moment.seconds <= segment.duration:
                 raise InputError(

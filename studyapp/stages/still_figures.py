@@ -36,18 +36,12 @@ class Choice:
     conditions : tuple of str
         Each ``name`` or ``name=what it is called``; empty for all but the catch motion.
     moments : tuple of Moment
-        From the segment's start; empty to look for `count` of them.
-    count : int
-        How many to look for.
-    even : bool
-        Whether they are spread evenly, rather than laid on loud syllables.
+        From the segment's start.
     """
 
     segment: str
     conditions: tuple[str, ...] = ()
     moments: tuple[Moment, ...] = ()
-    count: int = 6
-    even: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +123,14 @@ def write_still(
 
 
 def write_strip(
-    folder: StudyFolder, choice: Choice, printed: Print, *, wave: bool, skeleton: bool
+    folder: StudyFolder,
+    choice: Choice,
+    printed: Print,
+    *,
+    count: int,
+    even: bool,
+    wave: bool,
+    skeleton: bool,
 ) -> None:
     """Write a strip: a row for each condition, a column for each moment.
 
@@ -141,6 +142,10 @@ def write_strip(
         What is shown.
     printed : Print
         How it is printed.
+    count : int
+        How many moments to look for where `choice` has none.
+    even : bool
+        Whether these are spread evenly, rather than laid on loud syllables.
     wave : bool
         Whether the speech's wave is drawn under it.
     skeleton : bool
@@ -149,7 +154,11 @@ def write_strip(
     material = FigureMaterial.of(folder)
     segment = material.segment(choice.segment)
     names = material.conditions(choice.conditions)
-    moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
+    moments = (
+        material.moments(segment, choice.moments)
+        if choice.moments
+        else material.found_moments(segment, count, even=even)
+    )
     clips = {called: material.clip(segment, name) for name, called in names.items()}
     poses = {
         (called, moment): frame_at(clip, moment.seconds)
@@ -200,7 +209,7 @@ def write_overlay(
     names = material.conditions(choice.conditions) if choice.conditions or not motions else {}
     check_distinct([*names.values(), *(called for _, called in motions)])
     colours_for(len(names) + len(motions))
-    moments = material.moments(segment, choice.moments, count=choice.count, even=choice.even)
+    moments = material.moments(segment, choice.moments)
     clips = {called: material.clip(segment, name) for name, called in names.items()}
     clips |= {called: material.variation(segment, path) for path, called in motions}
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
