@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 from types import MappingProxyType
+from typing import Final
 
 import click
 
@@ -51,14 +52,24 @@ class _BytesType(click.ParamType[int]):
         return round(float(number) * self._UNITS[(unit or "B").lower()])
 
 
+_MOST_PROCESSES: Final = 256
+
+
+def _default_processes() -> int:
+    """Return how many processors this program may use, at most `_MOST_PROCESSES`."""
+    if hasattr(os, "sched_getaffinity"):
+        return min(len(os.sched_getaffinity(0)), _MOST_PROCESSES)
+    return min(os.cpu_count() or 1, _MOST_PROCESSES)
+
+
 study_folder = click.argument("folder", type=_StudyFolderType())
 """The study folder; it must exist."""
 
 processes: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--processes",
-    type=click.IntRange(1, 256),
-    default=len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
-    show_default=True,
+    type=click.IntRange(1, _MOST_PROCESSES),
+    default=_default_processes,
+    show_default="one for each processor",
     help="How many videos are made at once.",
 )
 

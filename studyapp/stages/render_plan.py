@@ -31,10 +31,13 @@ def read_motion_shown(
 ) -> dict[tuple[str, str], MotionClip]:
     """Return each (condition, segment)'s clip as it is shown, frozen channels still.
 
+    A clip that cannot be read, or does not fit its speech, is left out: making its video fails,
+    which is reported, and the rest goes on.
+
     Raises
     ------
     InputError
-        Naming the clips that are missing or do not fit their speech.
+        If clips are missing, or none can be used.
     """
     wanted = [(c, s) for c in study.shown_conditions for s in segments]
     missing = [(c, s) for c, s in wanted if not folder.clip(c, s.name).exists()]
@@ -49,11 +52,18 @@ def read_motion_shown(
             remedy=remedy,
         )
     shown = {}
+    broken: list[InputError] = []
     for condition, segment in wanted:
         path = folder.clip(condition, segment.name)
-        clip = read_clip(path)
-        check_same_length(clip, segment, path)
-        shown[condition, segment.name] = freeze(clip, study.freeze)
+        try:
+            clip = read_clip(path)
+            check_same_length(clip, segment, path)
+        except InputError as error:
+            broken.append(error)
+        else:
+            shown[condition, segment.name] = freeze(clip, study.freeze)
+    if broken and not any(name != study.catch.condition for name, _ in shown):
+        raise broken[0]
     return shown
 
 

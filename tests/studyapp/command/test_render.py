@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,15 @@ def test_what_is_no_size_is_refused(tiny_study: Path, asked: dict[str, Any], giv
     assert result.exit_code == 2
     assert "is no size" in result.output
     assert not asked
+
+
+@pytest.mark.parametrize(("there", "used"), [(3, 3), (384, 256)])
+def test_by_default_every_processor_makes_videos_up_to_the_most_allowed(
+    tiny_study: Path, asked: dict[str, Any], monkeypatch: pytest.MonkeyPatch, there: int, used: int
+) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: set(range(there)), raising=False)
+    assert "3 videos" in run(tiny_study).output
+    assert asked["processes"] == used
 
 
 def test_a_cluster_is_asked_for_by_its_address(tiny_study: Path, asked: dict[str, Any]) -> None:

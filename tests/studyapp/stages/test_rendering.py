@@ -110,6 +110,15 @@ def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder)
     assert not study.videos.exists()
 
 
+def test_a_study_without_any_usable_clip_is_refused(study: StudyFolder) -> None:
+    for condition in study.study().conditions:
+        for segment in study.segments():
+            study.clip(condition, segment.name).write_text("torn")
+    with pytest.raises(InputError, match=r"take_01\.npz: the file is no \.npz archive"):
+        render(study, processes=1)
+    assert not study.videos.exists()
+
+
 def test_a_face_that_the_body_cannot_show_is_said(study: StudyFolder) -> None:
     path = study.clip("mismatched", "take_01")
     clip = read_clip(path)
@@ -119,9 +128,26 @@ def test_a_face_that_the_body_cannot_show_is_said(study: StudyFolder) -> None:
     assert note.startswith("mismatched: the clip's face is given as SMPL-X expression")
 
 
-def test_a_video_that_cannot_be_made_is_reported_and_the_rest_goes_on(study: StudyFolder) -> None:
-    blocked = study.videos / "clips" / "mismatched" / "take_01.mp4"
-    blocked.mkdir(parents=True)
+def _block_video(study: StudyFolder) -> None:
+    (study.videos / "clips" / "mismatched" / "take_01.mp4").mkdir(parents=True)
+
+
+def _truncate_clip(study: StudyFolder) -> None:
+    path = study.clip("mismatched", "take_01")
+    path.write_bytes(path.read_bytes()[:2000])
+
+
+def _lengthen_clip(study: StudyFolder) -> None:
+    path = study.clip("mismatched", "take_01")
+    clip = read_clip(path)
+    write_clip(path, replace(clip, frame_rate=clip.frame_rate / 2))
+
+
+@pytest.mark.parametrize("break_it", [_block_video, _truncate_clip, _lengthen_clip])
+def test_a_video_that_cannot_be_made_is_reported_and_the_rest_goes_on(
+    study: StudyFolder, break_it: Callable[[StudyFolder], None]
+) -> None:
+    break_it(study)
     told: list[RenderProgress] = []
     count = render(study, processes=1, on_progress=told.append)
     assert [failure.split(":")[0] for failure in count.failures] == [
