@@ -21,6 +21,7 @@ from renderer.figures.panels import common_box
 from renderer.framing import Camera
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.render_plan import RenderPlan
+from studyapp.stages.shown_body import licensed_hands
 
 MOST_PIXELS: Final = 2160
 
@@ -103,7 +104,9 @@ class FigureMaterial:
 
     def variation(self, segment: Segment, path: Path) -> MotionClip:
         """Return motion for `segment` from any file, as participants would see it."""
-        return self._shown(read_motion(path), path, segment, self.plan.look.frame_rate)
+        hands = licensed_hands(self.plan.folder, self.plan.study)
+        clip = read_motion(path, mean_hands=hands)
+        return self._shown(clip, path, segment, self.plan.look.frame_rate)
 
     def _shown(
         self, clip: MotionClip, path: Path, segment: Segment, frame_rate: float

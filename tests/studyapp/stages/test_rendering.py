@@ -143,6 +143,13 @@ def _lengthen_clip(study: StudyFolder) -> None:
     write_clip(path, replace(clip, frame_rate=clip.frame_rate / 2))
 
 
+def test_speech_that_cannot_be_read_is_reported_video_by_video(study: StudyFolder) -> None:
+    (study.speech / "take.wav").write_bytes(b"no sound")
+    count = render(study, processes=1)
+    assert (len(count.failures), count.left_out, count.made) == (8, 12, 0)
+    assert all("take.wav" in failure for failure in count.failures)
+
+
 @pytest.mark.parametrize("break_it", [_block_video, _truncate_clip, _lengthen_clip])
 def test_a_video_that_cannot_be_made_is_reported_and_the_rest_goes_on(
     study: StudyFolder, break_it: Callable[[StudyFolder], None]
