@@ -10,6 +10,7 @@ from typing import Any, Final, Self
 import av
 import numpy as np
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
+from numpy.typing import NDArray
 
 from motion.audio import Audio
 
@@ -26,6 +27,16 @@ _STREAM_OPTIONS: Final = {
 }
 _LOSSLESS_OPTIONS: Final = {"qp": "0", "preset": "ultrafast"}
 _SOUND_BITS_PER_SECOND: Final = 128_000
+
+
+def video_frame(picture: NDArray[np.uint8]) -> Any:
+    """Return an RGB `picture`, shape (H, W, 3), as an `av.VideoFrame` in BT.709 yuv420p."""
+    return av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
+        format="yuv420p",
+        src_color_range=ColorRange.JPEG,
+        dst_color_range=ColorRange.MPEG,
+        dst_colorspace=Colorspace.ITU709,
+    )
 
 
 class VideoWriter:

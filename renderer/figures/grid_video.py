@@ -6,11 +6,9 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-import av
 import numpy as np
-from av.video.reformatter import ColorRange, Colorspace
 from PIL import Image, ImageDraw
 
 from motion.audio import Audio
@@ -18,7 +16,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.clip_video import Stage
-from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from renderer.figures.lettering import FAINT_INK, INK, fitted, font, wrapped
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.frames import SUPERSAMPLING
@@ -170,7 +168,7 @@ def write_grid(
             for place, picture in enumerate(pictures):
                 frame.paste(picture, layout.place(place))
             _write_clock(frame, layout, number / rate * speed, speed)
-            writer.write(_as_video_frame(frame))
+            writer.write(video_frame(np.asarray(frame)))
             on_frame(number + 1, count)
 
 
@@ -226,13 +224,3 @@ def _write_clock(frame: Image.Image, layout: GridLayout, seconds: float, speed: 
 def speed_name(speed: float) -> str:
     """Return a speed in words."""
     return _SPEED_NAMES.get(speed, f"{speed:g} × speed")
-
-
-def _as_video_frame(picture: Image.Image) -> Any:
-    """Return RGB as an `av.VideoFrame` in BT.709 yuv420p."""
-    return av.VideoFrame.from_ndarray(np.asarray(picture), format="rgb24").reformat(
-        format="yuv420p",
-        src_color_range=ColorRange.JPEG,
-        dst_color_range=ColorRange.MPEG,
-        dst_colorspace=Colorspace.ITU709,
-    )

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import av
 import numpy as np
 
-from renderer.encoder import VideoWriter
+from renderer.encoder import VideoWriter, video_frame
 from renderer.look import BACKGROUND
 
 SIZE = 128
@@ -25,7 +24,5 @@ def write_block_video(path: Path, places: Sequence[int | None]) -> Path:
             picture = np.full((SIZE, SIZE, 3), BACKGROUND, np.uint8)
             if place is not None:
                 picture[30:, max(place, 0) : place + 40] = (40, 60, 90)
-            writer.write(
-                av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(format="yuv420p")
-            )
+            writer.write(video_frame(picture))
     return path
