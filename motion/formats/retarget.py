@@ -46,8 +46,9 @@ def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
     """Return the motion of a BVH skeleton as an SMPL-X clip, in the file's own world axes.
 
     Arms, legs and fingers point exactly where the source's bones point; trunk, head and feet
-    turn from rest as the source's do. Elbow and wrist share the forearm's twist. Translation is
-    scaled by the ratio of leg lengths, so the file's length unit does not matter.
+    turn from rest as the source's do. Elbow and wrist share the forearm's twist, unless the
+    source's joints are SMPL-X's own. Translation is scaled by the ratio of leg lengths, so the
+    file's length unit does not matter.
 
     Parameters
     ----------
@@ -165,7 +166,8 @@ def _share_forearm_twist(local: FloatArray) -> None:
         axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
         axis = axis / np.linalg.norm(axis)
         twists = [
-            twist_angles(Rotation.from_matrix(local[:, joint]).as_quat(), axis)
+            # Past half a turn an angle starts again at the other end; half of it would jump.
+            np.unwrap(twist_angles(Rotation.from_matrix(local[:, joint]).as_quat(), axis))
             for joint in (elbow, wrist)
         ]
         moved = (twists[0] - twists[1]) / 2

@@ -320,6 +320,22 @@ def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None
         )
 
 
+def test_a_forearm_that_twists_past_half_a_turn_does_not_jump() -> None:
+    skeleton, named = _renamed(OWN)
+    order = depth_first(skeleton)
+    elbow, wrist = joint_index("left_elbow"), joint_index("left_wrist")
+    axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
+    vectors = np.zeros((31, len(order), 3))
+    degrees = np.linspace(150, 210, len(vectors))
+    vectors[:, order.index(named["left_elbow"])] = (
+        np.radians(degrees)[:, None] * axis / np.linalg.norm(axis)
+    )
+    clip = retarget(bvh_motion(skeleton, Rotation.from_rotvec(vectors.reshape(-1, 3))), named)
+    for joint in (elbow, wrist):
+        turns = Rotation.from_rotvec(clip.poses[:, joint])
+        assert np.degrees((turns[:-1].inv() * turns[1:]).magnitude()).max() < 1.1
+
+
 def _in_t_pose(calibration: dict[str, float], heading: float = 0) -> MotionClip:
     """Return one still frame of SMPL-X's skeleton, calibrated with joints pitched by degrees.
 
