@@ -207,7 +207,9 @@ def _outcome(future: Any, job: Job) -> Outcome:
         return outcome
     if _killed(future):
         return Outcome(name=job.name, error="every worker that tried it ended early")
-    return Outcome(name=job.name, error=f"the worker failed ({_problem(future)!r})")
+    problem = _problem(future)
+    said = f"the cluster gave it up ({future.status})" if problem is None else repr(problem)
+    return Outcome(name=job.name, error=f"the worker failed: {said}")
 
 
 def _killed(future: Any) -> bool:
@@ -218,6 +220,6 @@ def _killed(future: Any) -> bool:
 
 
 def _problem(future: Any) -> BaseException | None:
-    """Return what a job raised; None where it did not, or was lost."""
+    """Return what a job raised; None where it did not, or was lost or cancelled."""
     problem: BaseException | None = future.exception() if future.status == "error" else None
     return problem

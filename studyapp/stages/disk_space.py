@@ -18,6 +18,8 @@ FRAMES_LIMIT: Final = 20 * 10**9
 _FRAMES: Final = 0.07
 _CLIP: Final = 0.02
 _PAIR: Final = 0.03
+_SOUND: Final = 20_000
+"""Bytes per second of what is heard, with what holds it together."""
 
 
 def frames_limit(folder: Path, kept: int) -> int:
@@ -63,7 +65,7 @@ def check_room(
     videos = frames = 0.0
     for record in to_do:
         is_clip = isinstance(record, ClipVideo)
-        videos += record.duration * pixels * (_CLIP if is_clip else _PAIR)
+        videos += record.duration * (pixels * (_CLIP if is_clip else _PAIR) + _SOUND)
         frames += record.duration * pixels * (_FRAMES if is_clip else 0)
         there = folder / record.file
         videos -= there.stat().st_size if there.is_file() else 0
