@@ -24,6 +24,8 @@ VARIATION_COLOURS: Final = (
 _FAINTEST: Final = 0.28
 _SAME_DEPTH: Final = 0.05
 """Metres in depth up to which two figures count as being in the same place."""
+_WITH_AGE: Final = 0.1
+"""Metres by which that grows to the oldest moment, so that older faces do not mix either."""
 _DEPTH_STEP: Final = 0.02
 """Metres by which depth may be off, since a triangle has one depth."""
 _COVERING: Final = 0.04
@@ -54,7 +56,7 @@ def faded(moments: Sequence[CutOut]) -> CutOut:
     ages = np.arange(count)[::-1]
     strengths = _FAINTEST + (1 - _FAINTEST) * (1 - ages / count) ** 2
     alphas = pictures[..., 3] * np.where(ages, strengths, 1.0)[:, None, None].astype(np.float32)
-    behind = np.where(ages, _SAME_DEPTH + ages * 1e-3, 0.0)
+    behind = np.where(ages, _SAME_DEPTH + _WITH_AGE * ages / count, 0.0)
     far_first = np.argsort(-(depths + behind[:, None, None]), axis=0, kind="stable")
     colour = np.zeros((*depths.shape[1:], 3), np.float32)
     clear = np.ones(depths.shape[1:], np.float32)
