@@ -57,8 +57,9 @@ def check(folder: StudyFolder) -> list[Finding]:
         If the study file or the segments cannot be read at all.
     """
     study = folder.study()
-    clips = _read_motion(folder, study)
+    clips, broken = _read_motion(folder, study)
     findings = [
+        *broken,
         *_media_findings(folder, study),
         *_size_findings(folder),
         *_loudness_findings(folder),
@@ -184,16 +185,32 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
         )
 
 
-def _read_motion(folder: StudyFolder, study: Study) -> dict[str, list[MotionClip]]:
-    """Return the clips that there are of each condition."""
-    return {
-        condition: [
-            read_clip(path)
-            for segment in folder.segments()
-            if (path := folder.clip(condition, segment.name)).exists()
-        ]
-        for condition in study.conditions
-    }
+def _read_motion(
+    folder: StudyFolder, study: Study
+) -> tuple[dict[str, list[MotionClip]], list[Finding]]:
+    """Return the clips that there are of each condition, and a finding for each broken one.
+
+    Of the catch condition only what is broken is told: its motion is meant to look odd.
+    """
+    clips: dict[str, list[MotionClip]] = {condition: [] for condition in study.conditions}
+    broken: list[Finding] = []
+    for condition in dict.fromkeys((*study.conditions, *study.shown_conditions)):
+        for segment in folder.segments():
+            path = folder.clip(condition, segment.name)
+            if not path.exists():
+                continue
+            try:
+                clip = read_clip(path)
+            except InputError as error:
+                broken.append(_as_finding(error))
+            else:
+                if condition in clips:
+                    clips[condition].append(clip)
+    return clips, broken
+
+
+def _as_finding(error: InputError) -> Finding:
+    return Finding(Severity.ERROR, f"{error.where}: {error.what}", error.remedy)
 
 
 def _body_findings(
@@ -203,7 +220,7 @@ def _body_findings(
     try:
         body = shown_abilities(folder, study)
     except InputError as error:
-        yield Finding(Severity.ERROR, f"{error.where}: {error.what}", error.remedy)
+        yield _as_finding(error)
         return
     shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
     for sentence in left_out(shown, body):

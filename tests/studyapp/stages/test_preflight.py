@@ -223,6 +223,21 @@ def test_a_face_that_the_body_does_not_show_is_warned_of(ready: StudyFolder) -> 
     assert not any(said in what for what in findings_of(ready, Severity.WARNING))
 
 
+def test_every_broken_clip_is_an_error_beside_all_other_findings(ready: StudyFolder) -> None:
+    before = findings_of(ready, Severity.WARNING)
+    segments = [segment.name for segment in ready.segments()][:2]
+    for condition, segment in zip(("ground_truth", "broken"), segments, strict=True):
+        path = ready.clip(condition, segment)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("torn")
+    errors = findings_of(ready, Severity.ERROR)
+    assert [error.split(": ")[0] for error in errors] == [
+        str(ready.clip("ground_truth", segments[0])),
+        str(ready.clip("broken", segments[1])),
+    ]
+    assert findings_of(ready, Severity.WARNING) == before
+
+
 def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
     np.save(ready.root / "face.npy", np.ones((3, 3)))
     change(ready, "video", "expression_matrix", value="face.npy")
