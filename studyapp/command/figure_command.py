@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,6 +12,9 @@ from renderer.figures.moments import MOST_MOMENTS, Moment
 from studyapp.command.arguments import study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
+
+if TYPE_CHECKING:
+    from studyapp.stages.still_figures import Choice, Print
 
 _OUTPUT = click.Path(dir_okay=False, path_type=Path)
 _ENDINGS = (".pdf", ".png")
@@ -220,7 +223,7 @@ def grid(folder: StudyFolder, output: Path | None, **options: Any) -> None:
 
 def _split(
     folder: StudyFolder, kind: str, output: Path | None, options: dict[str, Any]
-) -> tuple[Any, Any]:
+) -> tuple[Choice, Print]:
     """Return what a figure shows and how it is printed."""
     from studyapp.stages.still_figures import Choice, Print
 
