@@ -30,6 +30,7 @@ SLOWEST: Final = 0.1
 _CAPTION_SHARE: Final = 0.11  # height of a caption line, of a panel's side
 _LETTER_SHARE: Final = 0.058
 _TEXT_LINES: Final = 2
+_LINE_SHARE: Final = 0.8  # height of a line of the text, of a caption line
 _SPEED_NAMES: Final = {0.5: "half speed", 0.25: "quarter speed", 0.1: "a tenth of the speed"}
 
 
@@ -93,8 +94,9 @@ class GridLayout:
 
     @property
     def footer_height(self) -> int:
-        """Pixels of the text under the whole; even."""
-        return (_TEXT_LINES if self.text else 1) * self.caption_height
+        """Pixels of the text under the whole, and of the clock below it; even."""
+        lines = 1 + (_TEXT_LINES * _LINE_SHARE if self.text else 0)
+        return round(lines * self.caption_height / 2) * 2
 
     @property
     def frame(self) -> tuple[int, int]:
@@ -199,10 +201,10 @@ def _base(layout: GridLayout, captions: Sequence[str]) -> Image.Image:
     if layout.text:
         small = font(layout.size * _LETTER_SHARE * 0.82)
         width, height = layout.frame
-        room = width - 4 * layout.caption_height
+        room = width - layout.caption_height
         for line, words in enumerate(wrapped(layout.text, small, room, _TEXT_LINES)):
             middle_line = (
-                height - layout.footer_height + (0.35 + 0.8 * line) * layout.caption_height
+                height - layout.footer_height + (0.35 + _LINE_SHARE * line) * layout.caption_height
             )
             pen.text((width / 2, middle_line), words, FAINT_INK, small, anchor="mm")
     return image
