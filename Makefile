@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser demo serve test check format bench bench-render pictures clean
+.PHONY: help setup setup-browser demo serve test check format bench bench-render soak pictures clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -48,6 +48,9 @@ bench: setup  ## Measure rendering speed and the validity of the statistics.
 
 bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
 	$(BIN)/python -m renderer.benchmark
+
+soak: setup  ## Render 10,000 frames and print whether memory stays flat.
+	$(BIN)/python -m renderer.bench.soak
 
 pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/pictures.py demo-study

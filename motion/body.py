@@ -7,7 +7,6 @@ once, because drawing videos needs no gradients.
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,17 +18,25 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
+from motion.body_archive import body_archive
 from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
+from motion.expression_matrix import face_for, read_expression_matrix
 from motion.face import arkit_index
 from motion.skeleton import JOINT_COUNT, PARENTS, joint_index
+from motion.skinning import TwistJoints, skinning_matrices
 
 FloatArray = NDArray[np.float32]
 
 _REQUIRED: Final = (
     "v_template", "f", "shapedirs", "posedirs", "J_regressor", "weights", "kintree_table",
 )  # fmt: skip
-_SURFACE: Final = ("material", "material_names", "shade")
+_SURFACE: Final = ("material", "material_names", "shade", "colours")
+_PER_VERTEX: Final = (
+    "v_template", "shapedirs", "posedirs", "weights", "twist_weights", "material", "shade",
+    "colours",
+)  # fmt: skip
+_TWIST: Final = ("twist_bones", "twist_shares", "twist_weights")
 _FULL_SHAPE_COUNT: Final = 300
 _SHORT_SHAPE_COUNT: Final = 10  # SMPL-X files of 2019 hold 10 shape and 10 expression components
 _FRAMES_AT_ONCE: Final = 8
@@ -37,6 +44,28 @@ _STILL: Final = 1e-7
 
 _JAW_FULLY_OPEN: Final = 0.28
 """Radians of the jaw joint that open the default body's mouth as far as ARKit's jawOpen of 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyAbilities:
+    """What of a clip's face and shape a body can show.
+
+    Attributes
+    ----------
+    has_face : bool
+        Whether any facial expression moves it.
+    has_arkit_slots : bool
+        Whether it shows ARKit's facial actions, rather than SMPL-X's expression components.
+    has_matrix : bool
+        Whether it also shows the other ones, through a matrix.
+    shapes : int
+        How many betas shape it.
+    """
+
+    has_face: bool
+    has_arkit_slots: bool
+    has_matrix: bool
+    shapes: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,11 +86,16 @@ class BodyModel:
         What the joints' rotations add before skinning; None where they add nothing.
     joint_regressor : sparse matrix, shape (55, V)
         Joints as weighted sums of vertices.
-    weights : sparse matrix, shape (V, 55)
-        Skin weights.
+    weights : sparse matrix, shape (V, 55 + K)
+        Skin weights of the skeleton's joints, then of the K twist joints.
+    twist_joints : TwistJoints or None
+        Extra joints that keep the skin from being wrung; a licensed body has none.
     has_arkit_slots : bool
         Whether the expression directions are ARKit's facial actions, in the order of
         `motion.face.ARKIT_NAMES`, rather than SMPL-X's expression components.
+    expression_matrix : ndarray, shape (100, 52), or None
+        Turns a clip's face into this body's terms where the clip has it only in the other ones:
+        SMPL-X's expression coefficients (rows) into ARKit weights (columns), or these into those.
     credits : str
         Whose work the body is; empty where the file does not say.
     surface : mapping of str to ndarray
@@ -75,9 +109,25 @@ class BodyModel:
     pose_directions: FloatArray | None
     joint_regressor: sparse.csr_array
     weights: sparse.csr_array
+    twist_joints: TwistJoints | None = None
     has_arkit_slots: bool = False
+    expression_matrix: FloatArray | None = None
     credits: str = ""
     surface: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    @property
+    def abilities(self) -> BodyAbilities:
+        """What of a clip's face and shape it can show."""
+        return BodyAbilities(
+            has_face=bool(self.expression_directions.size),
+            has_arkit_slots=self.has_arkit_slots,
+            has_matrix=self.expression_matrix is not None,
+            shapes=self.shape_directions.shape[2],
+        )
+
+    def face(self, clip: MotionClip) -> FloatArray | None:
+        """Return the clip's face in this body's terms, shape (n, 52) or (n, 100); None without."""
+        return face_for(clip, has_arkit_slots=self.has_arkit_slots, matrix=self.expression_matrix)
 
     def joints(self, betas: NDArray[np.floating]) -> NDArray[np.float64]:
         """Return the joints of the unposed body with shape `betas`, shape (55, 3), in metres."""
@@ -89,10 +139,10 @@ class BodyModel:
         Parameters
         ----------
         clip : MotionClip
-            The motion. Its betas are applied as far as the model has shape directions; its ARKit
-            weights or expression coefficients as the model has slots for (`expression_note` says
-            when a clip has only the other kind). Where both the jaw joint and ARKit's jawOpen
-            open the mouth, they tell the same opening twice, and the wider one counts.
+            The motion. Its betas are applied as far as the model has shape directions, its face
+            as `face` tells it; `motion.body_limits` says what is left out. Where both the jaw
+            joint and ARKit's jawOpen open the mouth, they tell the same opening twice, and the
+            wider one counts.
         frames : slice
             Which frames; all by default.
 
@@ -109,6 +159,23 @@ class BodyModel:
             self._skin(part.frames(batch), shaped, result[batch])
         return result
 
+    def unposed(self, clip: MotionClip) -> FloatArray:
+        """Return the vertices before skinning, shape (n, V, 3), in metres.
+
+        They are in T-pose, with the clip's shape and expression, and with what the pose adds to
+        the shape.
+        """
+        return self._unposed(clip, self._shaped(clip.betas))
+
+    def skinning_matrices(self, clip: MotionClip) -> FloatArray:
+        """Return what each joint does to the unposed skin, shape (n, 55 + K, 3, 4).
+
+        The vertices of a frame are the unposed ones, each moved by the sum of these matrices
+        weighted with its row of `weights`.
+        """
+        joints = self._joints(clip, self._shaped(clip.betas))
+        return skinning_matrices(clip.poses, clip.trans, joints, self.twist_joints)
+
     def _shaped(self, betas: NDArray[np.floating]) -> FloatArray:
         """Return the template with shape `betas`, shape (V, 3)."""
         count = min(len(betas), self.shape_directions.shape[2])
@@ -117,40 +184,52 @@ class BodyModel:
         added = self.shape_directions[:, :, :count] @ np.asarray(betas[:count], np.float32)
         return np.asarray(self.template + added)
 
-    def _skin(self, clip: MotionClip, shaped: FloatArray, out: FloatArray) -> None:
-        """Write the vertices of all frames of `clip` to `out`, shape (n, V, 3)."""
-        count = len(clip)
-        out[:] = shaped
-        joints = np.broadcast_to(self.joint_regressor @ shaped, (count, JOINT_COUNT, 3))
+    def _unposed(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
+        """Return the vertices before skinning, shape (n, V, 3), of the body of shape `shaped`."""
+        result = np.repeat(shaped[None], len(clip), axis=0)
         coefficients = self._expression_coefficients(clip)
         if coefficients is not None:
-            moved, directions, joint_directions = self._expression_parts
-            out[:, moved] += np.tensordot(coefficients, directions, axes=(1, 2))
-            joints = joints + np.tensordot(coefficients, joint_directions, axes=(1, 2))
-        local = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_matrix()
-        local = local.reshape(count, JOINT_COUNT, 3, 3)
+            moved, directions, _ = self._expression_parts
+            result[:, moved] += np.tensordot(coefficients, directions, axes=(1, 2))
         if self.pose_directions is not None:
-            change = (local[:, 1:] - np.eye(3)).reshape(count, -1).astype(np.float32)
-            out += np.tensordot(change, self.pose_directions, axes=(1, 2))
-        transforms = _skinning_transforms(local, joints, clip.trans)
-        flat = transforms.transpose(1, 0, 2, 3).reshape(JOINT_COUNT, -1)
-        blended = (self.weights @ flat).reshape(-1, count, 3, 4)
-        for frame in range(count):
-            matrices = blended[:, frame]
-            moved_by = np.einsum("vab,vb->va", matrices[:, :, :3], out[frame])
-            np.add(moved_by, matrices[:, :, 3], out=out[frame])
+            local = Rotation.from_rotvec(clip.poses[:, 1:].reshape(-1, 3).astype(float))
+            change = (local.as_matrix() - np.eye(3)).reshape(len(clip), -1).astype(np.float32)
+            result += np.tensordot(change, self.pose_directions, axes=(1, 2))
+        return result
+
+    def _joints(self, clip: MotionClip, shaped: FloatArray) -> FloatArray:
+        """Return the joints of the unposed body in each frame, shape (n, 55, 3)."""
+        joints = np.broadcast_to(self.joint_regressor @ shaped, (len(clip), JOINT_COUNT, 3))
+        coefficients = self._expression_coefficients(clip)
+        if coefficients is None:
+            return joints
+        joint_directions = self._expression_parts[2]
+        return np.asarray(joints + np.tensordot(coefficients, joint_directions, axes=(1, 2)))
+
+    def _skin(self, clip: MotionClip, shaped: FloatArray, out: FloatArray) -> None:
+        """Write the vertices of all frames of `clip` to `out`, shape (n, V, 3)."""
+        out[:] = self._unposed(clip, shaped)
+        joints = self._joints(clip, shaped)
+        matrices = skinning_matrices(clip.poses, clip.trans, joints, self.twist_joints)
+        flat = matrices.transpose(1, 0, 2, 3).reshape(matrices.shape[1], -1)
+        blended = (self.weights @ flat).reshape(-1, len(clip), 3, 4)
+        for frame in range(len(clip)):
+            matrix = blended[:, frame]
+            moved_by = np.einsum("vab,vb->va", matrix[:, :, :3], out[frame])
+            np.add(moved_by, matrix[:, :, 3], out=out[frame])
 
     def _expression_coefficients(self, clip: MotionClip) -> FloatArray | None:
         """Return the coefficients, shape (n, E), that the model has slots for."""
-        values = clip.arkit if self.has_arkit_slots else clip.expressions
+        values = self.face(clip)
         if values is None or not np.any(values):
             return None
         slots = self.expression_directions.shape[2]
         held = np.zeros((len(values), slots), np.float32)
         held[:, : values.shape[1]] = values[:, :slots]
-        if self.has_arkit_slots:
+        jaw_open = arkit_index("jawOpen")
+        if self.has_arkit_slots and jaw_open < slots:
             opened = clip.poses[:, joint_index("jaw"), 0] / _JAW_FULLY_OPEN
-            action = held[:, arkit_index("jawOpen")]
+            action = held[:, jaw_open]
             action[:] = np.where(opened > 0, np.maximum(action - opened, 0), action)
         return held
 
@@ -164,40 +243,32 @@ class BodyModel:
         return moved, np.ascontiguousarray(directions[moved]), joints
 
 
-def read_body(path: Path) -> BodyModel:
+def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel:
     """Read a body model from a file in SMPL-X's ``.npz`` layout.
 
     Parameters
     ----------
     path : Path
         The default body, or a licensed ``SMPLX_*.npz``. Nothing in it is unpickled.
+    expression_matrix : Path or None
+        A file that `motion.expression_matrix` reads.
 
     Raises
     ------
     InputError
         If the file is missing, is no such archive, or lacks an array or has one of a wrong shape.
     """
-    if not path.is_file():
-        raise InputError(
-            "there is no such body model", where=path, remedy="Give the path of an SMPL-X .npz file"
-        )
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            missing = [name for name in _REQUIRED if name not in archive]
-            if missing:
-                raise InputError(
-                    f"the body model lacks {', '.join(missing)}",
-                    where=path,
-                    remedy="Give an SMPL-X model in .npz format (not SMPL, SMPL+H or MANO)",
-                )
-            arrays = {name: archive[name] for name in (*_REQUIRED, *_extras(archive.files))}
-    except (ValueError, OSError, zipfile.BadZipFile) as error:
-        raise InputError(
-            "the file cannot be read as a body model: it is no NumPy archive, or damaged",
-            where=path,
-            remedy="Give an SMPL-X model in .npz format; convert a .pkl with the smplx tools",
-        ) from error
+    with body_archive(path) as archive:
+        missing = [name for name in _REQUIRED if name not in archive]
+        if missing:
+            raise InputError(
+                f"the body model lacks {', '.join(missing)}",
+                where=path,
+                remedy="Give an SMPL-X model in .npz format (not SMPL, SMPL+H or MANO)",
+            )
+        arrays = {name: archive[name] for name in (*_REQUIRED, *_extras(archive.files))}
     _check_shapes(arrays, path)
+    arrays = _without_spare_vertices(arrays)
     shapes = arrays.pop("shapedirs").astype(np.float32, copy=False)
     full = shapes.shape[2] >= _FULL_SHAPE_COUNT + EXPRESSION_COUNT
     shape_count = _FULL_SHAPE_COUNT if full else _SHORT_SHAPE_COUNT
@@ -210,37 +281,34 @@ def read_body(path: Path) -> BodyModel:
         expression_directions=_without_zeros_at_end(shapes[:, :, shape_count:]),
         pose_directions=poses if np.any(poses) else None,
         joint_regressor=sparse.csr_array(arrays["J_regressor"].astype(np.float32)),
-        weights=sparse.csr_array(arrays["weights"].astype(np.float32)),
+        weights=sparse.csr_array(arrays.get("twist_weights", arrays["weights"]).astype(np.float32)),
+        twist_joints=_twist_joints(arrays),
         has_arkit_slots=bool(arrays.get("arkit_slots", False)),
+        expression_matrix=read_expression_matrix(expression_matrix) if expression_matrix else None,
         credits=str(arrays.get("credits", "")),
         surface=surface,
     )
 
 
-def expression_note(clip: MotionClip, body: BodyModel) -> str | None:
-    """Return what of the clip's facial expression `body` cannot show, or None if it shows all.
-
-    ARKit weights and SMPL-X's expression coefficients are different spaces; a body has slots for
-    one of them, and neither is guessed from the other.
-    """
-    wanted, other = ("arkit", "expressions") if body.has_arkit_slots else ("expressions", "arkit")
-    given = getattr(clip, other)
-    if given is None or not np.any(given) or getattr(clip, wanted) is not None:
-        return None
-    names = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
-    return (
-        f"the clip's face is given as {names[other]}, which this body has no slots for; its face"
-        f" moves by jaw and eyes alone (give {names[wanted]}, or another body)"
-    )
-
-
 def _extras(names: list[str]) -> list[str]:
-    return [name for name in (*_SURFACE, "arkit_slots", "credits") if name in names]
+    optional = [*_SURFACE, "arkit_slots", "credits", "spare_vertices"]
+    if all(name in names for name in _TWIST):
+        optional += _TWIST
+    return [name for name in optional if name in names]
+
+
+def _twist_joints(arrays: Mapping[str, NDArray[Any]]) -> TwistJoints | None:
+    if "twist_bones" not in arrays:
+        return None
+    return TwistJoints(
+        bones=arrays["twist_bones"].astype(np.int64),
+        shares=arrays["twist_shares"].astype(np.float64),
+    )
 
 
 def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
     """Raise where the arrays do not fit together as SMPL-X's do."""
-    count = len(arrays["v_template"])
+    count = arrays["v_template"].shape[0] if arrays["v_template"].ndim else 0
     expected: dict[str, tuple[int | None, ...]] = {
         "v_template": (count, 3),
         "f": (None, 3),
@@ -250,6 +318,13 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
         "weights": (count, JOINT_COUNT),
         "kintree_table": (2, JOINT_COUNT),
     }
+    if "twist_bones" in arrays:
+        extra = len(arrays["twist_bones"])
+        expected |= {
+            "twist_bones": (extra, 2),
+            "twist_shares": (extra, 2),
+            "twist_weights": (count, JOINT_COUNT + extra),
+        }
     for name, shape in expected.items():
         given = arrays[name].shape
         fits = len(given) == len(shape) and all(
@@ -262,6 +337,13 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
                 where=path,
                 remedy=f"Give an SMPL-X model with {JOINT_COUNT} joints in .npz format",
             )
+    bones = arrays.get("twist_bones", np.zeros(0))
+    if np.any((bones < 0) | (bones >= JOINT_COUNT)):
+        raise InputError(
+            "twist_bones of the body model names joints that there are not",
+            where=path,
+            remedy="Build the default body again, or leave the twist arrays out",
+        )
     if arrays["kintree_table"][0, 1:].tolist() != list(PARENTS[1:]):
         raise InputError(
             "the body model's joint tree is not SMPL-X's",
@@ -270,24 +352,17 @@ def _check_shapes(arrays: Mapping[str, NDArray[Any]], path: Path) -> None:
         )
 
 
+def _without_spare_vertices(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the arrays without the vertices at the end that are there only for smplx.
+
+    It looks up landmarks at fixed places, beyond what the default bodies have.
+    """
+    count = len(arrays["v_template"]) - int(arrays.get("spare_vertices", 0))
+    shortened = {name: arrays[name][:count] for name in _PER_VERTEX if name in arrays}
+    return {**arrays, **shortened, "J_regressor": arrays["J_regressor"][:, :count]}
+
+
 def _without_zeros_at_end(directions: FloatArray) -> FloatArray:
     """Return the directions up to the last one that moves anything."""
     used = np.flatnonzero(np.abs(directions).max(axis=(0, 1), initial=0.0))
     return directions[:, :, : used[-1] + 1 if len(used) else 0]
-
-
-def _skinning_transforms(
-    local: NDArray[np.float64], joints: NDArray[np.floating], trans: FloatArray
-) -> FloatArray:
-    """Return what each joint does to the skin at rest, shape (n, 55, 3, 4)."""
-    world = np.empty_like(local)
-    position = np.empty_like(joints, dtype=np.float64)
-    for joint, parent in enumerate(PARENTS):
-        if parent < 0:
-            world[:, joint], position[:, joint] = local[:, joint], joints[:, joint]
-            continue
-        world[:, joint] = world[:, parent] @ local[:, joint]
-        offset = joints[:, joint] - joints[:, parent]
-        position[:, joint] = position[:, parent] + np.einsum("nab,nb->na", world[:, parent], offset)
-    shift = position - np.einsum("njab,njb->nja", world, joints) + trans[:, None]
-    return np.concatenate([world, shift[..., None]], axis=3).astype(np.float32)

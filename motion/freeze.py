@@ -11,10 +11,8 @@ import numpy as np
 
 from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.hands import FINGERS, RELAXED_HANDS
 from motion.skeleton import FACE_JOINTS, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS, joint_index
-
-FINGER_CURL: Final = 0.3
-"""Bend of every finger joint of a hand at rest, in radians; the thumb stays straight."""
 
 _LEGS: Final = ("hip", "knee", "ankle", "foot")
 _JOINTS_OF_CHANNEL: Final = MappingProxyType(
@@ -37,7 +35,7 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
         The motion.
     channels : collection of str
         Any of `CHANNELS`. ``face``: jaw, eyes, expressions and ARKit weights are zero.
-        ``hands``: fingers are slightly curled. ``lower_body``: legs are straight. ``root``:
+        ``hands``: fingers are relaxed. ``lower_body``: legs are straight. ``root``:
         the pelvis stays at the origin and faces +z.
 
     Raises
@@ -52,8 +50,9 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
         )
     poses = clip.poses.copy()
     for channel in channels:
-        for name in _JOINTS_OF_CHANNEL[channel]:
-            poses[:, joint_index(name)] = _neutral(name)
+        poses[:, [joint_index(name) for name in _JOINTS_OF_CHANNEL[channel]]] = 0
+    if "hands" in channels:
+        poses[:, FINGERS] = RELAXED_HANDS
     frozen = replace(clip, poses=poses)
     if "root" in channels:
         frozen = replace(frozen, trans=np.zeros_like(clip.trans))
@@ -77,14 +76,3 @@ def moving_channels(clip: MotionClip) -> frozenset[str]:
     return frozenset(
         name for name, parts in values.items() if any(np.ptp(part, axis=0).any() for part in parts)
     )
-
-
-def _neutral(joint: str) -> tuple[float, float, float]:
-    """Return the neutral rotation of `joint`, axis-angle in radians."""
-    # With the arms out and the palms down, fingers bend about z: left ones turn downwards
-    # with a negative angle, right ones with a positive angle.
-    if joint in LEFT_HAND_JOINTS and "thumb" not in joint:
-        return (0.0, 0.0, -FINGER_CURL)
-    if joint in RIGHT_HAND_JOINTS and "thumb" not in joint:
-        return (0.0, 0.0, FINGER_CURL)
-    return (0.0, 0.0, 0.0)

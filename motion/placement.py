@@ -13,12 +13,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
+from motion.ground import ground_height, sole_heights
 from motion.rest_pose import REST_JOINTS
-from motion.skeleton import forward_kinematics, joint_index
 
-_FEET: Final = [
-    joint_index(f"{side}_{part}") for side in ("left", "right") for part in ("ankle", "foot")
-]
 _TURN_WORTH_SAYING: Final = 1.0
 """Degrees of turning up to which nobody needs to know."""
 
@@ -27,8 +24,9 @@ def place(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
     """Return `clip` placed in the study's world, and notes about what was turned.
 
     The axis nearest to the pelvis' mean direction up becomes +y, the mean direction the pelvis
-    faces becomes +z, the mean position comes to lie over the origin, and the lowest foot of
-    all frames on the floor of the unposed body. The motion itself is not changed.
+    faces becomes +z, the mean position comes to lie over the origin, and the lower foot, for half
+    of the time, on the floor of the unposed body: a single frame in which a recording sinks does
+    not lift all others. The motion itself is not changed.
     """
     notes: list[str] = []
     axis = _up_axis(clip)
@@ -68,8 +66,7 @@ def _turn_world(clip: MotionClip, turn: Rotation) -> MotionClip:
 
 
 def _stand_at_origin(clip: MotionClip) -> MotionClip:
-    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
     shift = np.zeros(3)
     shift[[0, 2]] = -clip.trans[:, [0, 2]].mean(axis=0)
-    shift[1] = REST_JOINTS[_FEET, 1].min() - positions[:, _FEET, 1].min()
+    shift[1] = ground_height(REST_JOINTS) - float(np.median(sole_heights(clip, REST_JOINTS)))
     return replace(clip, trans=(clip.trans + shift).astype(np.float32))

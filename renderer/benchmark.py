@@ -1,27 +1,22 @@
-"""How fast videos are made on this machine, beside the loop that research code writes.
+"""How fast videos are made on this machine, beside what else could make them.
 
 ``python -m renderer.benchmark`` measures everything in turns, round after round, on the same mesh
 and motion, and takes medians, because other work on the machine comes and goes. Rates are by the
-clock. One of our processes uses one thread; pyrender's loop may use all cores.
+clock. One of our processes uses one thread; the others use as many as they take.
 """
 
 from __future__ import annotations
 
 import os
 
-from renderer.jobs import ONE_THREAD
+from renderer.threads import ONE_THREAD
 
 os.environ.update(ONE_THREAD)  # before NumPy and Mesa load: measured as in a worker
 
-import json
 import resource
-import subprocess
-import sys
 import tempfile
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Final
@@ -32,33 +27,39 @@ from motion.audio import Audio, write_wav
 from motion.body import read_body
 from motion.formats import write_clip
 from renderer.bench.edges import edge_errors
+from renderer.bench.measured import Measured, timed
+from renderer.bench.peers import peers, write_posed_mesh
 from renderer.bench.sample_motion import gesturing_clip
 from renderer.body_asset import default_body
 from renderer.clip_video import Stage, write_clip_video
 from renderer.encoder import SOUND_RATE, VideoWriter
-from renderer.frames import looking
 from renderer.framing import Camera, frame_clips
 from renderer.job import ClipJob, Job, PairJob
 from renderer.jobs import run_jobs
 from renderer.look import Look
 from renderer.pair import composed_frames, write_pair
-from renderer.surface import avatar_colours
 
 SECONDS: Final = 4.0
 ROUNDS: Final = 3
-PLAIN_FRAMES: Final = 30
-"""Frames of the plain loop, which is slow and loses some 3 MB with each frame."""
+PEER_FRAMES: Final = 30
+"""Frames of the other programs, which are slow; the plain loop loses some 3 MB with each."""
 
-_JOBS_PER_PROCESS: Final = 3
+_CLIPS_PER_PROCESS: Final = 3
+"""The first loads libraries, body and shaders, and is not counted."""
 
+_STIMULI, _STIMULUS_SECONDS = 200, 10.0
 
-@dataclass(frozen=True, kw_only=True)
-class Measured:
-    """One run: frames per second by the clock, processor milliseconds a frame, peak memory."""
-
-    rate: float
-    milliseconds: float
-    peak_mb: float = float("nan")
+_SAID: Final = {
+    "clip": "our clip: skin, draw, encode",
+    "frames": "our frames, kept without loss for pairs",
+    "compose": "our pair composed from kept frames",
+    "x264": "x264 and AAC alone, one clip",
+    "x264 pair": "x264 and AAC alone, one pair",
+    "plain loop": "pair by a plain pyrender loop",
+    "mended loop": "the same, shader cache mended",
+    "aitviewer": "pair by aitviewer, 4 x MSAA, not encoded",
+    "blender": "pair by Blender Workbench, FXAA, not encoded",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,11 +77,11 @@ class Setting:
         return round(SECONDS * self.look.frame_rate)
 
     def clip_job(self, name: str) -> ClipJob:
-        """Return a job that makes the clip, called `name`."""
+        """Return a job that makes the frames of the clip, called `name`."""
         return ClipJob(
             name=name, motion=self.folder / "clip.npz", speech=self.folder / "speech.wav",
             start=0.0, end=SECONDS, freeze=(), body=self.body, camera=self.camera, look=self.look,
-            frames=self.folder / f"{name}.mkv", video=self.folder / f"{name}.mp4",
+            frames=self.folder / f"{name}.mkv", video=None,
         )  # fmt: skip
 
     def pair_job(self, name: str, side: str) -> PairJob:
@@ -103,82 +104,71 @@ def main() -> None:
         write_clip(setting.folder / "clip.npz", clip)
         silence = Audio(np.zeros(round(SECONDS * SOUND_RATE), np.float32), SOUND_RATE)
         write_wav(setting.folder / "speech.wav", silence)
-        per_core, peak = _one_process_per_core(setting)
+        # First, as a new process's peak counts what this one held when it was started.
+        all_cores = [_one_process_per_core(setting)]
         stage = Stage(body, camera, look)
-        edges = edge_errors(stage, camera, stage.body.vertices(clip, slice(0, 1))[0])
-        _write_for_stock_loop(setting, stage)
+        posed = setting.folder / "posed.npz"
+        write_posed_mesh(posed, stage.body, camera, look, PEER_FRAMES)
         with stage:
-            runs = _in_turns(setting, stage, silence)
-    _print(runs, per_core, peak, edges)
+            tasks = {**_our_tasks(setting, stage, silence), **peers(posed)}
+            runs: dict[str, list[Measured]] = {name: [] for name in tasks}
+            for number in range(ROUNDS):
+                if number:
+                    all_cores.append(_one_process_per_core(setting))
+                for name, task in tasks.items():
+                    runs[name].append(task())
+        edges = edge_errors(stage, camera, stage.body.vertices(clip, slice(0, 1))[0])
+        print(f"{stage.body.template.shape[0]} vertices, {len(stage.body.faces)} triangles,"
+              f" {look.size} x {look.size} pixels a side")  # fmt: skip
+    _print(runs, all_cores, edges)
 
 
-def _one_process_per_core(setting: Setting) -> tuple[dict[str, float], float]:
+def _one_process_per_core(setting: Setting) -> dict[str, float]:
     """Return frames per second of all cores together, and the largest process's peak in MB."""
     cores = os.cpu_count() or 1
-    names = [f"clip{number}" for number in range(cores * _JOBS_PER_PROCESS)]
-    jobs: list[Job] = [setting.clip_job(name) for name in names]
-    jobs += [setting.pair_job(f"pair{name}", name) for name in names]
-    outcomes = run_jobs(jobs, processes=cores)
+    names = [f"clip{number}" for number in range(cores * _CLIPS_PER_PROCESS)]
+    clips: list[Job] = [setting.clip_job(name) for name in names]
+    composed: list[Job] = [setting.pair_job(f"pair{name}", name) for name in names]
+    outcomes = run_jobs([*clips, *composed], processes=cores)
     failed = [outcome.error for outcome in outcomes if outcome.error]
     if failed:
         raise RuntimeError(f"a job of the benchmark failed: {failed[0]}")
-    rates = {}
-    for kind in ("clip", "compose"):
-        part = outcomes[: len(names)] if kind == "clip" else outcomes[len(names) :]
-        # Not each process's first one, in which it loads libraries, body and shaders.
-        seconds = median(outcome.seconds for outcome in part[cores:])
-        rates[kind] = cores * setting.frame_count / seconds
-    return rates, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    clip = median(outcome.seconds for outcome in outcomes[cores : len(clips)])
+    compose = median(outcome.seconds for outcome in outcomes[len(clips) + cores :])
+    frames = cores * setting.frame_count
+    return {
+        "frames": frames / clip,
+        "compose": frames / compose,
+        "pair": frames / (2 * clip + compose),
+        "peak": resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024,
+    }
 
 
-def _write_for_stock_loop(setting: Setting, stage: Stage) -> None:
-    """Leave the posed mesh, its colours and the camera for the other process."""
-    clip = gesturing_clip(PLAIN_FRAMES / setting.look.frame_rate, setting.look.frame_rate)
-    colours = avatar_colours(stage.body, setting.look.avatar)[:, :3]
-    camera = setting.camera
-    np.savez(
-        setting.folder / "stock.npz",
-        vertices=stage.body.vertices(clip),
-        faces=stage.body.faces,
-        colours=np.round(colours * 255).astype(np.uint8),
-        camera=looking(np.array(camera.eye), np.array(camera.target)),
-        field_of_view=camera.field_of_view,
-        size=setting.look.size,
-        frame_rate=setting.look.frame_rate,
-    )
-
-
-def _in_turns(setting: Setting, stage: Stage, silence: Audio) -> dict[str, list[Measured]]:
-    """Return each task's runs, one a round."""
+def _our_tasks(setting: Setting, stage: Stage, silence: Audio) -> dict[str, Callable[[], Measured]]:
+    """Return what one of our processes does, and encoding alone, by name."""
     clip, pair = setting.clip_job("one"), setting.pair_job("two", "one")
     count, look = setting.frame_count, setting.look
     single = [*stage.video_frames(gesturing_clip(SECONDS, look.frame_rate))]
-    tasks: dict[str, Callable[[], Measured]] = {
-        "clip": lambda: _timed(count, lambda: write_clip_video(
+
+    def write(**files: Path | None) -> None:
+        write_clip_video(
             stage, motion=clip.motion, speech=clip.speech, start=clip.start, end=clip.end,
-            frozen=(), frames=clip.frames, video=clip.video,
-        )),
-        "compose": lambda: _timed(count, lambda: write_pair(
-            left=pair.left, right=pair.right, speech=pair.speech, start=pair.start,
-            end=pair.end, video=pair.video, look=look,
-        )),
-        "x264": lambda: _timed(count, lambda: _encode(setting, single, look.size, silence)),
+            frozen=(), **files,
+        )  # fmt: skip
+
+    def compose() -> None:
+        write_pair(
+            left=pair.left, right=pair.right, speech=pair.speech, start=pair.start, end=pair.end,
+            video=pair.video, look=look,
+        )  # fmt: skip
+
+    return {
+        "clip": lambda: timed(count, lambda: write(video=setting.folder / "one.mp4")),
+        "frames": lambda: timed(count, lambda: write(frames=clip.frames)),
+        "compose": lambda: timed(count, compose),
+        "x264": lambda: timed(count, lambda: _encode(setting, single, look.size, silence)),
         "x264 pair": lambda: _x264_pair(setting, silence),
-        "plain loop": partial(_stock_loop, setting),
-        "mended loop": partial(_stock_loop, setting, "--mended"),
-    }  # fmt: skip
-    runs: dict[str, list[Measured]] = {name: [] for name in tasks}
-    for _ in range(ROUNDS):
-        for name, task in tasks.items():
-            runs[name].append(task())
-    return runs
-
-
-def _timed(frames: int, task: Callable[[], object]) -> Measured:
-    wall, busy = time.perf_counter(), time.process_time()
-    task()
-    wall, busy = time.perf_counter() - wall, time.process_time() - busy
-    return Measured(rate=frames / wall, milliseconds=1000 * busy / frames)
+    }
 
 
 def _encode(setting: Setting, frames: list[object], width: int, silence: Audio) -> None:
@@ -194,81 +184,69 @@ def _x264_pair(setting: Setting, silence: Audio) -> Measured:
     """Encode the very frames that a pair is composed of, already in memory."""
     job = setting.pair_job("two", "one")
     frames: list[object] = [*composed_frames(job.left, job.right, setting.look.size)]
-    return _timed(len(frames), lambda: _encode(setting, frames, 2 * setting.look.size, silence))
-
-
-def _stock_loop(setting: Setting, *options: str) -> Measured:
-    """Run the stock loop in a process of its own, with the threads it takes by itself."""
-    environment = {name: text for name, text in os.environ.items() if name not in ONE_THREAD}
-    done = subprocess.run(  # noqa: S603 - our own module
-        [sys.executable, "-m", "renderer.bench.stock_loop", setting.folder / "stock.npz", *options],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    result = json.loads(done.stdout.splitlines()[-1])
-    return Measured(
-        rate=result["frames"] / result["seconds"],
-        milliseconds=1000 * result["busy"] / result["frames"],
-        peak_mb=result["peak_mb"],
-    )
+    return timed(len(frames), lambda: _encode(setting, frames, 2 * setting.look.size, silence))
 
 
 def _print(
     runs: dict[str, list[Measured]],
-    per_core: dict[str, float],
-    peak: float,
+    all_cores: list[dict[str, float]],
     edges: tuple[float, float],
 ) -> None:
     """Print the table, then the values that others read."""
-    said = {
-        "clip": "our clip: skin, draw, encode twice",
-        "compose": "our pair composed from rendered clips",
-        "x264": "x264 and AAC alone, one clip",
-        "x264 pair": "x264 and AAC alone, one pair",
-        "plain loop": f"pair by a plain pyrender loop, {PLAIN_FRAMES} frames",
-        "mended loop": "the same, shader cache mended",
-    }
-    print(f"{'one process (medians of ' + str(ROUNDS) + ')':44} frames/s  CPU ms/frame  peak MB")
+    print(f"{'medians of ' + str(ROUNDS):46} frames/s  CPU ms/frame  peak MB")
     for name, measured in runs.items():
         memory = median(run.peak_mb for run in measured)
         print(
-            f"{said[name]:44} {median(run.rate for run in measured):8.1f}"
+            f"{_SAID[name]:46} {median(run.rate for run in measured):8.1f}"
             f"  {median(run.milliseconds for run in measured):12.1f}"
             f"  {'' if np.isnan(memory) else round(memory):>7}"
         )
-    pairs = [_pair(*both) for both in zip(runs["clip"], runs["compose"], strict=True)]
-    print(f"{'our pair from motion (two clips, composed)':44} {median(pairs):8.1f}")
     cores = os.cpu_count() or 1
-    print(f"\nall {cores} cores, a process each: clip {per_core['clip']:.1f}, pair composed"
-          f" {per_core['compose']:.1f} frames/s; largest process {peak:.0f} MB")  # fmt: skip
-    print("pair_fps counts both clips' drawing; each clip serves many pairs, so a study's pairs"
-          " come\nnearer to the composing rate. The loops are given the posed mesh.\n")  # fmt: skip
+    ours = {name: median(run[name] for run in all_cores) for name in all_cores[0]}
+    pairs = [_pair(*both) for both in zip(runs["frames"], runs["compose"], strict=True)]
+    for said, pair_rate in (("one process", median(pairs)), (f"{cores} processes", ours["pair"])):
+        print(f"{'our pair: both sides drawn, composed, ' + said:46} {pair_rate:8.1f}")
+    print(f"{f'our composing, {cores} processes':46} {ours['compose']:8.1f}")
+    print(
+        "Ratios to other programs take our rate with one process a core, as the others use all"
+        "\ncores. Each clip serves several pairs, so a study's pairs come nearer to composing's"
+        "\nrate. Skinning is counted for us, but not for the others, which get the posed mesh."
+    )
     rate = {name: median(run.rate for run in measured) for name, measured in runs.items()}
-    loops = [run.rate for run in runs["plain loop"]]
     composed = zip(runs["compose"], runs["x264 pair"], strict=True)
+    frames = _STIMULI * _STIMULUS_SECONDS * Look().frame_rate
     values = {
+        "stimuli_200_minutes": frames * (1 / ours["frames"] + 1 / ours["compose"]) / 60,
+        "pair_fps_all_cores": ours["pair"],
+        "compose_fps_all_cores": ours["compose"],
+        "pair_over_plain_loop_one_process": median(pairs) / rate["plain loop"],
+        **{
+            f"pair_over_{name}": ours["pair"] / rate[name]
+            for name in ("aitviewer", "blender")
+            if name in rate
+        },
         "clip_fps": rate["clip"],
         "pair_fps": median(pairs),
         "plain_loop_fps": rate["plain loop"],
         "mended_loop_fps": rate["mended loop"],
         "x264_fps": rate["x264"],
         "pair_over_plain_loop": median(
-            pair / loop for pair, loop in zip(pairs, loops, strict=True)
+            mine["pair"] / loop.rate
+            for mine, loop in zip(all_cores, runs["plain loop"], strict=True)
         ),
-        "compose_over_x264": median(ours.rate / alone.rate for ours, alone in composed),
+        "compose_over_x264": median(mine.rate / alone.rate for mine, alone in composed),
         "edge_rmse": edges[0],
         "edge_rmse_msaa4": edges[1],
-        "peak_mb": peak,
+        "peak_mb": all_cores[0]["peak"],  # before another program has run
     }
+    print()
     for name, value in values.items():
         print(f"{name}: {value:.2f}")
 
 
-def _pair(clip: Measured, composed: Measured) -> float:
+def _pair(frames: Measured, composed: Measured) -> float:
     """Return frames per second of a pair of which nothing is rendered yet."""
-    return 1 / (2 / clip.rate + 1 / composed.rate)
+    return 1 / (2 / frames.rate + 1 / composed.rate)
 
 
 if __name__ == "__main__":

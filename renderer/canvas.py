@@ -6,9 +6,10 @@ from typing import Any, Final
 
 import av
 import numpy as np
-from av.video.reformatter import ColorRange, Colorspace, Interpolation, VideoReformatter
+from av.video.reformatter import Interpolation, VideoReformatter
 from numpy.typing import NDArray
 
+from renderer.channels import VIDEO
 from renderer.frames import SUPERSAMPLING
 from renderer.look import BACKGROUND
 from renderer.pixel_box import PixelBox
@@ -22,50 +23,42 @@ class Canvas:
 
     def __init__(self, size: int) -> None:
         self._size = size
-        self._reformatter = VideoReformatter()
-        side = 16 * SUPERSAMPLING
-        plain = np.full((side, side, 4), (*BACKGROUND, 255), np.uint8)
-        sample = self._converted(plain)
-        self._background = [int(plane_pixels(plane)[0, 0]) for plane in sample.planes]
+        self._reformatters = [VideoReformatter() for _ in _PLANE_SHRINKS]
+        plain = VIDEO @ [*BACKGROUND, 255.0]
+        self._background = np.round(plain[:3]).astype(int).tolist()
 
-    def with_picture(self, picture: NDArray[np.uint8], box: PixelBox) -> Any:
-        """Return an `av.VideoFrame` with `picture` in its place.
+    def with_picture(self, planes: NDArray[np.uint8], box: PixelBox) -> Any:
+        """Return an `av.VideoFrame` with a picture in its place.
 
         Parameters
         ----------
-        picture : ndarray, shape (height, width, 4)
-            RGBA, `frames.SUPERSAMPLING` times as large as in the video on each side.
+        planes : ndarray, shape (3, height, width)
+            The picture in the channels `renderer.channels.VIDEO`, `frames.SUPERSAMPLING` times as
+            large as in the video on each side.
         box : PixelBox
             Which part of the whole picture it is; the rest is background.
         """
-        part = self._converted(picture)
-        if (box.width, box.height) == (self._size * SUPERSAMPLING,) * 2:
-            return part
         frame = av.VideoFrame(self._size, self._size, "yuv420p")
-        for plane, source, plain, shrink in zip(
-            frame.planes, part.planes, self._background, _PLANE_SHRINKS, strict=True
-        ):
-            pixels, inner = plane_pixels(plane), plane_pixels(source)
+        for number, shrink in enumerate(_PLANE_SHRINKS):
+            inner = self._averaged(number, planes[number], SUPERSAMPLING * shrink)
+            pixels = plane_pixels(frame.planes[number])
             top = box.top // SUPERSAMPLING // shrink
             left = box.left // SUPERSAMPLING // shrink
-            pixels[:] = plain
+            pixels[:] = self._background[number]
             pixels[top : top + inner.shape[0], left : left + inner.shape[1]] = inner
         return frame
 
-    def _converted(self, picture: NDArray[np.uint8]) -> Any:
-        """Return `picture` averaged down in yuv420p."""
-        height, width = picture.shape[:2]
-        # One call of swscale averages down, converts and subsamples.
-        return self._reformatter.reformat(
-            av.VideoFrame.from_numpy_buffer(picture, format="rgba"),
-            width=width // SUPERSAMPLING,
-            height=height // SUPERSAMPLING,
-            format="yuv420p",
+    def _averaged(self, number: int, plane: NDArray[np.uint8], times: int) -> NDArray[np.uint8]:
+        """Return `plane` with the mean of each `times` × `times` pixels."""
+        height, width = plane.shape
+        smaller = self._reformatters[number].reformat(
+            av.VideoFrame.from_numpy_buffer(plane, format="gray"),
+            width=width // times,
+            height=height // times,
             interpolation=Interpolation.AREA,
-            src_color_range=ColorRange.JPEG,
-            dst_color_range=ColorRange.MPEG,
-            dst_colorspace=Colorspace.ITU709,
+            threads=1,
         )
+        return plane_pixels(smaller.planes[0])
 
 
 def plane_pixels(plane: Any) -> NDArray[np.uint8]:

@@ -16,18 +16,22 @@ from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing
-from motion.formats import read_clip
+from motion.formats.clip_npz import read_clip
 from motion.freeze import freeze
+from motion.ground import stand_on_ground
 from motion.resample import resample
 from renderer.canvas import Canvas
+from renderer.channels import VIDEO
+from renderer.contact_shadow import ContactShadow, ShadowCaster
 from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import Look
-from renderer.surface import VertexNormals, avatar_colours
+from renderer.loudness import at_common_loudness
+from renderer.surface import VertexNormals, surface_colours
 
-FRAMES_AT_ONCE: Final = 60
-"""Frames whose vertices are in memory together."""
+FRAMES_AT_ONCE: Final = 16
+"""Frames whose vertices are in memory together, and that are drawn in one box round all of them."""
 
 LENGTH_TOLERANCE: Final = 0.1
 """Seconds by which motion and speech may differ; the last frame is held or left out."""
@@ -48,9 +52,10 @@ class Stage:
 
     def __init__(self, body: Path, camera: Camera, look: Look) -> None:
         self.look = look
-        self.body: BodyModel = read_body(body)
+        self.body: BodyModel = read_body(body, expression_matrix=look.expression_matrix)
         self._normals = VertexNormals(self.body)
-        colours = avatar_colours(self.body, look.avatar)
+        self._caster = ShadowCaster(self.body)
+        colours = surface_colours(self.body)
         self._renderer = FrameRenderer(self.body.faces, colours, camera, look.size)
 
     def __enter__(self) -> Self:
@@ -66,22 +71,29 @@ class Stage:
         self._renderer.__exit__(kind, error, trace)
 
     def pictures(self, clip: MotionClip) -> Iterator[NDArray[np.uint8]]:
-        """Yield each frame of `clip` as RGBA, larger than asked for by `frames.SUPERSAMPLING`.
-
-        The array is reused from frame to frame.
-        """
+        """Yield each frame of `clip` as RGBA, larger than asked for by `frames.SUPERSAMPLING`."""
         for batch in self._vertices(clip):
-            for vertices in batch:
-                yield self._renderer.draw(vertices, self._normals.of(vertices))
+            for vertices, shadow in zip(batch, self._shadows(clip, batch), strict=True):
+                planes = self._renderer.draw(vertices, self._normals.of(vertices), shadow=shadow)
+                yield np.stack([*planes, np.full_like(planes[0], 255)], axis=2)
 
     def video_frames(self, clip: MotionClip) -> Iterator[Any]:
         """Yield each frame of `clip` as an `av.VideoFrame`, averaged down, in BT.709 yuv420p."""
         canvas = Canvas(self.look.size)
         for batch in self._vertices(clip):
-            box = self._renderer.box_around(batch)
-            for vertices in batch:
-                picture = self._renderer.draw(vertices, self._normals.of(vertices), box)
-                yield canvas.with_picture(picture, box)
+            shadows = self._shadows(clip, batch)
+            box = self._renderer.box_around([batch, *(s.corners() for s in shadows if s)])
+            for vertices, shadow in zip(batch, shadows, strict=True):
+                normals = self._normals.of(vertices)
+                planes = self._renderer.draw(vertices, normals, box, shadow, VIDEO)
+                yield canvas.with_picture(planes, box)
+
+    def _shadows(self, clip: MotionClip, batch: NDArray[np.float32]) -> list[ContactShadow | None]:
+        """Return the shadow on the ground in each frame of `batch`; None where no ground is."""
+        if self.look.framing != "full_body":
+            return [None] * len(batch)
+        ground = self._caster.ground(clip)
+        return [self._caster.under(vertices, ground) for vertices in batch]
 
     def _vertices(self, clip: MotionClip) -> Iterator[NDArray[np.float32]]:
         """Yield the vertices of `FRAMES_AT_ONCE` frames after the other, shape (n, V, 3)."""
@@ -97,10 +109,10 @@ def write_clip_video(
     start: float,
     end: float,
     frozen: tuple[str, ...],
-    frames: Path,
-    video: Path,
+    frames: Path | None = None,
+    video: Path | None = None,
 ) -> None:
-    """Write the video of one motion clip, and its lossless frames.
+    """Write the video of one motion clip, its lossless frames, or both.
 
     Parameters
     ----------
@@ -115,8 +127,10 @@ def write_clip_video(
         frames.
     frozen : tuple of str
         Channels to hold still, as `motion.freeze.freeze` names them.
-    frames, video : Path
-        Where to write; both appear whole, or not at all.
+    frames : Path or None
+        Where to write frames without loss, from which pairs are composed.
+    video : Path or None
+        Where to write the video with its speech. Both files appear whole, or not at all.
 
     Raises
     ------
@@ -124,24 +138,61 @@ def write_clip_video(
         If motion or speech cannot be read, or differ in length by more than `LENGTH_TOLERANCE`.
     """
     look = stage.look
-    clip = _as_shown(read_clip(motion), motion, end - start, frozen, look.frame_rate)
-    sound = read_audio(speech, sample_rate=SOUND_RATE).cut(start, end)
+    clip = as_shown(read_clip(motion), stage.body, motion, end - start, frozen, look.frame_rate)
+    sound = None
+    if video is not None:
+        sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
+    size, rate = look.size, look.frame_rate
     with ExitStack() as stack:
-        kept = stack.enter_context(replacing(frames))
-        shown = stack.enter_context(replacing(video))
-        lossless = stack.enter_context(VideoWriter(kept, look.size, look.size, look.frame_rate))
-        encoded = stack.enter_context(
-            VideoWriter(shown, look.size, look.size, look.frame_rate, sound)
-        )
+        writers = [
+            stack.enter_context(
+                VideoWriter(stack.enter_context(replacing(path)), size, size, rate, heard)
+            )
+            for path, heard in ((frames, None), (video, sound))
+            if path is not None
+        ]
         for frame in stage.video_frames(clip):
-            lossless.write(frame)
-            encoded.write(frame)
+            for writer in writers:
+                writer.write(frame)
 
 
-def _as_shown(
-    clip: MotionClip, path: Path, duration: float, frozen: tuple[str, ...], frame_rate: float
+def as_shown(
+    clip: MotionClip,
+    body: BodyModel,
+    path: Path,
+    duration: float,
+    frozen: tuple[str, ...],
+    frame_rate: float,
 ) -> MotionClip:
-    """Return `clip` at the video's frame rate and exact length, with its frozen channels."""
+    """Return `clip` as participants see it.
+
+    It has the video's rate and length, frozen channels are still, and its feet stay on the ground.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        The motion of one condition for one segment.
+    body : BodyModel
+        The body that stands on the ground.
+    path : Path
+        Where it comes from, for messages.
+    duration : float
+        Seconds of the segment's speech.
+    frozen : tuple of str
+        Channels to hold still, as `motion.freeze.freeze` names them.
+    frame_rate : float
+        Frames per second to show it at.
+
+    Returns
+    -------
+    MotionClip
+        ``max(1, round(duration * frame_rate))`` frames.
+
+    Raises
+    ------
+    InputError
+        If motion and speech differ in length by more than `LENGTH_TOLERANCE`.
+    """
     if abs(clip.duration - duration) > LENGTH_TOLERANCE:
         raise InputError(
             f"the motion lasts {clip.duration:.2f} s, its speech {duration:.2f} s",
@@ -149,5 +200,6 @@ def _as_shown(
             remedy="Cut both to the same length",
         )
     shown = freeze(resample(clip, frame_rate), frozen)
+    shown = stand_on_ground(shown, body.joints(clip.betas))
     count = max(1, round(duration * frame_rate))
     return shown.frames(np.minimum(np.arange(count), len(shown) - 1))

@@ -10,6 +10,7 @@ from typing import Any, Final, Self
 import av
 import numpy as np
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
+from numpy.typing import NDArray
 
 from motion.audio import Audio
 
@@ -17,10 +18,25 @@ SOUND_RATE: Final = 48000
 """Samples per second of the sound in a video."""
 
 _CLOCK: Final = 1_000_000
-# Without x264's macroblock tree, which makes other bytes of the same frames from run to run.
-_STREAM_OPTIONS: Final = {"crf": "18", "preset": "veryfast", "x264-params": "mbtree=0"}
+# Without x264's macroblock tree, which makes other bytes of the same frames from run to run. One
+# figure before a plain background has no cuts or fades to look ahead for: as good, in 3/4 the time.
+_STREAM_OPTIONS: Final = {
+    "crf": "18",
+    "preset": "veryfast",
+    "x264-params": "mbtree=0:b-adapt=0:scenecut=0:rc-lookahead=0",
+}
 _LOSSLESS_OPTIONS: Final = {"qp": "0", "preset": "ultrafast"}
 _SOUND_BITS_PER_SECOND: Final = 128_000
+
+
+def video_frame(picture: NDArray[np.uint8]) -> Any:
+    """Return an RGB `picture`, shape (H, W, 3), as an `av.VideoFrame` in BT.709 yuv420p."""
+    return av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
+        format="yuv420p",
+        src_color_range=ColorRange.JPEG,
+        dst_color_range=ColorRange.MPEG,
+        dst_colorspace=Colorspace.ITU709,
+    )
 
 
 class VideoWriter:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.channels import RGB
+from renderer.contact_shadow import ContactShadow
 from renderer.framing import Camera
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS
-from renderer.offscreen import OffscreenContext
+from renderer.offscreen import GROUND, OffscreenContext
 from renderer.opengl import pyrender
 from renderer.pixel_box import PixelBox
 
@@ -48,13 +51,18 @@ class FrameRenderer:
             indices=faces,
             material=pyrender.MetallicRoughnessMaterial(alphaMode="OPAQUE", doubleSided=False),
         )
-        self.scene: Any = _build_scene(self._primitive, camera)
+        self._ground = pyrender.Primitive(
+            positions=np.zeros((4, 3), np.float32),
+            indices=np.array([(0, 1, 2), (0, 2, 3)]),
+            material=self._primitive.material,
+        )
+        self.scene: Any = _build_scene(self._primitive, self._ground, camera)
         self.side = size * SUPERSAMPLING
         self._context: OffscreenContext | None = None
 
     def __enter__(self) -> Self:
         self._context = OffscreenContext(self.side)
-        self._context.render(self.scene, PixelBox.whole(16))  # uploads what `draw` rewrites
+        self._context.render(self.scene, PixelBox.whole(16), RGB)  # uploads what `draw` rewrites
         return self
 
     def __exit__(
@@ -74,14 +82,21 @@ class FrameRenderer:
             raise RuntimeError("a FrameRenderer draws only inside its with block")
         return self._context
 
-    def box_around(self, vertices: Floats) -> PixelBox:
-        """Return the part of the picture that `vertices`, shape (..., 3), take up."""
-        return PixelBox.around(vertices, self.context.projection(self.scene), self.side)
+    def box_around(self, points: Sequence[Floats]) -> PixelBox:
+        """Return the part of the picture that arrays of points, shape (..., 3), take up."""
+        projection = self.context.projection(self.scene)
+        boxes = [PixelBox.around(part, projection, self.side) for part in points]
+        return PixelBox.round_all(boxes)
 
     def draw(
-        self, vertices: Floats, normals: Floats, box: PixelBox | None = None
+        self,
+        vertices: Floats,
+        normals: Floats,
+        box: PixelBox | None = None,
+        shadow: ContactShadow | None = None,
+        channels: NDArray[np.float64] = RGB,
     ) -> NDArray[np.uint8]:
-        """Return the frame as RGBA, `SUPERSAMPLING` times the size asked for on each side.
+        """Return the frame, `SUPERSAMPLING` times the size asked for on each side.
 
         Parameters
         ----------
@@ -89,23 +104,30 @@ class FrameRenderer:
             Positions in metres, and unit normals.
         box : PixelBox or None
             The part to return; the whole picture for None.
+        shadow : ContactShadow or None
+            What the body casts on the ground.
+        channels : ndarray, shape (4, 4)
+            One of `renderer.channels`.
 
         Returns
         -------
-        ndarray, shape (height, width, 4), uint8
-            First row on top. The next call may reuse the array.
+        ndarray, shape (3, height, width), uint8
+            A plane for each channel, first row on top. The next call may reuse the array.
         """
         self._attributes[:, :3] = vertices
         self._attributes[:, 3:6] = normals
         self.context.replace_attributes(self._primitive, self._attributes)
-        return self.context.render(self.scene, box or PixelBox.whole(self.side))
+        if shadow is not None:
+            self.context.replace_attributes(self._ground, shadow.corners())
+        return self.context.render(self.scene, box or PixelBox.whole(self.side), channels, shadow)
 
 
-def _build_scene(primitive: Any, camera: Camera) -> Any:
-    """Return a pyrender scene of `primitive`, the lights and the camera."""
+def _build_scene(primitive: Any, ground: Any, camera: Camera) -> Any:
+    """Return a pyrender scene of `primitive`, the ground, the lights and the camera."""
     background = np.array([*BACKGROUND, 255]) / 255.0
     scene = pyrender.Scene(bg_color=background, ambient_light=np.array(AMBIENT_LIGHT))
     scene.add(pyrender.Mesh([primitive]))
+    scene.add(pyrender.Mesh([ground]), name=GROUND)
     lens = pyrender.PerspectiveCamera(
         yfov=np.radians(camera.field_of_view), aspectRatio=1.0, znear=0.1, zfar=20.0
     )

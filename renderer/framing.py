@@ -21,11 +21,17 @@ FIELD_OF_VIEW: Final = 20.0
 _MARGIN: Final = 0.04
 """Share of the picture's half that stays empty on each side."""
 
+_STEP: Final = 0.02
+"""Metres in which cameras differ: a clip made anew then rarely means that all are drawn anew."""
+
 _REACHED: Final = 99.5
-"""Percentile of all positions that must be in the picture; a stray frame does not set it."""
+"""Percentile of a clip's positions that must be in the picture; a stray frame does not set it."""
+
+_CLIPS_REACHED: Final = 97
+"""Percentile of all clips for which that holds; one that wanders off does not shrink all others."""
 
 _ABOVE_HEAD: Final = 0.19  # from the head joint to the top of the hair, in metres
-_BELOW_FOOT: Final = 0.06
+_BELOW_FOOT: Final = 0.09
 _AROUND_FINGER: Final = 0.04 * np.array(  # from the last finger joint to the tip
     [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)]
 )
@@ -78,19 +84,39 @@ def frame_clips(clips: Iterable[MotionClip], body: BodyModel, look: Look) -> Cam
     if not points:
         raise InputError("there is no clip to frame", remedy="Generate or import motion first")
     shown = np.concatenate(points)
-    middle = float(np.median([np.median(part[:, 0]) for part in points]))
+    middle = _rounded(np.median([np.median(part[:, 0]) for part in points]))
     low, high = np.percentile(shown[:, 1], [100 - _REACHED, _REACHED])
     top = max(float(np.median([part[:, 1].max() for part in points])), float(high))
-    height = (float(low) + top) / 2
-    depth = float(np.median(shown[:, 2]))
-    reach = np.tan(np.radians(FIELD_OF_VIEW / 2)) * (1 - _MARGIN)
-    aside = np.maximum(np.abs(shown[:, 0] - middle), np.abs(shown[:, 1] - height))
-    distance = float(np.percentile(aside / reach + shown[:, 2] - depth, _REACHED))
+    height = _rounded((float(low) + top) / 2)
+    depth = _rounded(np.median(shown[:, 2]))
+    slope = np.tan(np.radians(FIELD_OF_VIEW / 2))
+    halves = [_half_shown(part, middle, height, depth, slope) for part in points]
+    # Clip by clip, so that a condition that reaches far is not outvoted by those that do not.
+    half = np.percentile(halves, _CLIPS_REACHED, method="higher")
+    distance = _rounded_up(half) / slope
     return Camera(
-        eye=(round(middle, 4), round(height, 4), round(depth + distance, 4)),
-        target=(round(middle, 4), round(height, 4), round(depth, 4)),
+        eye=(middle, height, round(float(depth + distance), 4)),
+        target=(middle, height, depth),
         field_of_view=FIELD_OF_VIEW,
     )
+
+
+def _half_shown(
+    points: NDArray[np.float64], middle: float, height: float, depth: float, slope: float
+) -> float:
+    """Return half of what a picture must show at `depth` for `points` to be just inside."""
+    aside = np.maximum(np.abs(points[:, 0] - middle), np.abs(points[:, 1] - height))
+    half = aside / (1 - _MARGIN) + slope * (points[:, 2] - depth)
+    return float(np.percentile(half, _REACHED))
+
+
+def _rounded(metres: float | np.floating) -> float:
+    """Return the nearest step, so that clips a little different keep their camera."""
+    return round(round(float(metres) / _STEP) * _STEP, 4)
+
+
+def _rounded_up(metres: float | np.floating) -> float:
+    return float(np.ceil(float(metres) / _STEP) * _STEP)
 
 
 def _points_to_show(clip: MotionClip, body: BodyModel, look: Look) -> NDArray[np.float64]:

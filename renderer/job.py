@@ -27,8 +27,10 @@ class ClipJob:
         The body model; None for the default body.
     camera, look
         What all stimuli of the study share.
-    frames, video : Path
-        Where to write.
+    frames : Path or None
+        Where to write the lossless frames; None where no pair is composed from them.
+    video : Path or None
+        Where to write the video; None where only pairs are shown.
     """
 
     name: str
@@ -40,8 +42,8 @@ class ClipJob:
     body: Path | None
     camera: Camera
     look: Look
-    frames: Path
-    video: Path
+    frames: Path | None
+    video: Path | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,8 +81,21 @@ Job = ClipJob | PairJob
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What became of a job: its name, the error's text where it failed, and how long it took."""
+    """What became of a job.
+
+    Attributes
+    ----------
+    name : str
+        The job's.
+    error : str or None
+        Why it failed; None where it did not.
+    because_of : str or None
+        The clip job whose failure made this pair impossible.
+    seconds : float
+        How long it took.
+    """
 
     name: str
     error: str | None = None
+    because_of: str | None = None
     seconds: float = 0.0

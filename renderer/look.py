@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 from motion.errors import InputError
+from renderer.avatars import FIRST, avatar_named
 
 BACKGROUND: Final = (0xEC, 0xEC, 0xEE)
 """sRGB of the plain background; pages that show the videos use the same."""
@@ -55,13 +57,17 @@ class Look:
     framing : str
         ``upper_body`` or ``full_body``.
     avatar : str
-        Name of the colours in which the default body is dressed.
+        One of `renderer.avatars.AVATARS`.
+    expression_matrix : Path or None
+        A file that `motion.expression_matrix` reads: turns the faces of clips into the body's
+        terms.
     """
 
     size: int = 720
     frame_rate: float = 30.0
     framing: str = "upper_body"
-    avatar: str = "blue"
+    avatar: str = FIRST
+    expression_matrix: Path | None = None
 
     def __post_init__(self) -> None:
         if not 64 <= self.size <= 2160 or self.size % 2:
@@ -78,3 +84,4 @@ class Look:
             raise InputError(
                 f"unknown framing {self.framing!r}", remedy=f"Use one of {', '.join(FRAMINGS)}"
             )
+        avatar_named(self.avatar)

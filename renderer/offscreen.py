@@ -11,11 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import InputError
+from renderer.channels import RGB
+from renderer.contact_shadow import ELLIPSES, ContactShadow
 from renderer.opengl import PLATFORM, pyrender
 from renderer.pixel_box import PixelBox
 
 _SHADERS: Final = Path(__file__).parent / "shaders"
 _PLATFORM_CLASSES: Final = {"osmesa": "OSMesaPlatform", "egl": "EGLPlatform"}
+GROUND: Final = "ground"
+"""Name of the scene's node whose mesh, four corners, shows the shadow."""
+
+PLANES: Final = 3
+"""A picture is drawn into as many buffers of one channel each."""
+
 _OWN_BUFFER_SIDE: Final = 16  # of the buffer a context comes with, which nothing is drawn into
 
 
@@ -31,8 +39,9 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         self._gl = importlib.import_module("OpenGL.GL")
         cache = importlib.import_module("pyrender.shader_program").ShaderProgramCache
         self._program_cache = cache(str(_SHADERS))
-        self._informed: set[Any] = set()
         self.box = PixelBox.whole(side)
+        self.channels: NDArray[np.float64] = RGB
+        self.shadow: ContactShadow | None = None
 
     def _forward_pass(self, scene: Any, flags: int, seg_node_map: Any = None) -> None:
         """Draw the meshes of `scene`, upside down: the first row read back is then the top one."""
@@ -42,28 +51,60 @@ class _DirectRenderer(pyrender.Renderer):  # type: ignore[misc]
         gl.glEnable(gl.GL_DEPTH_TEST)
         gl.glEnable(gl.GL_CULL_FACE)
         gl.glFrontFace(gl.GL_CW)  # flipping the picture turns triangles round
-        gl.glClearColor(*scene.bg_color)
-        gl.glClear(gl.GL_COLOR_BUFFER_BIT | gl.GL_DEPTH_BUFFER_BIT)
-        for node in scene.mesh_nodes:
+        plain = self.channels @ [*scene.bg_color[:3], 1.0]
+        for plane in range(PLANES):
+            gl.glClearBufferfv(gl.GL_COLOR, plane, np.full(4, plain[plane], np.float32))
+        gl.glClear(gl.GL_DEPTH_BUFFER_BIT)
+        grounds = [node for node in scene.mesh_nodes if node.name == GROUND]
+        meshes = [node for node in scene.mesh_nodes if node.name != GROUND]
+        if self.shadow is not None:
+            # The body is always before the ground, even where a foot sinks in.
+            gl.glDepthMask(gl.GL_FALSE)
+            self._draw(grounds, self._shadow_program(scene, self.shadow))
+            gl.glDepthMask(gl.GL_TRUE)
+        self._draw(meshes, self._lit_program(scene))
+
+    def _draw(self, nodes: list[Any], program: Any) -> None:
+        program._bind()
+        for node in nodes:
             for primitive in node.mesh.primitives:
-                program = self._program(len(scene.directional_light_nodes))
-                program._bind()
-                if program not in self._informed:
-                    self._inform(program, scene)
-                    self._informed.add(program)
                 primitive._bind()
-                gl.glDrawElements(
-                    primitive.mode, primitive.indices.size, gl.GL_UNSIGNED_INT, ctypes.c_void_p(0)
+                self._gl.glDrawElements(
+                    primitive.mode,
+                    primitive.indices.size,
+                    self._gl.GL_UNSIGNED_INT,
+                    ctypes.c_void_p(0),
                 )
 
-    def _program(self, lights: int) -> Any:
-        """Return the shader program, compiled when it is first asked for."""
-        program = self._program_cache.get_program(
-            "lit.vert", "lit.frag", defines={"MAX_LIGHTS": lights}
-        )
-        if not program._in_context():
-            program._add_to_context()
+    def _lit_program(self, scene: Any) -> Any:
+        """Return the program for the body, told of camera and lights."""
+        program, new = self._program("lit", MAX_LIGHTS=len(scene.directional_light_nodes))
+        if new:
+            self._inform(program, scene)
+        program.set_uniform("channels", self.channels)
         return program
+
+    def _shadow_program(self, scene: Any, shadow: ContactShadow) -> Any:
+        """Return the program for the ground, told of camera and shadow."""
+        program, new = self._program("shadow", ELLIPSES=ELLIPSES)
+        if new:
+            program.set_uniform("projection", self.projection(scene))
+            program.set_uniform("background", np.array(scene.bg_color[:3]))
+        program.set_uniform("channels", self.channels)
+        for number in range(ELLIPSES):
+            program.set_uniform(f"centres[{number}]", shadow.centres[number])
+            program.set_uniform(f"into_circle[{number}]", np.linalg.inv(shadow.axes[number]))
+            program.set_uniform(f"darkness[{number}]", float(shadow.darkness[number]))
+        return program
+
+    def _program(self, name: str, **defines: int) -> tuple[Any, bool]:
+        """Return a shader program, bound, and whether it was compiled just now."""
+        program = self._program_cache.get_program(f"{name}.vert", f"{name}.frag", defines=defines)
+        new = not program._in_context()
+        if new:
+            program._add_to_context()
+        program._bind()
+        return program, new
 
     def projection(self, scene: Any) -> NDArray[np.float64]:
         """Return the matrix from positions to clip space, y down, shape (4, 4)."""
@@ -112,29 +153,64 @@ class OffscreenContext:
             ) from error
         self._renderer = _DirectRenderer(side)
         self._framebuffer = int(self._gl.glGenFramebuffers(1))
-        self._buffers = [int(self._gl.glGenRenderbuffers(1)) for _ in range(2)]
-        self._pixels = np.empty((0, 0, 4), np.uint8)
+        self._buffers = [int(self._gl.glGenRenderbuffers(1)) for _ in range(PLANES + 1)]
+        self._pixels = np.empty((PLANES, 0, 0), np.uint8)
 
-    def render(self, scene: Any, box: PixelBox) -> NDArray[np.uint8]:
-        """Return the part of `scene`'s picture in `box` as RGBA, first row on top.
+    def render(
+        self,
+        scene: Any,
+        box: PixelBox,
+        channels: NDArray[np.float64],
+        shadow: ContactShadow | None = None,
+    ) -> NDArray[np.uint8]:
+        """Return the part of `scene`'s picture in `box`.
 
-        The next call may reuse the array.
+        Parameters
+        ----------
+        scene : pyrender.Scene
+            Its node `GROUND` is drawn where there is a shadow on it.
+        box : PixelBox
+            The part.
+        channels : ndarray, shape (4, 4)
+            One of `renderer.channels`.
+        shadow : ContactShadow or None
+            What lies on the ground.
+
+        Returns
+        -------
+        ndarray, shape (3, height, width), uint8
+            A plane for each channel, first row on top. The next call may reuse the array.
         """
         self._platform.make_current()
-        if self._pixels.shape[:2] != (box.height, box.width):
+        if self._pixels.shape[1:] != (box.height, box.width):
             self._resize(box)
-        self.draw_into(self._framebuffer, scene, box)
-        gl = self._gl
-        gl.glReadPixels(
-            0, 0, box.width, box.height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, array=self._pixels
-        )
+        self.draw_into(self._framebuffer, scene, box, channels, shadow)
+        self.read(box, self._pixels)
         return self._pixels
 
-    def draw_into(self, framebuffer: int, scene: Any, box: PixelBox) -> None:
+    def read(self, box: PixelBox, planes: NDArray[np.uint8]) -> None:
+        """Copy what the current framebuffer holds to `planes`, shape (3, height, width)."""
+        gl = self._gl
+        gl.glPixelStorei(gl.GL_PACK_ALIGNMENT, 1)
+        for number, plane in enumerate(planes):
+            gl.glReadBuffer(gl.GL_COLOR_ATTACHMENT0 + number)
+            gl.glReadPixels(
+                0, 0, box.width, box.height, gl.GL_RED, gl.GL_UNSIGNED_BYTE, array=plane
+            )
+
+    def draw_into(
+        self,
+        framebuffer: int,
+        scene: Any,
+        box: PixelBox,
+        channels: NDArray[np.float64],
+        shadow: ContactShadow | None = None,
+    ) -> None:
         """Draw the part of `scene`'s picture in `box` into a framebuffer of its size."""
         self._platform.make_current()
         self._gl.glBindFramebuffer(self._gl.GL_FRAMEBUFFER, framebuffer)
-        self._renderer.box = box
+        self._renderer.box, self._renderer.shadow = box, shadow
+        self._renderer.channels = channels
         self._renderer.render(scene, pyrender.RenderFlags.NONE)
 
     def projection(self, scene: Any) -> NDArray[np.float64]:
@@ -156,22 +232,22 @@ class OffscreenContext:
         """Free what OpenGL holds."""
         self._platform.make_current()
         self._renderer.delete()
-        self._gl.glDeleteRenderbuffers(2, self._buffers)
+        self._gl.glDeleteRenderbuffers(len(self._buffers), self._buffers)
         self._gl.glDeleteFramebuffers(1, [self._framebuffer])
         self._platform.delete_context()
 
     def _resize(self, box: PixelBox) -> None:
         """Give the framebuffer the size of `box`."""
         gl = self._gl
-        self._pixels = np.empty((box.height, box.width, 4), np.uint8)
+        self._pixels = np.empty((PLANES, box.height, box.width), np.uint8)
         gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._framebuffer)
+        colours = [gl.GL_COLOR_ATTACHMENT0 + number for number in range(PLANES)]
         # A depth of floats is faster here than 24 bits, which share their word with a stencil.
+        kinds = [gl.GL_R8] * PLANES + [gl.GL_DEPTH_COMPONENT32F]
         for buffer, kind, attachment in zip(
-            self._buffers,
-            (gl.GL_RGBA8, gl.GL_DEPTH_COMPONENT32F),
-            (gl.GL_COLOR_ATTACHMENT0, gl.GL_DEPTH_ATTACHMENT),
-            strict=True,
+            self._buffers, kinds, [*colours, gl.GL_DEPTH_ATTACHMENT], strict=True
         ):
             gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, buffer)
             gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, kind, box.width, box.height)
             gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, attachment, gl.GL_RENDERBUFFER, buffer)
+        gl.glDrawBuffers(PLANES, colours)

@@ -8,7 +8,6 @@ from typing import Any, Final
 
 import av
 import numpy as np
-from av.video.reformatter import ColorRange, Colorspace
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
@@ -16,8 +15,9 @@ from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.canvas import plane_pixels
-from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from renderer.look import BACKGROUND, Look
+from renderer.loudness import at_common_loudness
 
 LABELS: Final = ("A", "B")
 """Left and right."""
@@ -53,7 +53,7 @@ def write_pair(
         If frames or speech cannot be read, or the two sides have not the same frames.
     """
     size = look.size
-    sound = read_audio(speech, sample_rate=SOUND_RATE).cut(start, end)
+    sound = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
     count = max(1, round((end - start) * look.frame_rate))
     seen = 0
     with (
@@ -123,11 +123,6 @@ def _label(text: str, size: int) -> Planes:
     tile = Image.new("RGB", (side, side), BACKGROUND)
     font = ImageFont.load_default(size=side * 0.9)
     ImageDraw.Draw(tile).text((side / 2, side / 2), text, _LABEL_COLOUR, font=font, anchor="mm")
-    frame = av.VideoFrame.from_ndarray(np.asarray(tile), format="rgb24").reformat(
-        format="yuv420p",
-        src_color_range=ColorRange.JPEG,
-        dst_color_range=ColorRange.MPEG,
-        dst_colorspace=Colorspace.ITU709,
-    )
-    luma, blue, red = (plane_pixels(plane).copy() for plane in frame.planes)
+    planes = video_frame(np.asarray(tile)).planes
+    luma, blue, red = (plane_pixels(plane).copy() for plane in planes)
     return luma, blue, red

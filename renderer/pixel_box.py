@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -28,6 +29,14 @@ class PixelBox:
     def whole(cls, side: int) -> Self:
         """Return the box of a whole square picture."""
         return cls(left=0, top=0, width=side, height=side)
+
+    @classmethod
+    def round_all(cls, boxes: Sequence[PixelBox]) -> Self:
+        """Return the smallest box that holds all of `boxes`, of which there is at least one."""
+        left, top = min(box.left for box in boxes), min(box.top for box in boxes)
+        right = max(box.left + box.width for box in boxes)
+        bottom = max(box.top + box.height for box in boxes)
+        return cls(left=left, top=top, width=right - left, height=bottom - top)
 
     @classmethod
     def around(

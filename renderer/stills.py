@@ -1,8 +1,6 @@
-"""Single frames and contact sheets, to look at a motion without playing it."""
+"""Single frames, to look at a motion without playing it."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 from PIL import Image
 
@@ -14,23 +12,28 @@ from renderer.frames import SUPERSAMPLING
 
 def still(stage: Stage, clip: MotionClip, seconds: float) -> Image.Image:
     """Return the frame of `clip` that is shown at `seconds`, as RGB of the look's size."""
-    frame = min(int(seconds * clip.frame_rate), len(clip) - 1)
-    if seconds < 0 or seconds > clip.duration:
+    return large_still(stage, frame_at(clip, seconds)).reduce(SUPERSAMPLING)
+
+
+def large_still(stage: Stage, pose: MotionClip) -> Image.Image:
+    """Return the first frame of `pose` as RGB, `SUPERSAMPLING` times the look's size."""
+    picture = next(stage.pictures(pose))
+    return Image.fromarray(picture[..., :3].copy())
+
+
+def frame_at(clip: MotionClip, seconds: float) -> MotionClip:
+    """Return the one frame of `clip` that is shown at `seconds`, as a clip of its own.
+
+    Raises
+    ------
+    InputError
+        If `seconds` is not within the clip.
+    """
+    if not 0 <= seconds <= clip.duration:
         raise InputError(
             f"there is no frame at {seconds:g} s of a motion of {clip.duration:.2f} s",
-            remedy="Give a time within the motion",
+            remedy=f"Give a time from 0 to {clip.duration:.2f} s",
         )
-    picture = next(stage.pictures(clip.frames(slice(frame, frame + 1))))
-    return Image.fromarray(picture[..., :3].copy()).reduce(SUPERSAMPLING)
-
-
-def contact_sheet(
-    stage: Stage, clips: Sequence[MotionClip], seconds: Sequence[float]
-) -> Image.Image:
-    """Return one picture with a row for each of `clips` and a column for each of `seconds`."""
-    size = stage.look.size
-    sheet = Image.new("RGB", (size * len(seconds), size * len(clips)))
-    for row, clip in enumerate(clips):
-        for column, moment in enumerate(seconds):
-            sheet.paste(still(stage, clip, moment), (column * size, row * size))
-    return sheet
+    # A moment given as the frame's own time must not fall to the frame before by rounding.
+    index = min(int(seconds * clip.frame_rate + 1e-6), len(clip) - 1)
+    return clip.frames(slice(index, index + 1))

@@ -1,25 +1,21 @@
-"""What the pixels of a video depend on, as one short text."""
+"""What the pixels and the sound of a video depend on, as one short text."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from motion.source_version import source_version
+from motion.source_version import imported_sources, source_version
 
-BODY_VERSION: Final = source_version(
-    ("renderer/avatar/*.py", "motion/skeleton.py", "motion/face.py"), ("anny",)
-)
+BODY_SOURCES: Final = imported_sources(["renderer.avatar.assembly"])
+"""All code that the default body is built by."""
+
+VIDEO_SOURCES: Final = imported_sources(["renderer.clip_video", "renderer.pair"])
+"""All code that draws, composes, encodes and sounds; a body's file is told by its own name."""
+
+BODY_VERSION: Final = source_version(BODY_SOURCES, ("anny",))
 """Changes whenever the default body would."""
 
 RENDERER_VERSION: Final = source_version(
-    (
-        "renderer/*.py",
-        "renderer/avatar/*.py",
-        "renderer/shaders/*",
-        "motion/body.py",
-        "motion/freeze.py",
-        "motion/resample.py",
-    ),
-    ("anny", "av", "pyrender"),
+    (*VIDEO_SOURCES, "renderer/shaders/*"), ("av", "pillow", "pyrender")
 )
 """Changes whenever the pixels or the sound of a video would, and sometimes when they would not."""

@@ -1,4 +1,4 @@
-"""What runs in a rendering process: jobs come in through a pipe, outcomes go back."""
+"""What a rendering process does: jobs in, outcomes out."""
 
 from __future__ import annotations
 
@@ -22,16 +22,19 @@ def work(pipe: Connection) -> None:
     # SIGTERM, which must unwind the stack so that temporary files are removed.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _leave)
-    with _Stages() as stages:
+    with Stages() as stages:
         while True:
             try:
                 job = pipe.recv()
             except (EOFError, ConnectionError):
                 return
-            pipe.send(_outcome(job, stages))
+            try:
+                pipe.send(do_job(job, stages))
+            except ConnectionError:  # nobody waits for it any more
+                return
 
 
-class _Stages:
+class Stages:
     """The stage of the last clip job, kept for the next one if it is to look the same."""
 
     def __init__(self) -> None:
@@ -39,7 +42,7 @@ class _Stages:
         self._key: tuple[Any, ...] | None = None
         self._stage: Stage | None = None
 
-    def __enter__(self) -> _Stages:
+    def __enter__(self) -> Stages:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -56,17 +59,16 @@ class _Stages:
             self._stack.close()
             self._key, self._stage = None, None
             self._stage = self._stack.enter_context(
-                Stage(job.body or default_body(), job.camera, job.look)
+                Stage(job.body or default_body(job.look.avatar), job.camera, job.look)
             )
             self._key = key
         return self._stage
 
 
-def _outcome(job: Job, stages: _Stages) -> Any:
+def do_job(job: Job, stages: Stages) -> Outcome:
     """Do `job` and return what became of it.
 
-    What neither the person's input nor the machine is to blame for ends the process with its
-    traceback shown; whoever waits for the outcome reports that.
+    What neither the person's input nor the machine is to blame for is raised.
     """
     began = time.perf_counter()
     error = None
@@ -82,7 +84,7 @@ def _outcome(job: Job, stages: _Stages) -> Any:
     return Outcome(name=job.name, error=error, seconds=time.perf_counter() - began)
 
 
-def _do_clip(job: ClipJob, stages: _Stages) -> None:
+def _do_clip(job: ClipJob, stages: Stages) -> None:
     from renderer.clip_video import write_clip_video
 
     write_clip_video(

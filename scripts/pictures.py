@@ -1,7 +1,7 @@
 """Take the pictures in docs/ from a study: ``python scripts/pictures.py demo-study``.
 
-A participant's page with its video playing, the first screen of the report, and one rendered
-frame of every condition.
+A participant's page with its video playing, the first screen of the report, one rendered frame
+of every condition, and a figure as a paper shows it.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ DOCS = Path(__file__).resolve().parent.parent / "docs"
 CHROMIUM_FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
 SEGMENT = "happiness"
 MOMENT = 2.6
+KEY_WORDS = ("house=0.62", "called=1.6", "summer=3.0", "breakfast=4.5", "enormous=5.6", "tree=6.2")
+"""Where espeak-ng says them in the segment."""
 
 
 @contextmanager
@@ -81,6 +83,17 @@ def picture_frames(folder: StudyFolder) -> None:
     sheet.save(DOCS / "frames.png", optimize=True)
 
 
+def picture_figure(folder: StudyFolder) -> None:
+    """Make a strip of two conditions at the key words of a segment."""
+    chosen = [f"--at={word}" for word in KEY_WORDS]
+    chosen += [f"--condition={name}" for name in ("rule_based", "mismatched")]
+    subprocess.run(
+        ["motionjury", "figure", "strip", str(folder.root), "--segment", SEGMENT, *chosen,
+         "--inches", "4.6", "--output", str(DOCS / "figure.png")],
+        check=True,
+    )  # fmt: skip
+
+
 def main() -> None:
     """Take all pictures of the study named on the command line."""
     folder = StudyFolder(Path(sys.argv[1]))
@@ -94,6 +107,7 @@ def main() -> None:
         page.screenshot(path=DOCS / "report.png")
         browser.close()
     picture_frames(folder)
+    picture_figure(folder)
 
 
 if __name__ == "__main__":

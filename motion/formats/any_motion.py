@@ -4,18 +4,33 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.clearance import clear_of_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.bvh import read_bvh, settle_first_frame
-from motion.formats.clip_npz import has_provenance, read_clip
+from motion.formats.bvh import read_bvh
+from motion.formats.clip_npz import (
+    has_provenance,
+    read_clip,
+    tells_fingers_from_mean_hands,
+)
+from motion.formats.first_frame import settle_first_frame
 from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
 from motion.formats.retarget import retarget
 from motion.formats.talkshow import read_talkshow
+from motion.hands import RELAXED_HANDS, added_to_mean_hands
 from motion.placement import place
 
 
 def read_motion(
-    path: Path, *, frame_rate: float | None = None, joint_map: JointMap | None = None
+    path: Path,
+    *,
+    frame_rate: float | None = None,
+    joint_map: JointMap | None = None,
+    mean_hands: NDArray[np.float32] | None = None,
+    as_recorded: bool = False,
 ) -> MotionClip:
     """Read a motion of any known format, by content, into the study's world.
 
@@ -27,6 +42,12 @@ def read_motion(
         Frames per second; overrides the file's own.
     joint_map : mapping of str to str, optional
         For a BVH of an unknown skeleton: SMPL-X joint names to the file's.
+    mean_hands : ndarray, shape (30, 3), optional
+        SMPL-X's own mean hands, as `motion.hands.read_mean_hands` gives them, for BEAT2 and
+        TalkSHOW, which tell fingers relative to them. Without, relaxed hands take their place.
+    as_recorded : bool
+        Whether hands of a BVH stay where they come to lie inside the body, rather than being
+        moved out by `motion.clearance`.
 
     Returns
     -------
@@ -52,11 +73,16 @@ def read_motion(
         clip = read_clip(path, frame_rate=frame_rate)
         if has_provenance(path):
             return clip
-        return _placed(clip, path, "npz")
+        if not tells_fingers_from_mean_hands(path):
+            return _placed(clip, path, "npz")
+        clip, note = _with_absolute_fingers(clip, mean_hands)
+        return _placed(clip, path, "npz (BEAT2)", (note,))
     if start.startswith(b"\x93NUMPY"):
-        return _placed(read_talkshow(path, frame_rate=frame_rate), path, "talkshow")
+        clip = read_talkshow(path, frame_rate=frame_rate)
+        clip, note = _with_absolute_fingers(clip, mean_hands)
+        return _placed(clip, path, "talkshow", (note,))
     if start.removeprefix(b"\xef\xbb\xbf").lstrip().upper().startswith(b"HIERARCHY"):
-        return _read_bvh_clip(path, frame_rate, joint_map)
+        return _read_bvh_clip(path, frame_rate, joint_map, as_recorded)
     raise InputError(
         "the file is no motion of a known format",
         where=path,
@@ -64,7 +90,9 @@ def read_motion(
     )
 
 
-def _read_bvh_clip(path: Path, frame_rate: float | None, joint_map: JointMap | None) -> MotionClip:
+def _read_bvh_clip(
+    path: Path, frame_rate: float | None, joint_map: JointMap | None, as_recorded: bool
+) -> MotionClip:
     motion = settle_first_frame(read_bvh(path, frame_rate=frame_rate))
     try:
         if joint_map is None:
@@ -74,7 +102,22 @@ def _read_bvh_clip(path: Path, frame_rate: float | None, joint_map: JointMap | N
         clip = retarget(motion, fitting)
     except InputError as error:
         raise InputError(error.what, where=path, remedy=error.remedy) from error
-    return _placed(clip, path, f"bvh ({skeleton})", motion.notes)
+    clip, moved = (clip, ()) if as_recorded else clear_of_body(clip)
+    return _placed(clip, path, f"bvh ({skeleton})", (*motion.notes, *moved))
+
+
+def _with_absolute_fingers(
+    clip: MotionClip, mean_hands: NDArray[np.float32] | None
+) -> tuple[MotionClip, str]:
+    """Return a clip whose fingers no longer depend on the mean hands, and a note about them."""
+    if mean_hands is not None:
+        note = "fingers were relative to SMPL-X's mean hands, which the licensed model gave"
+        return added_to_mean_hands(clip, mean_hands), note
+    note = (
+        "fingers are relative to SMPL-X's mean hands, which only a licensed model holds; relaxed "
+        "hands took their place (name the model as video.body and import again)"
+    )
+    return added_to_mean_hands(clip, RELAXED_HANDS), note
 
 
 def _placed(

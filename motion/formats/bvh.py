@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Final
@@ -21,8 +21,6 @@ _ROUNDING: Final = 0.015
 """Share by which the rounding of a frame time may change the frame rate."""
 _SHORTEST_FRAME, _LONGEST_FRAME = Decimal("1e-6"), Decimal("1e6")
 """Seconds between which a frame time is a number that somebody may have meant."""
-_STILL: Final = 1e-3
-"""Change of a channel, in degrees or length units, below which it does not move."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,6 +35,8 @@ class BvhMotion:
         One column a channel, in joint order: degrees and length units.
     frame_rate : float
         Frames per second.
+    calibration : ndarray, shape (C,), or None
+        Values of a T-pose that the file held as its first row and that is no part of the motion.
     notes : tuple of str
         What was unusual about the file.
     """
@@ -44,6 +44,7 @@ class BvhMotion:
     joints: tuple[BvhJoint, ...]
     values: FloatArray
     frame_rate: float
+    calibration: FloatArray | None = None
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -88,6 +89,10 @@ class BvhMotion:
             rotations[:, index] = above @ turn
         return positions, rotations
 
+    def local_rotations(self) -> FloatArray:
+        """Return how each joint is turned relative to its parent, shape (T, J, 3, 3)."""
+        return np.stack([self._local(index)[1] for index in range(len(self.joints))], axis=1)
+
     def _local(self, index: int) -> tuple[FloatArray, FloatArray]:
         """Return the position (T, 3) and rotation (T, 3, 3) of a joint in its parent's frame."""
         joint = self.joints[index]
@@ -104,32 +109,6 @@ class BvhMotion:
             return position, np.tile(np.eye(3), (len(values), 1, 1))
         turns = Rotation.from_euler(axes, np.stack(angles, axis=1), degrees=True)
         return position, turns.as_matrix()
-
-
-def settle_first_frame(motion: BvhMotion) -> BvhMotion:
-    """Return `motion` without a pose left over in its first row.
-
-    Files cut down to some joints (BEAT's as prepared for its baselines) still hold all joints
-    in row 0 while the others stay at one value from row 1 on, so that the body jumps once. A
-    joint that never moves after row 0 takes its later values there too.
-    """
-    values = motion.values.copy()
-    settled = 0
-    for index in range(len(motion.joints)):
-        columns = values[:, motion.columns(index)]
-        if len(columns) < 3 or not columns.shape[1]:
-            continue
-        still_later = np.ptp(columns[1:], axis=0).max() <= _STILL
-        if still_later and np.abs(columns[0] - columns[1]).max() > _STILL:
-            columns[0] = columns[1]
-            settled += 1
-    if not settled:
-        return motion
-    note = (
-        f"{settled} joints that never move after the first frame had another pose in it; "
-        "they take their later values there"
-    )
-    return replace(motion, values=values, notes=(*motion.notes, note))
 
 
 def read_bvh(path: Path, *, frame_rate: float | None = None) -> BvhMotion:

@@ -30,6 +30,7 @@ _EXPRESSION_KEYS: Final = ("expressions", "expression")
 _PROVENANCE: Final = TypeAdapter(dict[str, str])
 _LARGEST: Final = 2**30
 """Bytes of all arrays unpacked, about an hour of motion at 120 fps; a small file may hold more."""
+_BEAT2_MODEL: Final = "smplx2020"
 _SMPLH_JOINT_COUNT: Final = 52
 """SMPL+H has SMPL-X's joints except the three of the face."""
 
@@ -96,6 +97,16 @@ def has_provenance(path: Path) -> bool:
     """Return whether the ``.npz`` file at `path` was written by `write_clip`."""
     with zipfile.ZipFile(path) as archive:
         return "provenance.npy" in archive.namelist()
+
+
+def tells_fingers_from_mean_hands(path: Path) -> bool:
+    """Return whether the ``.npz`` file at `path` is BEAT2's or of a model trained on it.
+
+    Their finger rotations are zero where the hands are SMPL-X's mean ones (Liu et al. 2024,
+    EMAGE: models are created with ``flat_hand_mean=False``); AMASS's where the hands are flat.
+    """
+    with np.load(path, allow_pickle=False) as archive:
+        return "model" in archive and str(archive["model"]) == _BEAT2_MODEL
 
 
 def _load(path: Path) -> Arrays:

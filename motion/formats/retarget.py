@@ -8,6 +8,7 @@ by themselves, because turns in the world already hold what the joints below con
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 from types import MappingProxyType
 from typing import Final
@@ -22,6 +23,7 @@ from motion.formats.bvh import BvhMotion
 from motion.formats.joint_maps import JointMap
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_NAMES, PARENTS, joint_index
+from motion.skinning import twist_angles
 
 FloatArray = NDArray[np.float64]
 Places = Mapping[str, FloatArray]
@@ -29,6 +31,10 @@ Places = Mapping[str, FloatArray]
 _SIDES: Final = ("left", "right")
 _LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))
 _FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
+_TRUNK: Final = ("pelvis", "spine1", "spine2", "spine3", "neck", "head")
+_LEVEL: Final = 30.0
+"""Degrees by which arms and trunk of a T-pose may be off."""
+
 _UPRIGHT: Final = 60.0
 """Degrees between trunk and legs of a rest pose up to which the figure stands."""
 
@@ -40,7 +46,8 @@ def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
     """Return the motion of a BVH skeleton as an SMPL-X clip, in the file's own world axes.
 
     Arms, legs and fingers point exactly where the source's bones point; trunk, head and feet
-    turn from rest as the source's do. Translation is scaled by the ratio of leg lengths, so the
+    turn from rest as the source's do. Elbow and wrist share the forearm's twist, unless the
+    source's joints are SMPL-X's own. Translation is scaled by the ratio of leg lengths, so the
     file's length unit does not matter.
 
     Parameters
@@ -59,7 +66,8 @@ def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
     rest = motion.rest_positions
     source = {joint: rest[names.index(name)] for joint, name in joint_map.items()}
     target = {joint: REST_JOINTS[joint_index(joint)] for joint in joint_map}
-    corrections = rest_corrections(source, target)
+    corrections = dict(rest_corrections(source, target))
+    corrections |= _trunk_corrections(motion, joint_map, corrections)
     positions, rotations = motion.forward_kinematics()
     world = np.empty((len(motion.values), len(JOINT_NAMES), 3, 3))
     local = np.empty_like(world)
@@ -71,6 +79,8 @@ def retarget(motion: BvhMotion, joint_map: JointMap) -> MotionClip:
             world[:, index] = world[:, parent]
         above = world[:, parent] if parent >= 0 else np.eye(3)[None]
         local[:, index] = np.swapaxes(above, 1, 2) @ world[:, index]
+    if any(joint != name for joint, name in joint_map.items()):
+        _share_forearm_twist(local)
     poses = Rotation.from_matrix(local.reshape(-1, 3, 3)).as_rotvec()
     scale = _limb_length(target) / _limb_length(source)
     return MotionClip(
@@ -112,6 +122,58 @@ def rest_corrections(source: Places, target: Places) -> Mapping[str, Rotation]:
             if chain[-1] in source:
                 corrections[chain[-1]] = last
     return MappingProxyType(corrections)
+
+
+def _trunk_corrections(
+    motion: BvhMotion, joint_map: JointMap, corrections: Mapping[str, Rotation]
+) -> Mapping[str, Rotation]:
+    """Return the corrections with which trunk and head stand straight in the calibration pose.
+
+    Skeletons are built with straight necks that the joints' values then bend; the person who
+    stands in a T-pose says which values mean looking ahead.
+    """
+    if motion.calibration is None:
+        return {}
+    pose = replace(motion, values=motion.calibration[None])
+    positions, turned = (values[0] for values in pose.forward_kinematics())
+    index = {joint: motion.joint_names.index(name) for joint, name in joint_map.items()}
+    figure = corrections["pelvis"]
+    up, left = figure.apply([0.0, 1.0, 0.0]), figure.apply([1.0, 0.0, 0.0])
+    pelvis = Rotation.from_matrix(turned[index["pelvis"]])
+    heading = Rotation.from_rotvec(up * twist_angles(pelvis.as_quat(), up))
+    for side, sign in zip(_SIDES, (1, -1), strict=True):
+        arm = positions[index[f"{side}_wrist"]] - positions[index[f"{side}_shoulder"]]
+        if arm @ heading.apply(left) * sign < np.cos(np.radians(_LEVEL)) * np.linalg.norm(arm):
+            return {}
+    straight = {
+        joint: Rotation.from_matrix(turned[index[joint]]).inv() * heading
+        for joint in _TRUNK
+        if joint in index
+    }
+    if max(np.degrees(turn.magnitude()) for turn in straight.values()) > _LEVEL:
+        return {}
+    return {joint: turn * figure for joint, turn in straight.items()}
+
+
+def _share_forearm_twist(local: FloatArray) -> None:
+    """Let wrist and elbow take half each of how far the forearm is twisted.
+
+    Other skeletons often turn the palm at the elbow alone, which wrings the skin there. No bone
+    and no hand points elsewhere afterwards.
+    """
+    for side in _SIDES:
+        elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
+        axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
+        axis = axis / np.linalg.norm(axis)
+        twists = [
+            # Past half a turn an angle starts again at the other end; half of it would jump.
+            np.unwrap(twist_angles(Rotation.from_matrix(local[:, joint]).as_quat(), axis))
+            for joint in (elbow, wrist)
+        ]
+        moved = (twists[0] - twists[1]) / 2
+        turn = Rotation.from_rotvec(moved[:, None] * axis).as_matrix()
+        local[:, elbow] = local[:, elbow] @ np.swapaxes(turn, 1, 2)
+        local[:, wrist] = turn @ local[:, wrist]
 
 
 def _follow(

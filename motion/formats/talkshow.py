@@ -23,6 +23,8 @@ _EXPRESSION: Final = slice(165, 265)
 def read_talkshow(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     """Read a TalkSHOW motion, as it stands; the file holds no translation and no betas.
 
+    Its fingers are relative to SMPL-X's mean hands.
+
     Parameters
     ----------
     path : Path

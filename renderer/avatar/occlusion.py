@@ -11,7 +11,7 @@ from renderer.avatar.patch import vertex_normals
 
 Array = NDArray[np.float64]
 
-_DIRECTIONS: Final = 96
+_DIRECTIONS: Final = 72
 _CELL: Final = 0.004
 _TOLERANCE: Final = 0.003
 _MOST_SLANT: Final = 4.0
@@ -45,11 +45,13 @@ def open_sky(vertices: Array, faces: NDArray[np.int64]) -> Array:
         across = np.cross(direction, [0.36, 0.48, 0.8])
         across /= np.linalg.norm(across)
         axes = np.stack([across, np.cross(direction, across)], axis=1)
-        low = (samples @ axes).min(axis=0)
-        cells = ((samples @ axes - low) / _CELL).astype(int)
+        across_samples, height = samples @ axes, samples @ direction
+        low = across_samples.min(axis=0)
+        cells = ((across_samples - low) / _CELL).astype(np.int64)
         width = cells[:, 0].max() + 1
         depth = np.full(width * (cells[:, 1].max() + 1), -np.inf)
-        np.maximum.at(depth, cells[:, 1] * width + cells[:, 0], samples @ direction)
+        highest_last = np.argsort(height)
+        depth[(cells[:, 1] * width + cells[:, 0])[highest_last]] = height[highest_last]
         mine = np.round((vertices @ axes - low) / _CELL - 0.5).astype(int)
         mine = np.maximum(mine, 0)
         facing = np.maximum(normals @ direction, 0.0)

@@ -66,6 +66,14 @@ class Patch:
             self, blend=self.blend[used], faces=flat.reshape(-1, 3), lift=self.lift[used]
         )
 
+    def inside(self, marked: NDArray[np.bool_]) -> Self:
+        """Return the faces with all corners on `marked` vertices, as `keeping` does."""
+        return self.keeping(np.asarray(marked[self.faces].all(axis=1)))
+
+    def touching(self, marked: NDArray[np.bool_]) -> Self:
+        """Return the faces with any corner on a `marked` vertex, as `keeping` does."""
+        return self.keeping(np.asarray(marked[self.faces].any(axis=1)))
+
     def split(self, field: Array) -> tuple[Self, Array]:
         """Return the patch with new vertices where `field`, given per vertex, crosses zero.
 

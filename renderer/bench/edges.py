@@ -8,12 +8,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.channels import RGB
 from renderer.clip_video import Stage
 from renderer.frames import SUPERSAMPLING, FrameRenderer
 from renderer.framing import Camera
 from renderer.look import BACKGROUND
+from renderer.offscreen import PLANES
 from renderer.pixel_box import PixelBox
-from renderer.surface import VertexNormals, avatar_colours
+from renderer.surface import VertexNormals, surface_colours
 
 Pictures = NDArray[np.float64]
 
@@ -39,16 +41,16 @@ def edge_errors(stage: Stage, camera: Camera, vertices: NDArray[np.float32]) -> 
         Root mean square in grey levels over the pixels that the outline crosses.
     """
     normals = VertexNormals(stage.body).of(vertices)
-    colours = avatar_colours(stage.body, stage.look.avatar)
+    colours = surface_colours(stage.body)
     size = stage.look.size
 
     def renderer(side: int) -> FrameRenderer:
         return FrameRenderer(stage.body.faces, colours, camera, side // SUPERSAMPLING)
 
     with renderer(size * _REFERENCE) as drawing:
-        fine = drawing.draw(vertices, normals)[..., :3].astype(np.float64)
+        fine = np.moveaxis(drawing.draw(vertices, normals), 0, 2).astype(np.float64)
     with renderer(size * SUPERSAMPLING) as drawing:
-        ours = _averaged(drawing.draw(vertices, normals)[..., :3], SUPERSAMPLING)
+        ours = _averaged(np.moveaxis(drawing.draw(vertices, normals), 0, 2), SUPERSAMPLING)
     with renderer(size) as drawing:
         multisampled = _multisampled(drawing, vertices, normals, samples=4)
     empty = (fine == BACKGROUND).all(axis=2).astype(np.float64)[..., None]
@@ -84,22 +86,26 @@ def _multisampled(
     target = int(gl.glGetIntegerv(gl.GL_FRAMEBUFFER_BINDING))
     many = int(gl.glGenFramebuffers(1))
     gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, many)
-    for kind, attachment in (
-        (gl.GL_RGBA8, gl.GL_COLOR_ATTACHMENT0),
-        (gl.GL_DEPTH_COMPONENT24, gl.GL_DEPTH_ATTACHMENT),
-    ):
+    colours = [gl.GL_COLOR_ATTACHMENT0 + number for number in range(PLANES)]
+    kinds = [gl.GL_R8] * PLANES + [gl.GL_DEPTH_COMPONENT24]
+    for kind, attachment in zip(kinds, [*colours, gl.GL_DEPTH_ATTACHMENT], strict=True):
         buffer = gl.glGenRenderbuffers(1)
         gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, buffer)
         gl.glRenderbufferStorageMultisample(gl.GL_RENDERBUFFER, samples, kind, side, side)
         gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, attachment, gl.GL_RENDERBUFFER, buffer)
+    gl.glDrawBuffers(PLANES, colours)
     gl.glEnable(gl.GL_MULTISAMPLE)
-    drawing.context.draw_into(many, drawing.scene, PixelBox.whole(side))
+    whole = PixelBox.whole(side)
+    drawing.context.draw_into(many, drawing.scene, whole, RGB)
     gl.glBindFramebuffer(gl.GL_READ_FRAMEBUFFER, many)
     gl.glBindFramebuffer(gl.GL_DRAW_FRAMEBUFFER, target)
-    gl.glBlitFramebuffer(
-        0, 0, side, side, 0, 0, side, side, gl.GL_COLOR_BUFFER_BIT, gl.GL_NEAREST
-    )  # fmt: skip
+    for colour in colours:
+        gl.glReadBuffer(colour)
+        gl.glDrawBuffers(1, [colour])
+        gl.glBlitFramebuffer(
+            0, 0, side, side, 0, 0, side, side, gl.GL_COLOR_BUFFER_BIT, gl.GL_NEAREST
+        )  # fmt: skip
     gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, target)
-    pixels = np.empty((side, side, 4), np.uint8)
-    gl.glReadPixels(0, 0, side, side, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, array=pixels)
-    return pixels[..., :3].astype(np.float64)
+    planes = np.empty((PLANES, side, side), np.uint8)
+    drawing.context.read(whole, planes)
+    return np.moveaxis(planes, 0, 2).astype(np.float64)

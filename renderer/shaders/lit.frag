@@ -1,9 +1,15 @@
 #version 330 core
 
 in vec3 shade;
-out vec4 frag_color;
+
+// One plane for each channel, as video frames have.
+layout(location = 0) out float first;
+layout(location = 1) out float second;
+layout(location = 2) out float third;
 
 void main()
 {
-    frag_color = vec4(shade, 1.0);
+    first = shade.x;
+    second = shade.y;
+    third = shade.z;
 }

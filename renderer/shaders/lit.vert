@@ -19,6 +19,8 @@ uniform vec3 ambient_light;
 uniform int n_directional_lights;
 uniform DirectionalLight directional_lights[MAX_LIGHTS];
 
+uniform mat4 channels;  // from red, green and blue to what is drawn
+
 out vec3 shade;
 
 const float WRAP = 0.25;
@@ -40,5 +42,6 @@ void main()
         float power8 = power4 * power4;
         gleam += directional_lights[i].intensity * power8 * power8 * power8;
     }
-    shade = sqrt(min(albedo * light + vec3(color_0.a * gleam), vec3(1.0)));
+    vec3 rgb = sqrt(min(albedo * light + vec3(color_0.a * gleam), vec3(1.0)));
+    shade = (channels * vec4(rgb, 1.0)).xyz;
 }

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
+from types import MappingProxyType
+from typing import Final
 
 import click
 
@@ -30,13 +33,56 @@ class _StudyFolderType(click.ParamType[StudyFolder]):
         return folder
 
 
+class _BytesType(click.ParamType[int]):
+    """A size such as ``10GB``, as a number of bytes."""
+
+    name = "size"
+    _PATTERN = re.compile(r"(\d+(?:\.\d+)?)\s*(B|kB|MB|GB|TB)?", re.IGNORECASE)
+    _UNITS = MappingProxyType({"b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12})
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> int:
+        if isinstance(value, int):
+            return value
+        found = self._PATTERN.fullmatch(str(value).strip())
+        if found is None:
+            self.fail(f"{value!r} is no size. Give one such as 10GB, 500MB or 0.", param, ctx)
+        number, unit = found.groups()
+        return round(float(number) * self._UNITS[(unit or "B").lower()])
+
+
+_MOST_PROCESSES: Final = 256
+
+
+def _default_processes() -> int:
+    """Return how many processors this program may use, at most `_MOST_PROCESSES`."""
+    if hasattr(os, "sched_getaffinity"):
+        return min(len(os.sched_getaffinity(0)), _MOST_PROCESSES)
+    return min(os.cpu_count() or 1, _MOST_PROCESSES)
+
+
 study_folder = click.argument("folder", type=_StudyFolderType())
 """The study folder; it must exist."""
 
 processes: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--processes",
-    type=click.IntRange(1, 256),
-    default=len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
-    show_default=True,
+    type=click.IntRange(1, _MOST_PROCESSES),
+    default=_default_processes,
+    show_default="one for each processor",
     help="How many videos are made at once.",
+)
+
+cluster: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+    "--cluster",
+    metavar="ADDRESS",
+    help="Render on the Dask cluster whose scheduler is at ADDRESS, such as tcp://node1:8786. "
+    "Its workers need this version and see the study under the same path.",
+)
+
+frames_cache: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+    "--frames-cache",
+    type=_BytesType(),
+    help="Frames kept for later runs, such as 10GB; those used longest ago go first. By default "
+    "20GB, or half of the free disk where that is less.",
 )

@@ -28,6 +28,11 @@ _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 )
 @click.option("--speaker", help="Who speaks.")
 @click.option("--emotion", type=click.Choice(EMOTIONS), help="The emotion of the take.")
+@click.option(
+    "--as-recorded",
+    is_flag=True,
+    help="Leave hands of a BVH where another body had them, even inside trunk or thighs.",
+)
 def command(
     motion: tuple[Path, ...],
     folder: StudyFolder,
@@ -37,6 +42,7 @@ def command(
     segment_seconds: float | None,
     speaker: str | None,
     emotion: str | None,
+    as_recorded: bool,
 ) -> None:
     """Bring MOTION into the study FOLDER.
 
@@ -46,7 +52,9 @@ def command(
     if speech is None:
         if segment_seconds is not None or speaker is not None or emotion is not None:
             raise click.UsageError("--segment, --speaker and --emotion describe --speech: give it.")
-        notes = import_clips(folder, motion, condition=condition, frame_rate=fps)
+        notes = import_clips(
+            folder, motion, condition=condition, frame_rate=fps, as_recorded=as_recorded
+        )
         done = f"{len(motion)} clips of condition {condition!r}"
     else:
         if len(motion) != 1 or speaker is None or emotion is None:
@@ -59,6 +67,7 @@ def command(
             condition=condition,
             speaker=speaker,
             emotion=emotion,
+            as_recorded=as_recorded,
         )
         segments, notes = import_take(folder, take)
         done = f"{len(segments)} segments with condition {condition!r}"

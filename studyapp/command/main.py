@@ -14,6 +14,7 @@ _COMMANDS: Final = {
     "check": "Say everything that can go wrong before launch.",
     "demo": "Run the whole line on synthetic speech, from nothing to a report.",
     "export": "Write the responses as one tidy CSV file.",
+    "figure": "Make figures and videos for the paper.",
     "generate": "Make the motion of every generated condition.",
     "import": "Bring recorded motion and speech, or motion made elsewhere, into a study.",
     "init": "Make a study folder with a commented study.toml.",

@@ -1,16 +1,23 @@
-"""One progress bar for all long work."""
+"""How long work shows how far it is."""
 
 from __future__ import annotations
 
+import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Final
 
+import click
 from tqdm import tqdm
+
+_A_LINE_EVERY: Final = 30.0
+"""Seconds between two lines where no terminal shows a bar."""
 
 
 @contextmanager
-def progress(title: str, unit: str) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar with rate and time left; yield a function of (done, total).
+def progress(title: str, unit: str) -> Iterator[Callable[..., None]]:
+    """Show rate and time left, as a bar or, where no terminal is, as a line now and then.
 
     Parameters
     ----------
@@ -18,13 +25,46 @@ def progress(title: str, unit: str) -> Iterator[Callable[[int, int], None]]:
         What is being done.
     unit : str
         What is counted, in the singular.
+
+    Yields
+    ------
+    callable
+        Of (done, total), and optionally a `detail` to be shown behind.
     """
+    if not sys.stderr.isatty():
+        yield _Lines(title, unit).show
+        return
     # A bar that an error stopped is wiped away: the error says what happened.
     with tqdm(desc=title, unit=f" {unit}", dynamic_ncols=True, mininterval=0.5, leave=False) as bar:
 
-        def show(done: int, total: int) -> None:
+        def show(done: int, total: int, detail: str = "") -> None:
             bar.total = total
+            bar.set_postfix_str(detail, refresh=False)
             bar.update(done - bar.n)
 
         yield show
         bar.leave = True
+
+
+class _Lines:
+    """Progress for a log: a line at most every `_A_LINE_EVERY` seconds, and one at the end."""
+
+    def __init__(self, title: str, unit: str) -> None:
+        self._title = title
+        self._unit = unit
+        self._began = self._said = time.monotonic()
+
+    def show(self, done: int, total: int, detail: str = "") -> None:
+        """Write a line if it is time for one."""
+        now = time.monotonic()
+        if not done or (done < total and now - self._said < _A_LINE_EVERY):
+            return
+        self._said = now
+        rate = done / max(now - self._began, 1e-6)
+        left = tqdm.format_interval((total - done) / rate)
+        said = [f"{self._title}: {done} of {total} {self._unit}s", f"{rate:.3g} a second"]
+        if done < total:
+            said.append(f"about {left} left")
+        if detail:
+            said.append(detail)
+        click.echo(", ".join(said), err=True)

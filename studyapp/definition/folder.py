@@ -60,6 +60,11 @@ class StudyFolder:
         """Folder of the report."""
         return self.root / "report"
 
+    @property
+    def figures(self) -> Path:
+        """Folder of figures for a paper; they name conditions and are never served."""
+        return self.root / "figures"
+
     def clip(self, condition: str, segment: str) -> Path:
         """Return the motion clip of `condition` for `segment`."""
         return self.root / "motion" / condition / f"{segment}.npz"

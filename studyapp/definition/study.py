@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, Literal, Self
 
 from pydantic import Field, model_validator
@@ -39,16 +39,20 @@ class Video(Section):
     size : int
         Pixels along each side of one clip; a pair is twice as wide.
     avatar : str
-        The colours in which the default body is dressed.
+        Who is shown, the same for all conditions: a name in `renderer.avatars.AVATARS`.
     body : str or None
-        A licensed SMPL-X model file (``.npz``) to show instead of the default body.
+        A licensed SMPL-X model file (``.npz``) to show instead of an avatar.
+    expression_matrix : str or None
+        A file (``.npz``, ``.npy`` or ``.csv``) of 100 SMPL-X expression coefficients by 52 ARKit
+        actions, which turns the one into the other where the body shows only that.
     """
 
     framing: Literal["upper_body", "full_body"] = "upper_body"
     size: int = Field(720, ge=64, le=1440, multiple_of=2)
     frame_rate: int = Field(30, ge=10, le=60)
-    avatar: Literal["blue", "green"] = "blue"
+    avatar: Literal["alex", "maya", "jonas", "amara", "henry", "mannequin"] = "alex"
     body: str | None = None
+    expression_matrix: str | None = None
 
 
 class Watching(Section):
@@ -240,6 +244,11 @@ class Study(Section, ABC):
         if condition == self.catch.condition:
             return self.catch.videos
         return self.conditions[condition].videos
+
+    @property
+    def roles(self) -> Mapping[str, str]:
+        """What conditions are in the study, where one has a part of its own."""
+        return {self.catch.condition: "catch trials"}
 
     @property
     def only_finished(self) -> bool:

@@ -2,37 +2,26 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.lock import held_alone
 
 
-@contextmanager
-def only_rehearsal(folder: StudyFolder) -> Iterator[None]:
+def only_rehearsal(folder: StudyFolder) -> AbstractContextManager[None]:
     """Keep other rehearsals of `folder` away during the block.
-
-    The lock is the system's and lies on the folder itself: it leaves no file behind, and ends
-    with the process that holds it, however that ends.
 
     Raises
     ------
     InputError
         If the study is being rehearsed already.
     """
-    held = os.open(folder.root, os.O_RDONLY)
-    try:
-        try:
-            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise InputError(
-                "this study is being rehearsed already",
-                where=folder.root,
-                remedy="Wait until the other 'motionjury rehearse' is done, or stop it",
-            ) from None
-        yield
-    finally:
-        os.close(held)
+    return held_alone(
+        folder.root,
+        busy=InputError(
+            "this study is being rehearsed already",
+            where=folder.root,
+            remedy="Wait until the other 'motionjury rehearse' is done, or stop it",
+        ),
+    )

@@ -7,6 +7,10 @@ from typing import Final
 
 import av
 
+from motion.audio import read_audio
+from motion.errors import InputError
+from renderer.loudness import integrated_loudness
+
 DURATION_TOLERANCE: Final = 0.1
 """Seconds by which a video may be longer or shorter than its segment."""
 
@@ -30,3 +34,11 @@ def flaw_of(video: Path, seconds: float) -> str | None:
     except (av.FFmpegError, OSError):
         return "cannot be played: it is damaged or no video"
     return None
+
+
+def loudness_of(video: Path) -> float | None:
+    """Return how loud a video is in LUFS; None where it is silent, too short or damaged."""
+    try:
+        return integrated_loudness(read_audio(video, sample_rate=None))
+    except InputError:
+        return None

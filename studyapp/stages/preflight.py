@@ -11,8 +11,10 @@ from typing import Final
 
 import numpy as np
 
+from motion.clip import MotionClip
+from motion.errors import InputError
 from motion.formats import read_clip
-from motion.freeze import CHANNELS, moving_channels
+from motion.freeze import CHANNELS, freeze, moving_channels
 from motion.listing import listed
 from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
@@ -20,7 +22,8 @@ from studyapp.definition.media import Media
 from studyapp.definition.study import Study
 from studyapp.design.planned_trial import Kind
 from studyapp.services.served_study import described
-from studyapp.stages.media_probe import DURATION_TOLERANCE, flaw_of
+from studyapp.stages.media_probe import DURATION_TOLERANCE, flaw_of, loudness_of
+from studyapp.stages.shown_body import left_out, shown_abilities
 
 KIND_WORDS: Final[Mapping[Kind, str]] = MappingProxyType(
     {
@@ -31,6 +34,10 @@ KIND_WORDS: Final[Mapping[Kind, str]] = MappingProxyType(
         "attention": "attention",
     }
 )
+
+
+LOUDNESS_TOLERANCE: Final = 1.0
+"""LU by which two videos may differ, as EBU R 128 allows live programmes."""
 
 
 class Severity(Enum):
@@ -59,10 +66,14 @@ def check(folder: StudyFolder) -> list[Finding]:
         If the study file or the segments cannot be read at all.
     """
     study = folder.study()
+    clips, broken = _read_motion(folder, study)
     findings = [
+        *broken,
         *_media_findings(folder, study),
-        *_motion_findings(folder, study),
         *_freeze_findings(study),
+        *_loudness_findings(folder, study),
+        *_motion_findings(study, clips),
+        *_body_findings(folder, study, clips),
         *_page_findings(study),
         *_design_findings(folder, study),
     ]
@@ -130,6 +141,34 @@ def _freeze_findings(study: Study) -> Iterator[Finding]:
         )
 
 
+def _loudness_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
+    """Say where videos sound louder than others; what is rendered of one speech sounds alike."""
+    if not study.only_finished and not folder.stimuli.exists():
+        return
+    media = Media.of(folder, study)
+    loudness: dict[str, float] = {}
+    for content in study.contents(tuple(folder.segments_of(study))):
+        shown, found = content[0], media.find(content)
+        if shown.speech is None or found is None or not found.file.exists():
+            continue
+        finished = study.is_finished(shown.condition)
+        name = str(found.file.relative_to(folder.root)) if finished else f"segment {shown.speech}"
+        if name not in loudness and (measured := loudness_of(found.file)) is not None:
+            loudness[name] = measured
+    if not loudness:
+        return
+    softest, loudest = (pick(loudness, key=lambda name: loudness[name]) for pick in (min, max))
+    apart = loudness[loudest] - loudness[softest]
+    if apart > LOUDNESS_TOLERANCE:
+        yield Finding(
+            Severity.WARNING,
+            f"{loudest} is {apart:.1f} LU louder than {softest} "
+            f"({loudness[loudest]:.1f} and {loudness[softest]:.1f} LUFS)",
+            "Run 'motionjury render', and see what it says of the speech; bring finished videos "
+            "at -23 LUFS, as rendered ones are",
+        )
+
+
 def _page_findings(study: Study) -> Iterator[Finding]:
     for key, why in (
         ("organisation", "participants are not told who runs the study"),
@@ -163,16 +202,53 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
         )
 
 
-def _motion_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
+def _read_motion(
+    folder: StudyFolder, study: Study
+) -> tuple[dict[str, list[MotionClip]], list[Finding]]:
+    """Return the clips that there are of each condition, and a finding for each broken one.
+
+    Of the catch condition only what is broken is told: its motion is meant to look odd.
+    """
+    clips: dict[str, list[MotionClip]] = {condition: [] for condition in study.conditions}
+    broken: list[Finding] = []
+    caught = (study.catch.condition,) if study.catch.trials else ()
+    moved = [name for name in (*study.conditions, *caught) if not study.is_finished(name)]
+    segments = folder.segments_of(study)
+    for condition in moved:
+        for segment in segments:
+            path = folder.clip(condition, segment.name)
+            if not path.exists():
+                continue
+            try:
+                clip = read_clip(path)
+            except InputError as error:
+                broken.append(_as_finding(error))
+            else:
+                if condition in clips:
+                    clips[condition].append(clip)
+    return clips, broken
+
+
+def _as_finding(error: InputError) -> Finding:
+    return Finding(Severity.ERROR, f"{error.where}: {error.what}", error.remedy)
+
+
+def _body_findings(
+    folder: StudyFolder, study: Study, clips: Mapping[str, list[MotionClip]]
+) -> Iterator[Finding]:
+    """Say what of the motion the study's body leaves out."""
+    try:
+        body = shown_abilities(folder, study)
+    except InputError as error:
+        yield _as_finding(error)
+        return
+    shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
+    for sentence in left_out(shown, body):
+        yield Finding(Severity.WARNING, sentence)
+
+
+def _motion_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
     """Say where a condition's motion is of another kind than the others'."""
-    clips = {
-        condition: [
-            read_clip(path)
-            for segment in folder.segments_of(study)
-            if (path := folder.clip(condition, segment.name)).exists()
-        ]
-        for condition in study.conditions
-    }
     for condition, made in clips.items():
         slowest = min((clip.frame_rate for clip in made), default=study.video.frame_rate)
         if slowest < study.video.frame_rate:

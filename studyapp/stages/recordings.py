@@ -19,6 +19,7 @@ from motion.segments_table import read_segments, write_segments
 from studyapp.definition.creation import add_condition
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
+from studyapp.stages.shown_body import licensed_hands
 
 SEGMENT_TOLERANCE: Final = 0.1
 """Seconds by which motion and speech of one segment may differ."""
@@ -42,6 +43,8 @@ class Take:
         Length of the segments it is cut into; None keeps the take whole.
     condition, speaker, emotion : str
         What its segments are.
+    as_recorded : bool
+        Whether hands of a BVH stay where they come to lie inside the body.
     """
 
     motion: Path
@@ -51,6 +54,7 @@ class Take:
     condition: str
     speaker: str
     emotion: str
+    as_recorded: bool = False
 
 
 def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[str]]:
@@ -75,7 +79,12 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
     _check_condition(study, take.condition, folder)
     check_name(take.speech.stem, "segment", take.speech)
     audio = read_audio(take.speech, sample_rate=None)
-    clip = read_motion(take.motion, frame_rate=take.frame_rate)
+    clip = read_motion(
+        take.motion,
+        frame_rate=take.frame_rate,
+        mean_hands=licensed_hands(folder, study),
+        as_recorded=take.as_recorded,
+    )
     notes = [*audio.notes, *_notes_of(clip, take.motion)]
     seconds, note = _common_length(take, audio, clip)
     notes += note
@@ -99,7 +108,12 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
 
 
 def import_clips(
-    folder: StudyFolder, motions: Sequence[Path], *, condition: str, frame_rate: float | None
+    folder: StudyFolder,
+    motions: Sequence[Path],
+    *,
+    condition: str,
+    frame_rate: float | None,
+    as_recorded: bool = False,
 ) -> list[str]:
     """Store motion made elsewhere for segments the study already has.
 
@@ -113,6 +127,8 @@ def import_clips(
         The condition they belong to; added to the study file where it is new.
     frame_rate : float or None
         Overrides what the files say of their frame rate.
+    as_recorded : bool
+        Whether hands of a BVH stay where they come to lie inside the body.
 
     Returns
     -------
@@ -122,12 +138,13 @@ def import_clips(
     Raises
     ------
     InputError
-        If a file belongs to no segment or is more than 0.1 s longer or shorter than its speech,
-        or the condition's motion is generated.
+        If a file belongs to no segment, two belong to the same, one is more than 0.1 s longer or
+        shorter than its speech, or the condition's motion is generated.
     """
     study = folder.study()
     _check_condition(study, condition, folder)
     segments = {segment.name: segment for segment in folder.segments()}
+    mean_hands = licensed_hands(folder, study)
     clips, notes = {}, []
     for path in motions:
         segment = segments.get(path.stem)
@@ -139,7 +156,15 @@ def import_clips(
                 + ", ".join(list(segments)[:3])
                 + ", …), or give --speech to bring in a new take",
             )
-        clip = read_motion(path, frame_rate=frame_rate)
+        if segment.name in clips:
+            raise InputError(
+                f"two of the files are called {path.stem!r}",
+                where=path,
+                remedy="Give one motion for each segment",
+            )
+        clip = read_motion(
+            path, frame_rate=frame_rate, mean_hands=mean_hands, as_recorded=as_recorded
+        )
         check_same_length(clip, segment, path)
         notes += _notes_of(clip, path)
         clips[segment.name] = cut(clip, 0.0, min(clip.duration, segment.duration))

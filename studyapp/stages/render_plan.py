@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Self
 
-from motion.body import BodyModel, expression_note, read_body
+from motion.body import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.freeze import freeze
+from motion.ground import stand_on_ground
 from motion.segment import Segment
-from renderer.body_asset import default_body
 from renderer.framing import Camera, frame_clips
 from renderer.job import ClipJob, PairJob
 from renderer.look import Look
@@ -24,18 +25,11 @@ from studyapp.definition.study import Study
 from studyapp.design.stimulus import Content
 from studyapp.stages.digest import digest
 from studyapp.stages.recordings import check_same_length
+from studyapp.stages.shown_body import body_file, expression_matrix_file, left_out, shown_body
 
 
-def read_motion_shown(
-    folder: StudyFolder, study: Study, segments: Sequence[Segment]
-) -> dict[tuple[str, str], MotionClip]:
-    """Return each (condition, segment)'s clip as it is shown, frozen channels still.
-
-    Raises
-    ------
-    InputError
-        Naming the clips that are missing or do not fit their speech.
-    """
+def _moved(study: Study, segments: Sequence[Segment]) -> list[tuple[str, Segment]]:
+    """Return every (condition, segment) whose motion is shown, condition after condition."""
     moved = {
         (stimulus.condition, stimulus.segment): stimulus.condition
         for content in study.contents(segments)
@@ -43,7 +37,29 @@ def read_motion_shown(
         if not study.is_finished(stimulus.condition)
     }
     order = dict.fromkeys(moved.values())
-    wanted = [(c, s) for c in order for s in segments if (c, s.name) in moved]
+    return [(c, s) for c in order for s in segments if (c, s.name) in moved]
+
+
+def read_motion_shown(
+    folder: StudyFolder, study: Study, segments: Sequence[Segment]
+) -> dict[tuple[str, str], MotionClip]:
+    """Return each (condition, segment)'s clip as it is shown, frozen channels still.
+
+    A clip that cannot be read, or does not fit its speech, is left out: making its video fails,
+    which is reported, and the rest goes on.
+
+    Raises
+    ------
+    InputError
+        If clips are missing, or none can be used.
+    """
+    wanted = _moved(study, segments)
+    if not wanted:
+        raise InputError(
+            "all videos of this study were brought finished, and there is no motion to draw",
+            where=folder.definition,
+            remedy="Take a study whose conditions have motion",
+        )
     missing = [(c, s) for c, s in wanted if not folder.clip(c, s.name).exists()]
     if missing:
         condition, segment = missing[0]
@@ -56,11 +72,18 @@ def read_motion_shown(
             remedy=remedy,
         )
     shown = {}
+    broken: list[InputError] = []
     for condition, segment in wanted:
         path = folder.clip(condition, segment.name)
-        clip = read_clip(path)
-        check_same_length(clip, segment, path)
-        shown[condition, segment.name] = freeze(clip, study.freeze)
+        try:
+            clip = read_clip(path)
+            check_same_length(clip, segment, path)
+        except InputError as error:
+            broken.append(error)
+        else:
+            shown[condition, segment.name] = freeze(clip, study.freeze)
+    if broken and not any(name != study.catch.condition for name, _ in shown):
+        raise broken[0]
     return shown
 
 
@@ -70,8 +93,12 @@ class RenderPlan:
 
     Attributes
     ----------
+    keys : mapping
+        What each (segment, condition)'s clip depends on.
     clips, pairs : tuple
         The records that `stimuli.json` holds once the videos are there.
+    model : BodyModel
+        The body in the file `body`.
     notes : tuple of str
         What of the conditions' motion the body cannot show.
     """
@@ -80,8 +107,10 @@ class RenderPlan:
     study: Study
     segments: Mapping[str, Segment]
     body: Path
+    model: BodyModel
     camera: Camera
     look: Look
+    keys: Mapping[tuple[str, str], str]
     clips: tuple[ClipVideo, ...]
     pairs: tuple[PairVideo, ...]
     notes: tuple[str, ...]
@@ -92,26 +121,27 @@ class RenderPlan:
         study = folder.study()
         segments = {segment.name: segment for segment in folder.segments_of(study)}
         shown = read_motion_shown(folder, study, tuple(segments.values()))
-        body = Path(study.video.body).expanduser() if study.video.body else default_body()
-        model = read_body(body)
+        body, model = body_file(folder, study), shown_body(folder, study)
+        matrix = expression_matrix_file(folder, study)
         look = _look(study)
         camera = _camera(shown, study, model, look)
         shared = (RENDERER_VERSION, body.name, body.stat().st_size, camera, look, study.freeze)
         contents = list(study.contents(tuple(segments.values())))
         own = tuple(
             ClipVideo(
-                segment=segment,
+                segment=segment.name,
                 condition=condition,
-                file=f"videos/clips/{condition}/{segment}.mp4",
-                duration=segments[segment].duration,
+                file=f"videos/clips/{condition}/{segment.name}.mp4",
+                duration=segment.duration,
                 key=digest(
                     shared,
-                    segments[segment],
-                    folder.speech / segments[segment].wav,
-                    folder.clip(condition, segment),
+                    segment,
+                    folder.speech / segment.wav,
+                    folder.clip(condition, segment.name),
+                    *([matrix] if matrix else []),
                 ),
             )
-            for condition, segment in shown
+            for condition, segment in _moved(study, tuple(segments.values()))
         )
         keys = {(clip.segment, clip.condition): clip.key for clip in own}
         pairs = tuple(
@@ -127,32 +157,44 @@ class RenderPlan:
             )
             for left, right in (content for content in contents if len(content) > 1)
         )
-        # The same motion with another speech comes after all with their own.
         clips = (*own, *_mismatched(folder, study, segments, contents, keys))
         return cls(
             folder=folder,
             study=study,
             segments=segments,
-            body=body,
+            body=body.absolute(),
+            model=model,
             camera=camera,
-            look=look,
+            look=replace(look, expression_matrix=matrix),
+            keys=keys,
             clips=clips,
             pairs=pairs,
-            notes=_expression_notes(shown, model),
+            notes=left_out(((name, clip) for (name, _), clip in shown.items()), model.abilities),
         )
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """Every condition that has motion and is shown."""
+        return tuple(dict.fromkeys(clip.condition for clip in self.clips))
+
+    @cached_property
+    def sides(self) -> frozenset[tuple[str, str]]:
+        """Each (segment, condition) that pairs are composed from."""
+        return sides_of(self.pairs)
+
+    @property
+    def frames_folder(self) -> Path:
+        """Where the lossless frames are kept."""
+        return self.folder.videos / ".frames"
 
     def frames(self, segment: str, condition: str) -> Path:
         """Return the lossless frames from which the pairs of a clip are composed."""
-        clip = next(c for c in self.clips if (c.segment, c.condition) == (segment, condition))
-        return self.folder.videos / ".frames" / f"{clip.key}.mkv"
-
-    def can_compose(self, pair: PairVideo) -> bool:
-        """Tell whether the frames of both sides are there."""
-        return all(self.frames(pair.segment, side).exists() for side in (pair.left, pair.right))
+        return self.frames_folder / f"{self.keys[segment, condition]}.mkv"
 
     def clip_job(self, clip: ClipVideo) -> ClipJob:
         """Return the work that makes `clip`."""
         speech = self.segments[clip.speech or clip.segment]
+        shown = (clip.segment, clip.condition)
         return ClipJob(
             name=clip.file,
             motion=self.folder.clip(clip.condition, clip.segment),
@@ -163,7 +205,7 @@ class RenderPlan:
             body=self.body,
             camera=self.camera,
             look=self.look,
-            frames=self.frames(clip.segment, clip.condition),
+            frames=self.frames(*shown) if clip.speech is None and shown in self.sides else None,
             video=self.folder.root / clip.file,
         )
 
@@ -180,6 +222,11 @@ class RenderPlan:
             video=self.folder.root / pair.file,
             look=self.look,
         )
+
+
+def sides_of(pairs: Iterable[PairVideo]) -> frozenset[tuple[str, str]]:
+    """Return each (segment, condition) that `pairs` are composed from."""
+    return frozenset((pair.segment, side) for pair in pairs for side in (pair.left, pair.right))
 
 
 def _mismatched(
@@ -224,17 +271,9 @@ def _camera(
     shown: Mapping[tuple[str, str], MotionClip], study: Study, body: BodyModel, look: Look
 ) -> Camera:
     """Frame all conditions alike, the catch motion left aside."""
-    clips = [clip for (name, _), clip in shown.items() if name != study.catch.condition]
+    clips = [
+        stand_on_ground(clip, body.joints(clip.betas))
+        for (name, _), clip in shown.items()
+        if name != study.catch.condition
+    ]
     return frame_clips(clips, body, look)
-
-
-def _expression_notes(
-    shown: Mapping[tuple[str, str], MotionClip], body: BodyModel
-) -> tuple[str, ...]:
-    """Return, once per condition, what of its faces the body cannot show."""
-    notes = {}
-    for (condition, _), clip in shown.items():
-        note = expression_note(clip, body)
-        if note is not None:
-            notes[condition] = f"{condition}: {note}"
-    return tuple(notes.values())

@@ -2,56 +2,40 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from renderer.job import Outcome
+from motion.errors import InputError
+from renderer.frame_cache import FrameCache
+from renderer.job import Job, Outcome, PairJob
 from renderer.jobs import run_jobs
 from renderer.mp4_padding import pad_to_equal_size
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.lock import held_alone
 from studyapp.definition.media import Media
-from studyapp.definition.stimuli import (
-    ClipVideo,
-    PairVideo,
-    Stimuli,
-    read_stimuli,
-    write_stimuli,
-)
-from studyapp.stages.render_plan import RenderPlan
-
-
-@dataclass(frozen=True)
-class RenderCount:
-    """How many videos a run made, how many were there already, and what is to be said.
-
-    Attributes
-    ----------
-    failures : tuple of str
-        Videos that could not be made, and why.
-    notes : tuple of str
-        What of the motion the videos do not show.
-    """
-
-    made: int
-    kept: int
-    failures: tuple[str, ...]
-    notes: tuple[str, ...] = ()
+from studyapp.definition.stimuli import ClipVideo, PairVideo, read_stimuli
+from studyapp.stages.disk_space import check_room, frames_limit
+from studyapp.stages.render_plan import RenderPlan, sides_of
+from studyapp.stages.render_record import RenderCount, RenderProgress, RenderRecord
+from studyapp.stages.speech_loudness import loudness_notes
 
 
 def render(
     folder: StudyFolder,
     *,
     processes: int,
-    on_done: Callable[[int, int], None] = lambda done, total: None,
+    cluster: str | None = None,
+    frames_cache: int | None = None,
+    on_progress: Callable[[RenderProgress], None] = lambda progress: None,
 ) -> RenderCount:
     """Render each clip and pair that is missing or no longer fits what it shows.
 
-    Finished videos that were brought are only given equal sizes.
-
-    What is finished is recorded at once, so that an interrupted run goes on where it was. A
-    video that cannot be made is reported and the rest goes on.
+    What is finished is recorded, so that an interrupted run goes on where it was. A video that
+    cannot be made is reported and the rest goes on. Each segment's pairs follow its clips, so
+    that the frames between them need not be kept longer than that. Finished videos that were
+    brought are only given equal sizes.
 
     Parameters
     ----------
@@ -59,88 +43,116 @@ def render(
         The study; its motion must be complete.
     processes : int
         How many videos are made at once.
-    on_done : callable
-        Called with (videos done, videos to do) after each.
+    cluster : str or None
+        Address of a Dask scheduler whose workers make them instead.
+    frames_cache : int or None
+        Bytes of frames that may stay for later runs; None for what the disk has room for.
+    on_progress : callable
+        Called at the beginning, and after each video.
+
+    Raises
+    ------
+    InputError
+        If motion is missing, the disk is too small, the cluster cannot be used, or the study is
+        being rendered already.
     """
+    # Absolute, because workers of a cluster stand elsewhere.
+    folder = StudyFolder(folder.root.absolute())
     if folder.study().only_finished:
-        hide_sizes(folder)
-        return RenderCount(made=0, kept=0, failures=())
+        with _alone(folder):
+            hide_sizes(folder)
+        return RenderCount(made=0, kept=0)
     plan = RenderPlan.of(folder)
-    current = _current_files(folder)
+    with _alone(folder):
+        _remove_drafts(folder.videos)
+        return _render(plan, processes, cluster, frames_cache, on_progress)
+
+
+def _render(
+    plan: RenderPlan,
+    processes: int,
+    cluster: str | None,
+    frames_cache: int | None,
+    on_progress: Callable[[RenderProgress], None],
+) -> RenderCount:
+    """Render what `plan` lacks; nobody else renders the study."""
+    folder = plan.folder
+    clips, pairs = _to_do(plan)
+    frames = FrameCache(plan.frames_folder, 0)
+    frames.keep_only({plan.frames(*side) for side in plan.sides})
+    kept = frames.size()
+    limit = frames_limit(folder.videos, kept) if frames_cache is None else frames_cache
+    check_room(folder.root, [*clips, *pairs], plan.look, limit=limit, kept=kept)
+    spoken = {clip.speech or clip.segment for clip in clips}
+    notes = loudness_notes(folder, [plan.segments[name] for name in sorted(spoken)])
+    jobs = _jobs_in_order(plan, clips, pairs)
+    room = _FrameRoom(FrameCache(plan.frames_folder, limit), jobs)
+    try:
+        with RenderRecord(plan, [*clips, *pairs]) as record:
+
+            def on_done(outcome: Outcome) -> None:
+                room.free(outcome)
+                record.add(outcome)
+                on_progress(record.progress())
+
+            on_progress(record.progress())
+            run_jobs(jobs, processes=processes, cluster=cluster, on_done=on_done)
+    finally:
+        _remove_drafts(folder.videos)
+    hide_sizes(folder)
+    return record.count(notes=(*plan.notes, *notes))
+
+
+def _to_do(plan: RenderPlan) -> tuple[list[ClipVideo], list[PairVideo]]:
+    """Return the pairs to be made, and the clips whose video or frames are lacking for it."""
+    current = _current_files(plan.folder)
     pairs = [pair for pair in plan.pairs if current.get(pair.file) != pair.key]
-    sides = {(pair.segment, side) for pair in pairs for side in (pair.left, pair.right)}
+    sides = sides_of(pairs)
     clips = [
         clip
         for clip in plan.clips
         if current.get(clip.file) != clip.key
         or (
-            (clip.segment, clip.condition) in sides
+            clip.speech is None
+            and (clip.segment, clip.condition) in sides
             and not plan.frames(clip.segment, clip.condition).exists()
         )
     ]
-    log = _Log(folder, plan, to_do=[*clips, *pairs], on_done=on_done)
-    run_jobs([plan.clip_job(clip) for clip in clips], processes=processes, on_done=log.add)
-    run_jobs(
-        [plan.pair_job(pair) for pair in pairs if plan.can_compose(pair)],
-        processes=processes,
-        on_done=log.add,
-    )
-    hide_sizes(folder)
-    _remove_leftovers(folder, plan)
-    return log.count()
+    return clips, pairs
 
 
-class _Log:
-    """Keeps `stimuli.json` true while videos are being made."""
+def _jobs_in_order(
+    plan: RenderPlan, clips: Iterable[ClipVideo], pairs: Iterable[PairVideo]
+) -> list[Job]:
+    """Return the work, each segment's pairs right after its clips."""
+    by_segment: defaultdict[str, list[Job]] = defaultdict(list)
+    for clip in clips:
+        by_segment[clip.segment].append(plan.clip_job(clip))
+    for pair in pairs:
+        by_segment[pair.segment].append(plan.pair_job(pair))
+    return [job for segment in plan.segments for job in by_segment[segment]]
 
-    def __init__(
-        self,
-        folder: StudyFolder,
-        plan: RenderPlan,
-        *,
-        to_do: list[ClipVideo | PairVideo],
-        on_done: Callable[[int, int], None],
-    ) -> None:
-        self._path = folder.stimuli
-        self._plan = plan
-        self._to_do = {record.file: record for record in to_do}
-        self._finished = {
-            record.file: record
-            for record in (*plan.clips, *plan.pairs)
-            if record.file not in self._to_do
-        }
-        self._kept = len(self._finished)
-        self._failures: list[str] = []
-        self._on_done = on_done
-        self._write()
 
-    def add(self, outcome: Outcome) -> None:
-        """Record what became of one video."""
-        if outcome.error is None:
-            self._finished[outcome.name] = self._to_do[outcome.name]
-            self._write()
-        else:
-            self._failures.append(f"{outcome.name}: {outcome.error}")
-        made = len(self._finished) - self._kept
-        self._on_done(made + len(self._failures), len(self._to_do))
+class _FrameRoom:
+    """Lets frames go once no pair of this run needs them and the cache is full."""
 
-    def count(self) -> RenderCount:
-        """Return what this run did; a pair whose clip failed counts as failed with it."""
-        return RenderCount(
-            made=len(self._finished) - self._kept,
-            kept=self._kept,
-            failures=tuple(self._failures),
-            notes=self._plan.notes,
+    def __init__(self, cache: FrameCache, jobs: Sequence[Job]) -> None:
+        self._cache = cache
+        self._pairs = {job.name: job for job in jobs if isinstance(job, PairJob)}
+        self._needed = Counter(
+            side for pair in self._pairs.values() for side in (pair.left, pair.right)
         )
+        self._cache.shrink(needed=self._needed.keys())
 
-    def _write(self) -> None:
-        write_stimuli(
-            self._path,
-            Stimuli(
-                clips=tuple(clip for clip in self._plan.clips if clip.file in self._finished),
-                pairs=tuple(pair for pair in self._plan.pairs if pair.file in self._finished),
-            ),
-        )
+    def free(self, outcome: Outcome) -> None:
+        """Count a job as ended, and shrink the cache."""
+        pair = self._pairs.get(outcome.name)
+        for side in (pair.left, pair.right) if pair is not None else ():
+            self._cache.used(side)
+            self._needed[side] -= 1
+            if not self._needed[side]:
+                del self._needed[side]
+        self._cache.shrink(needed=self._needed.keys())
 
 
 def _current_files(folder: StudyFolder) -> dict[str, str]:
@@ -171,9 +183,21 @@ def hide_sizes(folder: StudyFolder) -> None:
         pad_to_equal_size(list(dict.fromkeys(videos)))
 
 
-def _remove_leftovers(folder: StudyFolder, plan: RenderPlan) -> None:
-    """Remove frames that no clip of the plan needs any more."""
-    needed = {plan.frames(clip.segment, clip.condition) for clip in plan.clips}
-    for path in (folder.videos / ".frames").glob("*.mkv"):
-        if path not in needed:
-            path.unlink()
+def _remove_drafts(videos: Path) -> None:
+    """Remove what processes that were killed left half written."""
+    for draft in videos.rglob(".*"):
+        if draft.suffix in {".mp4", ".mkv"}:
+            draft.unlink(missing_ok=True)
+
+
+@contextmanager
+def _alone(folder: StudyFolder) -> Iterator[None]:
+    """Keep others from rendering the study meanwhile."""
+    busy = InputError(
+        "this study is being rendered already",
+        where=folder.root,
+        remedy="Wait until the other 'motionjury render' is done, or stop it",
+    )
+    folder.videos.mkdir(exist_ok=True)
+    with held_alone(folder.videos, busy=busy):
+        yield

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from motion.body import BodyModel, expression_note, read_body
+from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.skeleton import PARENTS, forward_kinematics
+from motion.skeleton import PARENTS, forward_kinematics, joint_index
 
 Arrays = dict[str, NDArray[Any]]
 VERTICES = 9940  # more than the highest vertex that smplx's landmark table names
@@ -124,6 +125,30 @@ def test_vertices_follow_the_joints_of_forward_kinematics(arrays: Arrays, tmp_pa
     np.testing.assert_allclose(body.vertices(clip)[:, :55], expected, atol=1e-4)
 
 
+def _with_twist(arrays: Arrays) -> Arrays:
+    """Return a body whose left forearm's skin goes along with half of the wrist's twist."""
+    elbow, wrist = joint_index("left_elbow"), joint_index("left_wrist")
+    weights = np.hstack([arrays["weights"], np.zeros((VERTICES, 1))])
+    weights[:, [elbow, -1]] = weights[:, [-1, elbow]]
+    twist = {"twist_bones": np.array([[elbow, wrist]]), "twist_shares": np.array([[0.0, 0.5]])}
+    return arrays | twist | {"twist_weights": weights}
+
+
+def test_vertices_are_what_matrices_and_weights_make_of_the_unposed_body(
+    arrays: Arrays, tmp_path: Path
+) -> None:
+    np.savez(tmp_path / "smplx.npz", **_with_twist(arrays))
+    body = read_body(tmp_path / "smplx.npz")
+    rng = np.random.default_rng(2)
+    clip = _clip(3, betas=rng.normal(0, 1, 10), expressions=rng.normal(0, 1, (3, 100)))
+    matrices = body.skinning_matrices(clip)
+    assert matrices.shape == (3, 56, 3, 4)
+    blended = np.einsum("vj,njab->nvab", body.weights.toarray(), matrices)
+    homogeneous = np.concatenate([body.unposed(clip), np.ones((3, VERTICES, 1))], axis=2)
+    expected = np.einsum("nvab,nvb->nva", blended, homogeneous)
+    np.testing.assert_allclose(body.vertices(clip), expected, atol=1e-4)
+
+
 def test_a_clip_without_betas_has_the_mean_shape(body: BodyModel) -> None:
     mean, shaped = body.joints(np.zeros(0)), body.joints(np.ones(10))
     np.testing.assert_array_equal(mean, body.joints(np.zeros(10)))
@@ -135,22 +160,35 @@ def test_more_betas_than_the_body_has_directions_are_left_out(body: BodyModel) -
     np.testing.assert_array_equal(body.joints(betas), body.joints(betas[:10]))
 
 
-def test_expression_of_the_other_kind_is_said_and_not_guessed(body: BodyModel) -> None:
+def _matrix() -> NDArray[np.float32]:
+    return np.random.default_rng(5).normal(0, 1, (100, 52)).astype(np.float32)
+
+
+def test_face_of_the_other_kind_is_not_guessed(body: BodyModel) -> None:
     arkit = _clip(2, arkit=np.full((2, 52), 0.5))
     assert not body.has_arkit_slots
-    note = expression_note(arkit, body)
-    assert note is not None
-    assert "ARKit" in note
     np.testing.assert_array_equal(body.vertices(arkit), body.vertices(_clip(2)))
 
 
-@pytest.mark.parametrize(
-    "face", [{}, {"arkit": np.zeros((2, 52))}, {"expressions": np.ones((2, 100))}]
-)
-def test_nothing_is_said_of_a_face_that_is_shown_or_still(
-    body: BodyModel, face: dict[str, NDArray[np.float64]]
+def test_face_of_the_other_kind_is_shown_through_a_matrix(body: BodyModel) -> None:
+    weights = np.random.default_rng(6).random((2, 52)).astype(np.float32)
+    told = replace(body, expression_matrix=_matrix()).vertices(_clip(2, arkit=weights))
+    own = body.vertices(_clip(2, expressions=weights @ _matrix().T))
+    np.testing.assert_allclose(told, own, atol=1e-5)
+    assert np.abs(told - body.vertices(_clip(2))).max() > 1e-3
+
+
+def test_coefficients_move_a_body_with_arkit_slots_through_a_matrix(
+    arrays: Arrays, tmp_path: Path
 ) -> None:
-    assert expression_note(_clip(2, **face), body) is None
+    np.savez(tmp_path / "smplx.npz", **arrays, arkit_slots=np.array(True))
+    np.savetxt(tmp_path / "matrix.csv", _matrix(), delimiter=",")
+    body = read_body(tmp_path / "smplx.npz", expression_matrix=tmp_path / "matrix.csv")
+    coefficients = np.random.default_rng(7).normal(0, 1, (2, 100)).astype(np.float32)
+    told = body.vertices(_clip(2, expressions=coefficients))
+    own = body.vertices(_clip(2, arkit=np.clip(coefficients @ _matrix(), 0, 1)))
+    np.testing.assert_allclose(told, own, atol=1e-5)
+    assert np.abs(told - body.vertices(_clip(2))).max() > 1e-3
 
 
 def test_short_files_of_ten_and_ten_components_are_read(arrays: Arrays, tmp_path: Path) -> None:
@@ -176,6 +214,18 @@ def _another_tree(arrays: Arrays) -> Arrays:
     return arrays | {"kintree_table": tree}
 
 
+def _twist_about_no_bone(arrays: Arrays) -> Arrays:
+    return _with_twist(arrays) | {"twist_bones": np.array([[18, 55]])}
+
+
+def _twist_without_weights(arrays: Arrays) -> Arrays:
+    return _with_twist(arrays) | {"twist_weights": arrays["weights"]}
+
+
+def _numbers_alone(arrays: Arrays) -> Arrays:
+    return arrays | {"v_template": np.float32(1)}
+
+
 def _pickled(arrays: Arrays) -> Arrays:
     return arrays | {"f": np.array([{"not": "numbers"}], dtype=object)}
 
@@ -186,6 +236,9 @@ def _pickled(arrays: Arrays) -> Arrays:
         (_without_weights, "lacks weights"),
         (_of_smplh, "weights of the body model has shape"),
         (_another_tree, "joint tree"),
+        (_twist_about_no_bone, "twist_bones .* joints that there are not"),
+        (_twist_without_weights, "twist_weights of the body model has shape"),
+        (_numbers_alone, r"v_template of the body model has shape \(\)"),
         (_pickled, "cannot be read"),
     ],
 )

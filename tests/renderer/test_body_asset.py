@@ -79,7 +79,7 @@ def test_cache_folder_can_be_chosen(monkeypatch: pytest.MonkeyPatch, tmp_path: P
 _ASK = """
 import time
 from renderer import body_asset
-def build(path):
+def build(avatar, path):
     time.sleep(0.3)
     with path.open("ab") as file:
         file.write(b"x")
@@ -99,12 +99,12 @@ def test_processes_that_start_together_build_the_body_once(tmp_path: Path) -> No
 
 
 def test_bodies_of_other_versions_are_removed_and_nothing_else(tmp_path: Path) -> None:
-    for name in ("smplx_anny_0123456789ab.npz", "smplx_mine.npz", "notes.txt"):
+    for name in ("smplx_anny_alex_0123456789ab.npz", "smplx_mine.npz", "notes.txt"):
         (tmp_path / name).write_bytes(b"old")
     environment = {**os.environ, "MOTIONJURY_CACHE": str(tmp_path)}
     subprocess.run([sys.executable, "-c", _ASK], env=environment, cwd=ROOT, check=True)
     left = {path.name for path in tmp_path.iterdir()}
-    built = f"smplx_anny_{body_asset.BODY_VERSION}.npz"
+    built = f"smplx_anny_alex_{body_asset.BODY_VERSION}.npz"
     assert left == {built, "smplx_mine.npz", "notes.txt", "building.lock"}
 
 

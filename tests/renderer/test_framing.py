@@ -52,6 +52,24 @@ def test_the_camera_is_the_same_in_whatever_order_clips_come(
     )
 
 
+def test_one_wide_clip_among_many_narrow_ones_is_in_the_picture(
+    clip: MotionClip, arms_wide: MotionClip, body: BodyModel
+) -> None:
+    camera = frame_clips([clip] * 9 + [arms_wide], body, Look())
+    assert np.abs(_in_picture(camera, _points(arms_wide, body, HANDS))).max() < 1
+
+
+def test_a_little_less_reach_keeps_the_camera(
+    clip: MotionClip, arms_wide: MotionClip, body: BodyModel
+) -> None:
+    cameras = set()
+    for bend in np.linspace(0, 0.04, 9, dtype=np.float32):
+        poses = arms_wide.poses.copy()
+        poses[:, joint_index("left_elbow"), 1] = bend
+        cameras.add(frame_clips([clip, replace(arms_wide, poses=poses)], body, Look()))
+    assert len(cameras) <= 2
+
+
 def test_full_body_shows_the_feet_and_upper_body_comes_closer(
     clip: MotionClip, body: BodyModel
 ) -> None:

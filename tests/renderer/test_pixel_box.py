@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from motion.body import BodyModel
 from motion.clip import MotionClip
-from renderer.canvas import Canvas, plane_pixels
+from renderer.canvas import plane_pixels
 from renderer.clip_video import Stage
 from renderer.framing import Camera
 from renderer.look import Look
@@ -54,9 +54,28 @@ def test_video_frames_are_those_of_whole_pictures(
             [plane_pixels(plane).copy() for plane in frame.planes]
             for frame in stage.video_frames(part)
         ]
-        side = small_look.size * 2
-        canvas = Canvas(small_look.size)
-        for picture, planes in zip(stage.pictures(part), cropped, strict=True):
-            whole = canvas.with_picture(picture, PixelBox.whole(side))
-            for plane, expected in zip(planes, whole.planes, strict=True):
-                np.testing.assert_array_equal(plane, plane_pixels(expected))
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(PixelBox, "around", lambda *_: PixelBox.whole(small_look.size * 2))
+            for whole, planes in zip(stage.video_frames(part), cropped, strict=True):
+                for plane, expected in zip(planes, whole.planes, strict=True):
+                    np.testing.assert_array_equal(plane, plane_pixels(expected))
+
+
+def test_a_video_frame_has_the_colours_of_the_picture(
+    clip: MotionClip, camera: Camera, small_look: Look, body_path: object
+) -> None:
+    part = clip.frames(slice(0, 1))
+    with Stage(body_path, camera, small_look) as stage:  # type: ignore[arg-type]
+        picture = next(stage.pictures(part))[..., :3].astype(float)
+        frame = next(stage.video_frames(part)).to_ndarray(format="rgb24").astype(float)
+    size = small_look.size
+    averaged = picture.reshape(size, 2, size, 2, 3).mean(axis=(1, 3))
+    # The test reads the frame back without being told that it is BT.709, hence only its luma.
+    weights = np.array([0.299, 0.587, 0.114])
+    assert np.abs((averaged - frame) @ weights).mean() < 3
+
+
+def test_a_box_round_boxes_holds_them_all_and_no_more() -> None:
+    high = PixelBox(left=16, top=0, width=16, height=64)
+    wide = PixelBox(left=0, top=32, width=128, height=16)
+    assert PixelBox.round_all([high, wide]) == PixelBox(left=0, top=0, width=128, height=64)

@@ -18,7 +18,7 @@ trials are scattered among the others. What the paper leaves open is decided her
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import Final, Literal
@@ -130,6 +130,11 @@ class PairwiseStudy(Study):
         if self.catch.against is not None:
             return self.catch.against
         return GROUND_TRUTH if self.has_recording else self.reference
+
+    @property
+    def roles(self) -> Mapping[str, str]:
+        """The reference, and what all protocols have."""
+        return {self.reference: "reference", **super().roles}
 
     @property
     def arms(self) -> tuple[Arm, ...]:

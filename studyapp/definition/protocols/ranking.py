@@ -14,7 +14,7 @@ open is decided here:
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -97,6 +97,11 @@ class RankingStudy(Study):
     def parts(self) -> tuple[str, ...]:
         """The blocks."""
         return tuple(block.name for block in self.blocks)
+
+    @property
+    def roles(self) -> Mapping[str, str]:
+        """The reference, and what all protocols have."""
+        return {**dict.fromkeys(self._apart, "reference"), **super().roles}
 
     @property
     def arms(self) -> tuple[Arm, ...]:

@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motion.clearance import clear_of_body
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion, write_clip
+from motion.hands import FINGERS, RELAXED_HANDS
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import forward_kinematics, joint_index
 from tests.motion.formats.bvh_text import (
@@ -62,9 +64,35 @@ def test_talkshow_in_camera_axes_is_stood_up(tmp_path: Path) -> None:
     np.save(tmp_path / "a.npy", rows)
     clip = read_motion(tmp_path / "a.npy")
     positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
-    np.testing.assert_allclose(positions[0], REST_JOINTS, atol=1e-5)
+    np.testing.assert_allclose(positions[0, :25], REST_JOINTS[:25], atol=1e-5)
     assert clip.provenance["format"] == "talkshow"
     assert "-y was up" in clip.provenance["notes"]
+
+
+@pytest.mark.parametrize("kind", ["talkshow", "npz (BEAT2)"])
+def test_fingers_relative_to_the_mean_hands_become_absolute(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / ("a.npy" if kind == "talkshow" else "a.npz")
+    if kind == "talkshow":
+        np.save(path, np.zeros((3, 265)))
+    else:
+        np.savez(path, poses=np.zeros((3, 165)), mocap_frame_rate=30, model="smplx2020")
+    clip = read_motion(path)
+    assert clip.provenance["format"] == kind
+    assert "relaxed hands took their place" in clip.provenance["notes"]
+    np.testing.assert_allclose(clip.poses[2, FINGERS], RELAXED_HANDS, atol=1e-6)
+    mean = np.full((30, 3), 0.2, np.float32)
+    licensed = read_motion(path, mean_hands=mean)
+    assert "which the licensed model gave" in licensed.provenance["notes"]
+    np.testing.assert_allclose(licensed.poses[2, FINGERS], mean, atol=1e-6)
+
+
+def test_own_files_and_amass_keep_their_fingers(tmp_path: Path) -> None:
+    np.savez(tmp_path / "amass.npz", poses=np.zeros((3, 165)), mocap_framerate=30)
+    clip = read_motion(tmp_path / "amass.npz", mean_hands=np.ones((30, 3), np.float32))
+    assert not clip.poses.any()
+    np.save(tmp_path / "a.npy", np.zeros((3, 265)))
+    write_clip(tmp_path / "own.npz", read_motion(tmp_path / "a.npy"))
+    assert_same_clip(read_motion(tmp_path / "own.npz"), read_motion(tmp_path / "a.npy"))
 
 
 def test_frame_rate_reaches_every_reader(tmp_path: Path) -> None:
@@ -127,3 +155,14 @@ def test_other_real_recording_is_turned_to_the_front(shared_data: Path) -> None:
     assert "to face +z" in clip.provenance["notes"]
     assert positions[:, :, 1].min() > -1.5
     assert np.abs(clip.trans).max() < 1
+
+
+def test_hands_stay_where_they_were_recorded_if_asked(shared_data: Path) -> None:
+    path = shared_data / "2_scott_0_1_1.bvh"
+    moved, recorded = (
+        read_motion(path, frame_rate=15, as_recorded=as_recorded) for as_recorded in (False, True)
+    )
+    cleared, (note,) = clear_of_body(recorded)
+    assert note in moved.provenance["notes"]
+    assert "moved out" not in recorded.provenance["notes"]
+    np.testing.assert_allclose(cleared.poses, moved.poses, atol=1e-3)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from motion.errors import InputError
-from motion.formats.bvh import BvhMotion, read_bvh, settle_first_frame
-from tests.motion.formats.bvh_text import CHAIN, bvh_text, columns_of, write_bvh
+from motion.formats.bvh import BvhMotion, read_bvh
+from tests.motion.formats.bvh_text import CHAIN, bvh_text, write_bvh
 
 ROWS = np.arange(36, dtype=float).reshape(3, 12)
 
@@ -203,22 +203,6 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
         read_bvh(tmp_path / "gone.bvh")
 
 
-def test_pose_left_over_in_the_first_frame_settles(tmp_path: Path) -> None:
-    rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(4)])
-    rows[0] += columns_of(CHAIN, {"hip": (20, 0, 0)})
-    motion = settle_first_frame(chain(tmp_path, rows))
-    rows[0] -= columns_of(CHAIN, {"hip": (20, 0, 0)})
-    np.testing.assert_allclose(motion.values, rows)
-    assert "1 joints" in motion.notes[0]
-
-
-@pytest.mark.parametrize("frames", [1, 2, 4])
-def test_motion_without_such_a_pose_stays_as_it_is(tmp_path: Path, frames: int) -> None:
-    rows = np.stack([columns_of(CHAIN, {"knee": (0, 10 + k, 0)}) for k in range(frames)])
-    motion = chain(tmp_path, rows)
-    assert settle_first_frame(motion) is motion
-
-
 def test_real_recording_lies_about_its_frames(shared_data: Path) -> None:
     path = shared_data / "2_scott_0_1_1.bvh"
     with pytest.raises(InputError, match=r"7669 frames at 120 .* 957 rows.* 14\.97 per second"):
@@ -226,16 +210,11 @@ def test_real_recording_lies_about_its_frames(shared_data: Path) -> None:
     motion = read_bvh(path, frame_rate=15)
     assert motion.values.shape == (957, 228)
     assert len(motion.joints) == 75
-    settled = settle_first_frame(motion)
-    hips = settled.values[:, settled.columns(0)]
-    assert not hips.any()
-    assert "13 joints" in settled.notes[-1]
 
 
 def test_other_real_skeleton_is_read(shared_data: Path) -> None:
     motion = read_bvh(shared_data / "aitviewer_sample.bvh")
     assert (len(motion.joints), len(motion.values), motion.frame_rate) == (23, 1300, 40)
-    assert settle_first_frame(motion) is motion
     positions, _ = motion.forward_kinematics()
     head, toe = (motion.joint_names.index(name) for name in ("Head", "LeftToe"))
     assert (positions[:, head, 1] - positions[:, toe, 1]).mean() > 100

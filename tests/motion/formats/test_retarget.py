@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +12,14 @@ from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.bvh import BvhMotion, read_bvh, settle_first_frame
+from motion.formats.bvh import BvhMotion, read_bvh
 from motion.formats.bvh_hierarchy import BvhJoint
+from motion.formats.first_frame import settle_first_frame
 from motion.formats.joint_maps import JOINT_MAPS, JointMap, choose_joint_map
 from motion.formats.retarget import retarget
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
+from motion.skinning import twist_angles
 from tests.motion.formats.bvh_text import Skeleton, depth_first, smplx_skeleton
 
 OWN = JOINT_MAPS["smplx"]
@@ -274,6 +278,175 @@ def test_real_arms_legs_and_fingers_point_as_recorded(
     errors = bone_errors(motion, joint_map, retarget(motion, joint_map))
     assert len(errors) == (20 if "scott" in file else 8)
     assert max(errors.values()) < 0.1
+
+
+def _renamed(joint_map: JointMap) -> tuple[Skeleton, JointMap]:
+    """Return SMPL-X's skeleton under other names, and the map to them."""
+    named = {name: f"x_{name}" for name in joint_map}
+    skeleton = [
+        (named[name], None if parent is None else named[parent], offset)
+        for name, parent, offset in smplx_skeleton()
+    ]
+    return skeleton, named
+
+
+@given(st.integers(0, 999))
+@settings(max_examples=20)
+def test_elbow_and_wrist_share_the_twist_of_a_foreign_forearm(seed: int) -> None:
+    skeleton, named = _renamed(OWN)
+    motion = bvh_motion(skeleton, random_turns(skeleton, 3, seed))
+    clip, same = (
+        retarget(motion, named),
+        retarget(
+            bvh_motion(
+                smplx_skeleton(), Rotation.from_matrix(motion.local_rotations().reshape(-1, 3, 3))
+            ),
+            OWN,
+        ),
+    )
+    turned = [forward_kinematics(each.poses, each.trans, REST_JOINTS)[1] for each in (clip, same)]
+    for side in ("left", "right"):
+        elbow, wrist = joint_index(f"{side}_elbow"), joint_index(f"{side}_wrist")
+        axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
+        axis = axis / np.linalg.norm(axis)
+        twists = [
+            twist_angles(Rotation.from_rotvec(clip.poses[:, joint]).as_quat(), axis)
+            for joint in (elbow, wrist)
+        ]
+        np.testing.assert_allclose(*twists, atol=1e-4)
+        np.testing.assert_allclose(turned[0][:, wrist], turned[1][:, wrist], atol=1e-5)
+        np.testing.assert_allclose(
+            turned[0][:, elbow] @ axis, turned[1][:, elbow] @ axis, atol=1e-5
+        )
+
+
+def test_a_forearm_that_twists_past_half_a_turn_does_not_jump() -> None:
+    skeleton, named = _renamed(OWN)
+    order = depth_first(skeleton)
+    elbow, wrist = joint_index("left_elbow"), joint_index("left_wrist")
+    axis = REST_JOINTS[wrist] - REST_JOINTS[elbow]
+    vectors = np.zeros((31, len(order), 3))
+    degrees = np.linspace(150, 210, len(vectors))
+    vectors[:, order.index(named["left_elbow"])] = (
+        np.radians(degrees)[:, None] * axis / np.linalg.norm(axis)
+    )
+    clip = retarget(bvh_motion(skeleton, Rotation.from_rotvec(vectors.reshape(-1, 3))), named)
+    for joint in (elbow, wrist):
+        turns = Rotation.from_rotvec(clip.poses[:, joint])
+        assert np.degrees((turns[:-1].inv() * turns[1:]).magnitude()).max() < 1.1
+
+
+def _in_t_pose(calibration: dict[str, float], heading: float = 0) -> MotionClip:
+    """Return one still frame of SMPL-X's skeleton, calibrated with joints pitched by degrees.
+
+    In the frame these joints are pitched as they were in the T-pose.
+    """
+    skeleton = smplx_skeleton()
+    order = depth_first(skeleton)
+    vectors = np.zeros((len(order), 3))
+    for name, pitch in calibration.items():
+        vectors[order.index(name), 0] = np.radians(pitch)
+    turns = Rotation.from_rotvec(vectors)
+    turns = Rotation.concatenate(
+        [Rotation.from_euler("y", heading, degrees=True) * turns[0], *turns[1:]]
+    )
+    motion = bvh_motion(skeleton, turns)
+    return retarget(replace(motion, calibration=motion.values[0]), OWN)
+
+
+@pytest.mark.parametrize("heading", [0, 90, -160])
+def test_head_and_trunk_are_straight_where_the_calibration_pose_is(heading: float) -> None:
+    pitched = {"pelvis": -6, "spine1": 11, "spine2": -5, "neck": 13}
+    clip = _in_t_pose(pitched, heading)
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    facing = [np.sin(np.radians(heading)), 0, np.cos(np.radians(heading))]
+    for joint in ("pelvis", "spine1", "spine3", "neck", "head"):
+        world = turned[0, joint_index(joint)]
+        np.testing.assert_allclose(world @ [0, 0, 1], facing, atol=1e-5)
+        np.testing.assert_allclose(world @ [0, 1, 0], [0, 1, 0], atol=1e-5)
+
+
+@pytest.mark.parametrize("pose", [{"pelvis": 80}, {"left_shoulder": 10, "spine2": 50}])
+def test_first_pose_that_is_no_upright_t_pose_straightens_nothing(pose: dict[str, float]) -> None:
+    clip = _in_t_pose(pose)
+    for joint, pitch in pose.items():
+        bend = np.degrees(clip.poses[0, joint_index(joint), 0])
+        assert bend == pytest.approx(pitch, abs=1e-3)
+
+
+def _angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return the angles between directions, in degrees."""
+    cosine = np.einsum("ta,ta->t", first, second)
+    sine = np.linalg.norm(np.cross(first, second), axis=1)
+    return np.degrees(np.arctan2(sine, cosine))
+
+
+@pytest.mark.parametrize(
+    ("file", "rate"), [("2_scott_0_1_1.bvh", 15), ("aitviewer_sample.bvh", None)]
+)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_real_elbows_bend_as_recorded(
+    shared_data: Path, file: str, rate: float | None, side: str
+) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / file, frame_rate=rate))
+    _, joint_map = choose_joint_map(motion.joint_names)
+    clip = retarget(motion, joint_map)
+    source, _ = motion.forward_kinematics()
+    target, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    arm = [f"{side}_{part}" for part in ("shoulder", "elbow", "wrist")]
+    bends = []
+    for positions, joints in (
+        (source, [motion.joint_names.index(joint_map[name]) for name in arm]),
+        (target, [joint_index(name) for name in arm]),
+    ):
+        upper, lower = (directions(positions, *pair) for pair in pairwise(joints))
+        bends.append(_angles(upper, lower))
+    assert bends[0].max() > 60
+    np.testing.assert_allclose(bends[1], bends[0], atol=0.1)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_real_palms_face_as_the_recorded_fingers_tell(shared_data: Path, side: str) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / "2_scott_0_1_1.bvh", frame_rate=15))
+    _, joint_map = choose_joint_map(motion.joint_names)
+    clip = retarget(motion, joint_map)
+    names = [f"{side}_{part}" for part in ("wrist", "middle1", "ring1", "index1")]
+    recorded = [motion.joint_names.index(joint_map[name]) for name in names]
+    palms = []
+    for rest, rotations, (wrist, middle, ring, index) in (
+        (motion.rest_positions, motion.forward_kinematics()[1], recorded),
+        (
+            REST_JOINTS,
+            forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[1],
+            [joint_index(name) for name in names],
+        ),
+    ):
+        flat = np.cross(rest[middle] - rest[wrist], rest[index] - rest[ring])
+        palms.append(rotations[:, wrist] @ flat)
+    assert _angles(*palms).max() < 0.1
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_real_palms_face_as_the_recorded_wrists_tell(shared_data: Path, side: str) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / "aitviewer_sample.bvh"))
+    _, joint_map = choose_joint_map(motion.joint_names)
+    clip = retarget(motion, joint_map)
+    _, recorded = motion.forward_kinematics()
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    wrist = motion.joint_names.index(joint_map[f"{side}_wrist"])
+    palms = [
+        rotations @ [0.0, -1.0, 0.0]
+        for rotations in (recorded[:, wrist], turned[:, joint_index(f"{side}_wrist")])
+    ]
+    assert _angles(*palms).max() < 3
+
+
+def test_real_speaker_looks_ahead_after_calibration(shared_data: Path) -> None:
+    motion = settle_first_frame(read_bvh(shared_data / "aitviewer_sample.bvh"))
+    clip = retarget(motion, choose_joint_map(motion.joint_names)[1])
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    facing = turned[:200, joint_index("head")] @ [0, 0, 1]
+    assert np.degrees(np.arcsin(np.abs(facing[:, 1]))).max() < 10
 
 
 def test_real_speaker_stands_upright_with_hands_in_front(shared_data: Path) -> None:

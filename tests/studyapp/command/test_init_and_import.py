@@ -60,3 +60,25 @@ def test_import_of_a_broken_file_names_it(tmp_path: Path) -> None:
     assert result.exit_code == 1
     assert "take.wav" in result.output
     assert not (tmp_path / "s" / "speech").exists()
+
+
+def test_import_says_that_it_moved_hands_unless_told_to_leave_them(
+    tmp_path: Path, shared_data: Path
+) -> None:
+    motion, speech = (shared_data / f"2_scott_0_1_1.{ending}" for ending in ("bvh", "wav"))
+    said = []
+    for name, flags in (("moved", []), ("left", ["--as-recorded"])):
+        invoke("init", tmp_path / name)
+        result = invoke(
+            "import", motion, "--speech", speech, "--fps", 15, "--condition", "recording",
+            "--speaker", "scott", "--emotion", "neutral", *flags, tmp_path / name,
+        )  # fmt: skip
+        assert result.exit_code == 0, result.output
+        said.append("hands were moved out" in result.output)
+        copied = tmp_path / "2_scott_0_1_1.bvh"
+        copied.write_bytes(motion.read_bytes())
+        again = invoke(
+            "import", copied, "--fps", 15, "--condition", "again", *flags, tmp_path / name
+        )
+        said.append("hands were moved out" in again.output)
+    assert said == [True, True, False, False]

@@ -7,7 +7,7 @@ import pytest
 import tomlkit
 
 from motion.errors import InputError
-from renderer.surface import AVATARS
+from renderer.avatars import AVATARS
 from studyapp.definition.creation import new_study
 from studyapp.definition.protocols.pairwise import PairwiseStudy, pairwise
 from studyapp.definition.reading import read_study

@@ -3,10 +3,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import av
+import numpy as np
 import pytest
 
 from motion.audio import Audio, write_wav
-from studyapp.stages.media_probe import flaw_of
+from renderer.encoder import SOUND_RATE, VideoWriter
+from studyapp.stages.media_probe import flaw_of, loudness_of
 
 
 @pytest.fixture
@@ -37,3 +39,19 @@ def test_a_video_without_sound_is_told(video: Path, tmp_path: Path) -> None:
                 packet.stream = stream
                 target.mux(packet)
     assert flaw_of(silent, 2.0) == "has no sound"
+
+
+def test_the_loudness_of_a_video_is_that_of_its_sound(tmp_path: Path) -> None:
+    moments = np.arange(2 * SOUND_RATE) / SOUND_RATE
+    sound = Audio(0.1 * np.sin(2 * np.pi * 997 * moments), SOUND_RATE)
+    with VideoWriter(tmp_path / "video.mp4", 64, 64, 30, sound):
+        pass
+    # A sine of 997 Hz at full scale has -3.01 LUFS (ITU-R BS.1770); this is 20 dB below.
+    assert loudness_of(tmp_path / "video.mp4") == pytest.approx(-23.01, abs=0.2)
+
+
+def test_what_is_silent_or_damaged_has_no_loudness(tmp_path: Path) -> None:
+    write_wav(tmp_path / "silent.wav", Audio(np.zeros(32_000, np.float32), 16_000))
+    (tmp_path / "damaged.mp4").write_bytes(b"no video")
+    assert loudness_of(tmp_path / "silent.wav") is None
+    assert loudness_of(tmp_path / "damaged.mp4") is None

@@ -2,12 +2,17 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import tomlkit
 
+from motion.audio import Audio
 from motion.errors import InputError
+from motion.formats import read_clip, write_clip
+from renderer.encoder import SOUND_RATE, VideoWriter
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.stages.generation import generate
@@ -116,6 +121,27 @@ def test_a_video_that_cannot_be_played_is_an_error(
     assert all(pair.file in error for pair, error in zip(pairs, errors, strict=True))
 
 
+def hum(folder: StudyFolder, segment: str, amplitude: float) -> None:
+    """Give the pairs of `segment` a sound of this amplitude."""
+    moments = np.arange(2 * SOUND_RATE) / SOUND_RATE
+    sound = Audio(amplitude * np.sin(2 * np.pi * 997 * moments), SOUND_RATE)
+    for pair in read_stimuli(folder.stimuli).pairs:
+        if pair.segment == segment:
+            with VideoWriter(folder.root / pair.file, 64, 64, 30, sound):
+                pass
+
+
+def test_segments_that_differ_in_loudness_are_warned_of(ready: StudyFolder) -> None:
+    one, two, three = (segment.name for segment in ready.segments())
+    for segment, amplitude in ((one, 0.1), (two, 0.105), (three, 0.1)):
+        hum(ready, segment, amplitude)
+    assert not any("louder" in warning for warning in findings_of(ready, Severity.WARNING))
+    hum(ready, two, 0.2)
+    (warning,) = (w for w in findings_of(ready, Severity.WARNING) if "louder" in w)
+    assert f"segment {two} is 6.0 LU louder than segment" in warning
+    assert "(-17.0 and -23.0 LUFS)" in warning
+
+
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
     (ready.speech / "take.wav").unlink()
     with pytest.raises(InputError, match=r"segments.csv, line 2.*take.wav"):
@@ -179,3 +205,42 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     assert "rule_based against broken" in note
     pretend_rendered(ready, video)
     assert Finding(Severity.NOTE, note.rstrip(".")) in check(ready)
+
+
+def _give_coefficients(folder: StudyFolder) -> None:
+    """Let the reference's faces be SMPL-X expression coefficients instead of ARKit weights."""
+    for segment in folder.segments():
+        path = folder.clip(folder.study().reference, segment.name)
+        clip = read_clip(path)
+        face = np.ones((len(clip), 100), np.float32)
+        write_clip(path, replace(clip, arkit=None, expressions=face))
+
+
+def test_a_face_that_the_body_does_not_show_is_warned_of(ready: StudyFolder) -> None:
+    generate(ready)
+    _give_coefficients(ready)
+    said = "the clip's face is given as SMPL-X expression coefficients"
+    assert sum(said in what for what in findings_of(ready, Severity.WARNING)) == 1
+    change(ready, "freeze", value=["face"])
+    assert not any(said in what for what in findings_of(ready, Severity.WARNING))
+
+
+def test_every_broken_clip_is_an_error_beside_all_other_findings(ready: StudyFolder) -> None:
+    before = findings_of(ready, Severity.WARNING)
+    segments = [segment.name for segment in ready.segments()][:2]
+    for condition, segment in zip(("ground_truth", "broken"), segments, strict=True):
+        path = ready.clip(condition, segment)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("torn")
+    errors = findings_of(ready, Severity.ERROR)
+    assert [error.split(": ")[0] for error in errors] == [
+        str(ready.clip("ground_truth", segments[0])),
+        str(ready.clip("broken", segments[1])),
+    ]
+    assert findings_of(ready, Severity.WARNING) == before
+
+
+def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
+    np.save(ready.root / "face.npy", np.ones((3, 3)))
+    change(ready, "video", "expression_matrix", value="face.npy")
+    assert any("face.npy" in what for what in findings_of(ready, Severity.ERROR))

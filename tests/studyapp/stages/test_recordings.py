@@ -131,6 +131,20 @@ def test_an_unsafe_condition_name_is_refused(
         import_clips(folder, [take().motion], condition=condition, frame_rate=None)
 
 
+def test_two_files_for_one_segment_are_refused(
+    folder: StudyFolder, take: MakeTake, motion_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    import_take(folder, take())
+    one = motion_file(2.0, name="take_02")
+    another = tmp_path / "other" / one.name
+    another.parent.mkdir()
+    another.write_bytes(one.read_bytes())
+    before = files_in(folder)
+    with pytest.raises(InputError, match="two of the files are called 'take_02'"):
+        import_clips(folder, [one, another], condition="x", frame_rate=None)
+    assert files_in(folder) == before
+
+
 def test_the_real_take_gives_six_segments(folder: StudyFolder, shared_data: Path) -> None:
     take = Take(
         motion=shared_data / "2_scott_0_1_1.bvh",

@@ -1,0 +1,146 @@
+"""Moving hands out of trunk and thighs, where another body's proportions have put them inside.
+
+A hand that rests beside a slim source's leg, or on its hip, lies within the leg or the hip of a
+body that is built otherwise. The arm is turned about the shoulder until the hand is outside.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import correlate1d, maximum_filter1d
+from scipy.spatial.transform import Rotation
+
+from motion.clip import MotionClip
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import PARENTS, forward_kinematics, joint_index
+
+FloatArray = NDArray[np.float64]
+
+_THIGH: Final = 0.085
+_TRUNK: Final = 0.105
+_TRUNK_ASIDE: Final = 0.065
+"""Metres: radii of thighs and of the two columns, so far aside, that make up the trunk."""
+
+_HAND: Final = {"wrist": 0.03, "middle1": 0.025, "middle3": 0.015, "index3": 0.01, "pinky3": 0.01}
+"""How far skin reaches around each joint of the hand, in metres."""
+
+_OUTWARD: Final = 0.05
+"""Metres that a hand counts as further out than it is, so that it leaves a leg on its own side."""
+
+_ROUNDS: Final = 3
+_SMOOTHED_OVER: Final = 0.15
+"""Seconds over which the size of an arm's turn is averaged on each side; it fades over twice as
+many."""
+
+_WORTH_SAYING: Final = np.radians(1.0)
+
+
+def clear_of_body(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
+    """Return `clip` with its hands outside the default body, and a note where that changed it.
+
+    Only the shoulders' rotations differ; elbow, wrist and fingers keep their bend. An arm
+    stays as it is where its hand is outside and has been, and will be, for half a second. A clip
+    in which no arm would turn by a degree is returned as it is.
+    """
+    recorded = clip
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        for _ in range(_ROUNDS):
+            turn = _smooth(_turns_out(clip, side, sign), round(_SMOOTHED_OVER * clip.frame_rate))
+            if not turn.any():
+                break
+            clip = _with_arm_turned(clip, joint_index(f"{side}_shoulder"), turn)
+    turned = _arms_turned(recorded, clip)
+    changed = turned > _WORTH_SAYING
+    if not changed.any():
+        return recorded, ()
+    share, most = max(1, round(100 * changed.mean())), np.degrees(turned.max())
+    return clip, (
+        f"hands were moved out of trunk and thighs in {share} % of the frames, by up to {most:.0f} "
+        "degrees at the shoulder (--as-recorded leaves them)",
+    )
+
+
+def _arms_turned(before: MotionClip, after: MotionClip) -> FloatArray:
+    """Return by how much the arm that differs more was turned in each frame, in radians."""
+    turns = []
+    for side in ("left", "right"):
+        joint = joint_index(f"{side}_shoulder")
+        old, new = (Rotation.from_rotvec(clip.poses[:, joint]) for clip in (before, after))
+        turns.append((old.inv() * new).magnitude())
+    return np.asarray(np.max(turns, axis=0))
+
+
+def _turns_out(clip: MotionClip, side: str, sign: float) -> FloatArray:
+    """Return the turn in the world, axis-angle, that takes each frame's hand out, shape (T, 3)."""
+    positions, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    outward = sign * turned[:, 0, :, 0]
+    shoulder = positions[:, joint_index(f"{side}_shoulder")]
+    best = np.zeros((len(clip), 3))
+    deepest = np.zeros(len(clip))
+    for name, thickness in _HAND.items():
+        point = positions[:, joint_index(f"{side}_{name}")]
+        for start, end, radius in _columns(positions, turned):
+            away = point - _nearest(point, start, end) + _OUTWARD * outward
+            distance = np.linalg.norm(away, axis=1)
+            depth = radius + thickness - np.linalg.norm(away - _OUTWARD * outward, axis=1)
+            push = away / np.maximum(distance, 1e-6)[:, None] * np.maximum(depth, 0)[:, None]
+            arm = point - shoulder
+            turn = np.cross(arm, push) / (arm**2).sum(axis=1)[:, None]
+            deeper = depth > deepest
+            best[deeper], deepest[deeper] = turn[deeper], depth[deeper]
+    return best
+
+
+def _columns(
+    positions: FloatArray, turned: FloatArray
+) -> list[tuple[FloatArray, FloatArray, float]]:
+    """Return start and end, shape (T, 3), and radius of what hands must stay out of."""
+    pelvis, chest = positions[:, joint_index("pelvis")], positions[:, joint_index("spine3")]
+    aside = _TRUNK_ASIDE * turned[:, 0, :, 0]
+    hips = [
+        (positions[:, joint_index(f"{s}_hip")], positions[:, joint_index(f"{s}_knee")])
+        for s in ("left", "right")
+    ]
+    return [
+        *((hip, knee, _THIGH) for hip, knee in hips),
+        *((pelvis + shift, chest + shift, _TRUNK) for shift in (aside, -aside)),
+    ]
+
+
+def _nearest(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    """Return the point between `start` and `end` that is nearest to `point`, frame by frame."""
+    along = end - start
+    share = ((point - start) * along).sum(axis=1) / (along**2).sum(axis=1)
+    return np.asarray(start + np.clip(share, 0, 1)[:, None] * along)
+
+
+def _smooth(turns: FloatArray, reach: int) -> FloatArray:
+    """Return turns that change smoothly and, unless directions cancel, are as large as the given.
+
+    The largest size within reach, averaged within reach, is at least the size itself. Directions
+    are averaged over twice the reach, which is as far as that spreads.
+    """
+    size = np.linalg.norm(turns, axis=1)
+    largest = maximum_filter1d(size, 2 * reach + 1, mode="nearest")
+    around, sizes = _averaged(turns, 2 * reach), _averaged(size, 2 * reach)
+    share = _averaged(largest, reach) / np.maximum(sizes, 1e-9)
+    return np.asarray(around * share[:, None])
+
+
+def _averaged(values: FloatArray, reach: int) -> FloatArray:
+    weights = np.hanning(2 * reach + 3)[1:-1]
+    return np.asarray(correlate1d(values, weights / weights.sum(), axis=0, mode="nearest"))
+
+
+def _with_arm_turned(clip: MotionClip, shoulder: int, turn: FloatArray) -> MotionClip:
+    """Return the clip with one shoulder turned further, in the world."""
+    _, turned = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    above = Rotation.from_matrix(turned[:, PARENTS[shoulder]])
+    world = Rotation.from_rotvec(turn) * Rotation.from_matrix(turned[:, shoulder])
+    poses = clip.poses.copy()
+    poses[:, shoulder] = (above.inv() * world).as_rotvec()
+    return replace(clip, poses=poses)

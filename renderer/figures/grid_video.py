@@ -1,0 +1,228 @@
+"""A grid: two to nine clips of one speech side by side, captioned, as one video."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from motion.audio import Audio
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.files import replacing
+from renderer.clip_video import Stage
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
+from renderer.figures.lettering import FAINT_INK, INK, fitted, font, wrapped
+from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
+from renderer.frames import SUPERSAMPLING
+from renderer.framing import Camera
+from renderer.look import BACKGROUND
+from renderer.loudness import at_common_loudness
+
+MOST_PANELS: Final = 9
+SLOWEST: Final = 0.1
+
+_CAPTION_SHARE: Final = 0.11  # height of a caption line, of a panel's side
+_LETTER_SHARE: Final = 0.058
+_TEXT_LINES: Final = 2
+_LINE_SHARE: Final = 0.8  # height of a line of the text, of a caption line
+_SPEED_NAMES: Final = {0.5: "half speed", 0.25: "quarter speed", 0.1: "a tenth of the speed"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """One clip of a grid.
+
+    Attributes
+    ----------
+    caption : str
+        What stands under it.
+    clip : MotionClip
+        As participants see it, but with as many frames as the video.
+    """
+
+    caption: str
+    clip: MotionClip
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridLayout:
+    """Where everything is in a frame of a grid.
+
+    Attributes
+    ----------
+    count : int
+        Panels, up to `MOST_PANELS`.
+    size : int
+        Pixels along each side of a panel, even.
+    widened : bool
+        Whether a panel holds two pictures, body and skeleton.
+    text : str
+        What is said; stands under the whole.
+    """
+
+    count: int
+    size: int
+    widened: bool = False
+    text: str = ""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.count <= MOST_PANELS:
+            raise InputError(
+                f"{self.count} clips make no grid", remedy=f"Show 1 to {MOST_PANELS} conditions"
+            )
+
+    @property
+    def columns(self) -> int:
+        """Panels in a row: 2 to 4 stay in one or two rows, 9 make three."""
+        return self.count if self.count <= 3 else math.ceil(math.sqrt(self.count))
+
+    @property
+    def panel_width(self) -> int:
+        """Pixels across a panel."""
+        return self.size * (2 if self.widened else 1)
+
+    @property
+    def caption_height(self) -> int:
+        """Pixels of the line under each panel; even."""
+        return round(self.size * _CAPTION_SHARE / 2) * 2
+
+    @property
+    def footer_height(self) -> int:
+        """Pixels of the text under the whole, and of the clock below it; even."""
+        lines = 1 + (_TEXT_LINES * _LINE_SHARE if self.text else 0)
+        return round(lines * self.caption_height / 2) * 2
+
+    @property
+    def frame(self) -> tuple[int, int]:
+        """Width and height of the video."""
+        rows = math.ceil(self.count / self.columns)
+        height = rows * (self.size + self.caption_height) + self.footer_height
+        return self.columns * self.panel_width, height
+
+    def place(self, number: int) -> tuple[int, int]:
+        """Return the upper left corner of a panel; an incomplete last row is centred."""
+        row, column = divmod(number, self.columns)
+        in_row = min(self.columns, self.count - row * self.columns)
+        indent = (self.columns - in_row) * self.panel_width // 2
+        left = (indent + column * self.panel_width) // 2 * 2
+        return left, row * (self.size + self.caption_height)
+
+
+def write_grid(
+    stage: Stage,
+    camera: Camera,
+    panels: Sequence[Panel],
+    speech: Audio,
+    *,
+    speed: float,
+    skeleton: Place | None,
+    text: str,
+    video: Path,
+    on_frame: Callable[[int, int], None] = lambda done, total: None,
+) -> None:
+    """Write the video of a grid.
+
+    Parameters
+    ----------
+    stage : Stage
+        Where all clips play; entered. Its look says the size of a panel and the frame rate.
+    camera : Camera
+        The camera of `stage`.
+    panels : sequence of Panel
+        What is shown, all with the same number of frames.
+    speech : Audio
+        What is heard at full speed, at `renderer.encoder.SOUND_RATE`.
+    speed : float
+        In (0, 1]; below 1 the video is silent, with a silent sound track so that it can be joined
+        to others, and says how fast it is.
+    skeleton : {'over', 'beside'} or None
+        Where the skeleton is drawn, if it is.
+    text : str
+        What is said; empty where unknown.
+    video : Path
+        Where to write an MP4 that plays while it loads; appears whole, or not at all.
+    on_frame : callable
+        Called with (frames done, frames in all) after each.
+    """
+    rate = stage.look.frame_rate
+    layout = GridLayout(
+        count=len(panels), size=stage.look.size, widened=skeleton == "beside", text=text
+    )
+    count = len(panels[0].clip)
+    if speed == 1:
+        sound = at_common_loudness(speech)
+    else:
+        sound = Audio(np.zeros(round(count / rate * SOUND_RATE), np.float32), SOUND_RATE)
+    base = _base(layout, [panel.caption for panel in panels])
+    drawn = [_pictures(stage, camera, panel.clip, skeleton) for panel in panels]
+    with (
+        replacing(video) as draft,
+        VideoWriter(draft, *layout.frame, rate, sound) as writer,
+    ):
+        for number, pictures in enumerate(zip(*drawn, strict=True)):
+            frame = base.copy()
+            for place, picture in enumerate(pictures):
+                frame.paste(picture, layout.place(place))
+            _write_clock(frame, layout, number / rate * speed, speed)
+            writer.write(video_frame(np.asarray(frame)))
+            on_frame(number + 1, count)
+
+
+def _pictures(
+    stage: Stage, camera: Camera, clip: MotionClip, skeleton: Place | None
+) -> Iterator[Image.Image]:
+    """Yield the frames of one clip as they are shown."""
+    joints = joints_of(clip, stage.body) if skeleton is not None else None
+    for number in range(len(clip)):
+        # Frame by frame, because the clips of a grid are drawn in turns by one stage.
+        drawn = next(stage.pictures(clip.frames(slice(number, number + 1))))
+        picture = Image.fromarray(drawn).reduce(SUPERSAMPLING).convert("RGB")
+        if joints is not None and skeleton is not None:
+            picture = with_skeleton(picture, joints[number], camera, skeleton)
+        yield picture
+
+
+def _base(layout: GridLayout, captions: Sequence[str]) -> Image.Image:
+    """Return what all frames share: background, captions, text."""
+    image = Image.new("RGB", layout.frame, BACKGROUND)
+    pen = ImageDraw.Draw(image)
+    letters = font(layout.size * _LETTER_SHARE)
+    for number, caption in enumerate(captions):
+        left, top = layout.place(number)
+        centre = left + layout.panel_width / 2, top + layout.size + layout.caption_height / 2
+        shown = fitted(caption, letters, 0.94 * layout.panel_width)
+        pen.text(centre, shown, INK, letters, anchor="mm")
+    if layout.text:
+        small = font(layout.size * _LETTER_SHARE * 0.82)
+        width, height = layout.frame
+        room = width - layout.caption_height
+        for line, words in enumerate(wrapped(layout.text, small, room, _TEXT_LINES)):
+            middle_line = (
+                height - layout.footer_height + (0.35 + _LINE_SHARE * line) * layout.caption_height
+            )
+            pen.text((width / 2, middle_line), words, FAINT_INK, small, anchor="mm")
+    return image
+
+
+def _write_clock(frame: Image.Image, layout: GridLayout, seconds: float, speed: float) -> None:
+    """Write the time of the speech in the lower right corner, and the speed in the left one."""
+    pen = ImageDraw.Draw(frame)
+    small = font(layout.size * _LETTER_SHARE * 0.7)
+    letters = font(layout.size * _LETTER_SHARE * 0.9)
+    width, height = layout.frame
+    middle = height - layout.caption_height * 0.45
+    margin = layout.caption_height * 0.3
+    pen.text((width - margin, middle), f"{seconds:.1f} s", FAINT_INK, small, anchor="rm")
+    if speed != 1:
+        pen.text((margin, middle), speed_name(speed), INK, letters, anchor="lm")
+
+
+def speed_name(speed: float) -> str:
+    """Return a speed in words."""
+    return _SPEED_NAMES.get(speed, f"{speed:g} × speed")

@@ -1,0 +1,158 @@
+"""An overlay: several moments or variations in one picture, from one camera."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
+from PIL import Image, ImageColor
+
+from motion.errors import InputError
+from renderer.figures.cut_out import CutOut
+from renderer.figures.lettering import fitted, font
+from renderer.figures.plate import LETTERS, Plate, pixels
+from renderer.look import BACKGROUND
+
+VARIATION_COLOURS: Final = (
+    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#8A8A8A",
+)  # fmt: skip
+"""Okabe and Ito's palette, told apart with any kind of colour vision."""
+
+_FAINTEST: Final = 0.28
+_SAME_DEPTH: Final = 0.05
+"""Metres in depth up to which two figures count as being in the same place."""
+_WITH_AGE: Final = 0.1
+"""Metres by which that grows to the oldest moment, so that older faces do not mix either."""
+_DEPTH_STEP: Final = 0.02
+"""Metres by which depth may be off, since a triangle has one depth."""
+_COVERING: Final = 0.04
+"""Metres in depth by which the nearer of two variations mostly covers the other."""
+_VARIATION_STRENGTH: Final = 0.85
+_TINT: Final = 0.75
+_LINE: Final = 1.6  # height of a line of text, in letters
+
+
+def colours_for(count: int) -> tuple[str, ...]:
+    """Return the colours of `count` variations; `InputError` if they cannot be told apart."""
+    if count > len(VARIATION_COLOURS):
+        raise InputError(
+            f"{count} variations cannot be told apart in one picture",
+            remedy=f"Show at most {len(VARIATION_COLOURS)}",
+        )
+    return VARIATION_COLOURS[:count]
+
+
+def faded(moments: Sequence[CutOut]) -> CutOut:
+    """Return one clip's figure at several moments in one picture, the oldest first and faintest.
+
+    Of two moments the nearer one covers the other, so that a hand before the body leaves its
+    trail; what hardly differs in depth is seen as it was last, so that faces stay sharp.
+    """
+    count = len(moments)
+    pictures, depths = _stacked(moments)
+    ages = np.arange(count)[::-1]
+    strengths = _FAINTEST + (1 - _FAINTEST) * (1 - ages / count) ** 2
+    alphas = pictures[..., 3] * np.where(ages, strengths, 1.0)[:, None, None].astype(np.float32)
+    behind = np.where(ages, _SAME_DEPTH + _WITH_AGE * ages / count, 0.0)
+    far_first = np.argsort(-(depths + behind[:, None, None]), axis=0, kind="stable")
+    colour = np.zeros((*depths.shape[1:], 3), np.float32)
+    clear = np.ones(depths.shape[1:], np.float32)
+    for layer in far_first:
+        alpha = np.take_along_axis(alphas, layer[None], 0)[0]
+        shown = np.take_along_axis(pictures[..., :3], layer[None, ..., None], 0)[0]
+        colour = colour * (1 - alpha[..., None]) + shown * alpha[..., None]
+        clear *= 1 - alpha
+    seen = np.maximum(1 - clear, np.float32(1e-6))[..., None]
+    picture = _as_image(colour / seen, 1 - clear)
+    return CutOut(picture, depths.min(axis=0))
+
+
+def blended(variations: Sequence[CutOut]) -> CutOut:
+    """Return the figures of several clips in one picture, none of them drawn before another.
+
+    Each has its colour of `VARIATION_COLOURS` where it differs from the others. Where several
+    lie over each other the nearer ones count more, and what all share keeps its own colours.
+
+    Raises
+    ------
+    InputError
+        If there are more variations than colours.
+    """
+    colours = colours_for(len(variations))
+    if len(variations) == 1:
+        return variations[0]
+    pictures, depths = _stacked(variations)
+    nearest = depths.min(axis=0)
+    weighed = np.zeros((*nearest.shape, 3), np.float32)
+    total = np.zeros_like(nearest)
+    clear = np.ones_like(nearest)
+    for picture, depth, colour in zip(pictures, depths, colours, strict=True):
+        apart = np.maximum(np.abs(depths - depth) - _DEPTH_STEP, 0)
+        shared = (np.exp(-apart / _SAME_DEPTH).sum(axis=0) - 1) / (len(depths) - 1)
+        behind = np.maximum(depth - nearest - _DEPTH_STEP, 0)
+        weight = picture[..., 3] * np.maximum(np.exp(-behind / _COVERING), 1e-3)
+        tint = _TINT * (1 - shared)[..., None]
+        weighed += weight[..., None] * _tinted(picture[..., :3], colour, tint)
+        total += weight
+        clear *= 1 - _VARIATION_STRENGTH * picture[..., 3]
+    mean = weighed / np.maximum(total, 1e-6)[..., None]
+    return CutOut(_as_image(mean, 1 - clear), nearest)
+
+
+def draw_overlay(picture: Image.Image, names: Sequence[str], caption: str, *, clear: bool) -> Plate:
+    """Return the overlay as a page: the picture, what each colour is, and a caption.
+
+    Parameters
+    ----------
+    picture : Image
+        RGBA, as wide as the page.
+    names : sequence of str
+        What each variation is, in the order of their colours; a single one needs no colour.
+    caption : str
+        Which moments are seen.
+    clear : bool
+        Whether nothing is behind the figures, rather than the videos' background.
+    """
+    line = pixels(LETTERS) * _LINE
+    letters = font(pixels(LETTERS))
+    lines = (len(names) if len(names) > 1 else 0) + 1
+    page = Plate.of(picture.width, round(picture.height + (lines + 0.3) * line), clear=clear)
+    ground = Image.new("RGBA", picture.size, (0, 0, 0, 0) if clear else (*BACKGROUND, 255))
+    ground.alpha_composite(picture)
+    page.add_picture(ground, 0, 0)
+    for place, name in enumerate(names if len(names) > 1 else ()):
+        middle = picture.height + (place + 0.7) * line
+        swatch = page.area(0, middle - line / 4, line / 2, line / 2)
+        swatch.add_patch(Rectangle((0, 0), 1, 1, color=VARIATION_COLOURS[place]))
+        shown = fitted(name, letters, picture.width - line)
+        page.write(line * 0.8, middle, shown, ha="left", va="center", fontsize=LETTERS)
+    middle = picture.height + (lines - 0.3) * line
+    shown = fitted(caption, letters, 0.98 * picture.width)
+    page.write(0, middle, shown, ha="left", va="center", fontsize=LETTERS)
+    return page
+
+
+def _tinted(
+    colours: NDArray[np.float32], tint: str, share: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Return `colours`, shape (..., 3) in [0, 1], by a `share` in the hue of `tint`."""
+    light = colours @ np.array([0.299, 0.587, 0.114], np.float32)
+    target = np.array(ImageColor.getrgb(tint), np.float32) / 255
+    toned = np.clip(target * (0.45 + 1.1 * light[..., None]), 0, 1)
+    result: NDArray[np.float32] = (1 - share) * colours + share * toned
+    return result
+
+
+def _stacked(figures: Sequence[CutOut]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return all pictures, shape (n, H, W, 4) in [0, 1], and depths, shape (n, H, W)."""
+    pictures = np.stack([np.asarray(figure.picture) for figure in figures]).astype(np.float32)
+    return pictures / np.float32(255), np.stack([figure.depth for figure in figures])
+
+
+def _as_image(colour: NDArray[np.floating], alpha: NDArray[np.floating]) -> Image.Image:
+    """Return RGBA of `colour`, shape (H, W, 3), and `alpha`, shape (H, W), both in [0, 1]."""
+    together = np.concatenate([np.clip(colour, 0, 1), alpha[..., None]], axis=-1)
+    return Image.fromarray(np.round(together * 255).astype(np.uint8), "RGBA")

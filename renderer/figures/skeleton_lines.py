@@ -1,0 +1,149 @@
+"""The skeleton drawn over a frame: SMPL-X's joints and bones as the camera sees them."""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from motion.body import BodyModel
+from motion.clip import MotionClip
+from motion.skeleton import FACE_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics
+from renderer.figures.lettering import INK, font
+from renderer.figures.projection import project
+from renderer.framing import Camera
+
+SIDE_COLOURS: Final = {"left": (0xD5, 0x5E, 0x00), "right": (0x00, 0x72, 0xB2)}
+"""Vermilion and blue of Okabe and Ito's palette, told apart with any kind of colour vision."""
+
+SIDE_MARKS: Final = {"left": "●", "right": "■"}
+"""The form of each side's joints."""
+
+Place = Literal["over", "beside"]
+"""On the body, or in a picture of its own on the right."""
+
+_MIDDLE_COLOUR: Final = (0x30, 0x30, 0x36)
+_HALO: Final = (0xFF, 0xFF, 0xFF)
+_BONE_SHARE: Final = 0.008  # of the picture's width
+_FINGER_SHARE: Final = 0.004
+_JOINT_SHARE: Final = 0.0085
+_OVERSAMPLING: Final = 3
+_LETTER_SHARE: Final = 0.032
+_BONES: Final = tuple(
+    (joint, parent)
+    for joint, parent in enumerate(PARENTS)
+    if parent >= 0 and JOINT_NAMES[joint] not in FACE_JOINTS
+)
+
+
+def joints_of(clip: MotionClip, body: BodyModel) -> NDArray[np.float64]:
+    """Return where the joints of `body` are in each frame of `clip`, shape (T, 55, 3)."""
+    positions, _ = forward_kinematics(clip.poses, clip.trans, body.joints(clip.betas))
+    return positions
+
+
+def with_skeleton(
+    picture: Image.Image,
+    joints: NDArray[np.float64],
+    camera: Camera,
+    place: Place,
+    *,
+    key: bool = True,
+) -> Image.Image:
+    """Return `picture` with the skeleton.
+
+    The speaker's left is vermilion with round joints, their right blue with square ones.
+
+    Parameters
+    ----------
+    picture : Image
+        A square frame as `camera` sees it.
+    joints : ndarray, shape (55, 3)
+        Where the joints are in that frame, in metres.
+    camera : Camera
+        Where the picture was taken from.
+    place : {'over', 'beside'}
+        ``over`` draws on the body; ``beside`` returns a picture twice as wide, with the
+        skeleton alone on its right.
+    key : bool
+        Whether a corner says which colour is which side.
+    """
+    size = picture.width
+    lines = _drawn(project(joints, camera, size)[:, :2], size, key=key)
+    if place == "over":
+        result = picture.convert("RGBA")
+        result.alpha_composite(lines)
+        return result.convert(picture.mode)
+    result = Image.new(picture.mode, (2 * size, size), picture.getpixel((0, 0)))
+    result.paste(picture, (0, 0))
+    result.paste(lines, (size, 0), lines)
+    return result
+
+
+def _drawn(points: NDArray[np.float64], size: int, *, key: bool) -> Image.Image:
+    """Return the skeleton with joints at `points`, shape (55, 2), on a clear picture."""
+    side = size * _OVERSAMPLING
+    points = points * _OVERSAMPLING
+    large = Image.new("RGBA", (side, side))
+    pen = ImageDraw.Draw(large)
+    visible = [bone for bone in _BONES if np.isfinite(points[list(bone)]).all()]
+    # All rims first: a bone's rim must not cut the bone that it crosses.
+    for rim in (True, False):
+        for bone in visible:
+            _draw_bone(pen, points, bone, side, rim=rim)
+    if key:
+        _draw_key(pen, side)
+    return large.convert("RGBa").reduce(_OVERSAMPLING).convert("RGBA")
+
+
+def _draw_bone(
+    pen: ImageDraw.ImageDraw,
+    points: NDArray[np.float64],
+    bone: tuple[int, int],
+    side: int,
+    *,
+    rim: bool,
+) -> None:
+    """Draw the bone from a joint to its parent, and the joint."""
+    joint, parent = bone
+    name = JOINT_NAMES[joint]
+    finger = name[-1].isdigit() and "spine" not in name
+    edge = 0.0022 * side if rim else 0.0
+    colour = _HALO if rim else SIDE_COLOURS.get(name.split("_")[0], _MIDDLE_COLOUR)
+    width = (_FINGER_SHARE if finger else _BONE_SHARE) * side + 2 * edge
+    pen.line([tuple(points[parent]), tuple(points[joint])], fill=colour, width=round(width))
+    radius = (_JOINT_SHARE * (0.45 if finger else 1)) * side + edge
+    _draw_joint(pen, points[joint], radius, colour, square=name.startswith("right_"))
+
+
+def _draw_joint(
+    pen: ImageDraw.ImageDraw,
+    centre: NDArray[np.float64],
+    radius: float,
+    colour: tuple[int, int, int],
+    *,
+    square: bool,
+) -> None:
+    corners = [tuple(centre - radius), tuple(centre + radius)]
+    if square:
+        pen.rectangle(corners, fill=colour)
+    else:
+        pen.ellipse(corners, fill=colour)
+
+
+def _draw_key(pen: ImageDraw.ImageDraw, side: int) -> None:
+    """Say in the lower left corner which side is which."""
+    letters = font(_LETTER_SHARE * side)
+    left = margin = 0.03 * side
+    middle = side - margin - _LETTER_SHARE * side / 2
+    for name, colour in SIDE_COLOURS.items():
+        centre = np.array([left + _JOINT_SHARE * side, middle])
+        _draw_joint(pen, centre, _JOINT_SHARE * side, colour, square=name == "right")
+        left += 0.026 * side
+        pen.text(
+            (left, middle), name, INK, letters, anchor="lm",
+            stroke_width=0.003 * side, stroke_fill=_HALO,
+        )  # fmt: skip
+        left += letters.getlength(name) + 0.03 * side

@@ -1,0 +1,204 @@
+"""A strip: rows of conditions, columns of key words, over the speech's time axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from PIL import Image
+
+from motion.audio import Audio
+from renderer.figures.lettering import FAINT_INK, INK, fitted, font
+from renderer.figures.moments import Moment
+from renderer.figures.plate import DOTS_PER_INCH, LETTERS, Plate, pixels
+from renderer.figures.skeleton_lines import SIDE_COLOURS, SIDE_MARKS
+
+_SMALLEST_LETTERS: Final = 4.5
+_SHRUNK_TO: Final = 0.93  # share of a panel's side that text may fill
+_CUT_AT: Final = 0.97  # a little more, as sizes of letters are rounded
+_GAP: Final = 6  # pixels between panels
+_LINE: Final = 1.5  # height of a line of text, in letters
+_WAVE_HEIGHT: Final = 0.34  # inches
+_FAN_HEIGHT: Final = 0.16  # inches between the panels and the wave
+_WAVE_COLUMNS: Final = 600
+
+
+@dataclass(frozen=True, kw_only=True)
+class StripLayout:
+    """How a strip is printed.
+
+    Attributes
+    ----------
+    inches : float
+        Width of the page.
+    rows : tuple of str
+        Names of the conditions, top to bottom.
+    moments : tuple of Moment
+        Left to right; at least one.
+    aspect : float
+        Height of a panel over its width.
+    wave : bool
+        Whether the speech's wave stands under the panels.
+    skeleton : bool
+        Whether skeletons are drawn, so that their colours are to be told.
+    """
+
+    inches: float
+    rows: tuple[str, ...]
+    moments: tuple[Moment, ...]
+    aspect: float
+    wave: bool = True
+    skeleton: bool = False
+
+    @property
+    def margin(self) -> int:
+        """Pixels on the left for the names, which are written upwards."""
+        return round(pixels(LETTERS) * _LINE) + _GAP
+
+    @property
+    def panel(self) -> tuple[int, int]:
+        """Width and height of a panel in pixels."""
+        count = len(self.moments)
+        room = round(self.inches * DOTS_PER_INCH) - self.margin - _GAP * (count - 1)
+        return room // count, round(room // count * self.aspect)
+
+
+def draw_strip(
+    layout: StripLayout,
+    panels: Mapping[tuple[str, Moment], Image.Image],
+    speech: Audio,
+    *,
+    clear: bool,
+) -> Plate:
+    """Return the strip as a page.
+
+    Parameters
+    ----------
+    layout : StripLayout
+        How it is printed.
+    panels : mapping of (row, moment) to Image
+        The pictures, each as large as ``layout.panel``.
+    speech : Audio
+        What is said meanwhile.
+    clear : bool
+        Whether the page has no background.
+    """
+    width, height = layout.panel
+    line = pixels(LETTERS) * _LINE
+    panels_height = len(layout.rows) * (height + _GAP) - _GAP
+    words_at = panels_height + line
+    axis_at = words_at + _FAN_HEIGHT * DOTS_PER_INCH
+    wave = round(_WAVE_HEIGHT * DOTS_PER_INCH) if layout.wave else round(line / 4)
+    page = Plate.of(
+        layout.margin + len(layout.moments) * (width + _GAP) - _GAP,
+        round(axis_at + wave + (2.4 if layout.skeleton else 1.4) * line),
+        clear=clear,
+    )
+    shown, names_size = _lettered(layout.rows, height)
+    for row, name in enumerate(layout.rows):
+        top = row * (height + _GAP)
+        middle = top + height / 2
+        page.write(
+            line / 2, middle, shown[row], rotation=90, ha="center", va="center", fontsize=names_size
+        )
+        for column, moment in enumerate(layout.moments):
+            left = layout.margin + column * (width + _GAP)
+            page.add_picture(panels[name, moment], left, top)
+    centres = [
+        layout.margin + column * (width + _GAP) + width / 2 for column in range(len(layout.moments))
+    ]
+    words = [f"“{moment.word}”" if moment.word else moment.label for moment in layout.moments]
+    shown, words_size = _lettered(words, width)
+    for centre, moment, word in zip(centres, layout.moments, shown, strict=True):
+        page.write(
+            centre,
+            panels_height + line * 0.55,
+            word,
+            ha="center",
+            va="center",
+            fontsize=words_size,
+            fontstyle="italic" if moment.word else "normal",
+        )
+    _draw_time(page, layout, speech, centres, words_at, axis_at, wave)
+    if layout.skeleton:
+        for place, (side, mark) in enumerate(SIDE_MARKS.items()):
+            colour = [channel / 255 for channel in SIDE_COLOURS[side]]
+            page.write(
+                layout.margin + place * 4 * line,
+                page.height - line / 2,
+                f"{mark} {side}",
+                va="center",
+                color=colour,
+                fontsize=LETTERS - 1,
+            )
+    return page
+
+
+def _lettered(texts: Sequence[str], room: float) -> tuple[list[str], float]:
+    """Return `texts`, cut where they must be, and the points at which each fits `room` pixels."""
+    longest = max(font(pixels(LETTERS)).getlength(text) for text in texts)
+    size = min(LETTERS, max(_SMALLEST_LETTERS, LETTERS * _SHRUNK_TO * room / longest))
+    return [fitted(text, font(pixels(size)), _CUT_AT * room) for text in texts], size
+
+
+def _draw_time(
+    page: Plate,
+    layout: StripLayout,
+    speech: Audio,
+    centres: Sequence[float],
+    words_at: float,
+    axis_at: float,
+    wave: float,
+) -> None:
+    """Draw the time axis, the wave on it, and a line from each column to its moment."""
+    room = page.width - layout.margin
+    axes = page.area(layout.margin, words_at, room, axis_at + wave - words_at)
+    axes.set_xlim(0, speech.duration)
+    axes.set_ylim(axis_at + wave, words_at)
+    if layout.wave:
+        loud = _envelope(speech.samples) * wave / 2
+        times = np.linspace(0, speech.duration, len(loud))
+        middle = axis_at + wave / 2
+        axes.fill_between(times, middle - loud, middle + loud, color="#9aa0a6", linewidth=0)
+    axes.plot([0, speech.duration], [axis_at + wave] * 2, color=INK, linewidth=0.8, clip_on=False)
+    for centre, moment in zip(centres, layout.moments, strict=True):
+        at = (centre - layout.margin) / room * speech.duration
+        axes.plot(
+            [at, moment.seconds, moment.seconds],
+            [words_at, axis_at, axis_at + wave],
+            color="#0072B2",
+            linewidth=0.6,
+            clip_on=False,
+        )
+    step = _tick_step(speech.duration, room)
+    for tick in np.arange(0, speech.duration + 1e-6, step):
+        x = layout.margin + tick / speech.duration * room
+        last = tick + step > speech.duration
+        page.write(
+            x,
+            axis_at + wave + pixels(LETTERS) * 0.35,
+            f"{tick:g} s" if last else f"{tick:g}",
+            ha="left" if tick == 0 else "right" if x > page.width - pixels(LETTERS) else "center",
+            va="top",
+            fontsize=LETTERS - 2,
+            color=FAINT_INK,
+        )
+        axes.plot(
+            [tick, tick], [axis_at + wave, axis_at + wave - 8], color=INK, linewidth=0.6,
+            clip_on=False,
+        )  # fmt: skip
+
+
+def _envelope(samples: np.ndarray) -> np.ndarray:
+    """Return the largest amplitude in each of `_WAVE_COLUMNS` parts, the loudest being 1."""
+    parts = np.array_split(np.abs(samples), min(_WAVE_COLUMNS, len(samples)))
+    peaks = np.array([part.max() for part in parts])
+    return peaks / max(float(peaks.max()), 1e-9)
+
+
+def _tick_step(duration: float, room: float) -> float:
+    """Return seconds between at most ten ticks, whose numbers have space in `room` pixels."""
+    most = min(10, room / pixels(2.5 * LETTERS))
+    return next((step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20) if duration / step <= most), 60)

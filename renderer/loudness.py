@@ -1,0 +1,108 @@
+"""One loudness for every video of a study, by EBU R 128."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+from typing import Final
+
+import av
+import numpy as np
+from av.filter import Graph
+from scipy.signal import resample_poly
+
+from motion.audio import Audio
+
+TARGET: Final = -23.0
+"""LUFS; what EBU R 128 asks for. Speech reaches it without its peaks being touched."""
+
+PEAK_CEILING: Final = -1.0
+"""dBTP that no sample, nor the curve between samples, rises above (EBU R 128, section k)."""
+
+SHORTEST: Final = 0.4
+"""Seconds of one measuring block (ITU-R BS.1770-5, annex 1); less has no loudness."""
+
+_TOLERANCE: Final = 0.1
+_SILENCE: Final = -70.0  # the absolute gate; FFmpeg reports it where no block lies above
+_OVERSAMPLING: Final = 4
+
+
+def at_common_loudness(audio: Audio) -> Audio:
+    """Return `audio` at the loudness that all videos share, changed in nothing but its gain.
+
+    Parameters
+    ----------
+    audio : Audio
+        Speech as it will be heard, already cut.
+
+    Returns
+    -------
+    Audio
+        At `TARGET`, or as near below it as `PEAK_CEILING` allows. Sound without a measurable
+        loudness keeps its level. Its notes say where the target is missed, and why.
+    """
+    loudness = integrated_loudness(audio)
+    if loudness is None:
+        return _with_note(audio, _why_unmeasurable(audio))
+    headroom = PEAK_CEILING - true_peak(audio)
+    gain = min(TARGET - loudness, headroom)
+    heard = replace(audio, samples=audio.samples * np.float32(10 ** (gain / 20)))
+    if gain < TARGET - loudness - _TOLERANCE:
+        return _with_note(
+            heard,
+            f"its peaks allow {loudness + gain:.1f} LUFS, not the {TARGET:g} LUFS of the others",
+        )
+    return heard
+
+
+def integrated_loudness(audio: Audio) -> float | None:
+    """Return the gated loudness of the whole in LUFS; None where it is silent or too short.
+
+    Measured by FFmpeg's ``ebur128`` filter (ITU-R BS.1770, annex 1: K weighting, blocks of
+    400 ms, gates at -70 LUFS and 10 LU below what is louder).
+    """
+    if audio.duration < SHORTEST:
+        return None
+    rate = audio.sample_rate
+    graph = Graph()
+    source = graph.add_abuffer(
+        format="fltp", sample_rate=rate, layout="mono", time_base=Fraction(1, rate)
+    )
+    meter = graph.add("ebur128", "metadata=1")
+    sink = graph.add("abuffersink")
+    source.link_to(meter)
+    meter.link_to(sink)
+    graph.configure()
+    frame = av.AudioFrame.from_ndarray(audio.samples[None], format="fltp", layout="mono")
+    frame.sample_rate, frame.pts, frame.time_base = rate, 0, Fraction(1, rate)
+    source.push(frame)
+    source.push(None)
+    loudness = _SILENCE
+    while True:
+        try:
+            metered = sink.pull()
+        except av.error.EOFError:
+            break
+        loudness = float(metered.metadata.get("lavfi.r128.I", loudness))
+    return loudness if loudness > _SILENCE else None
+
+
+def true_peak(audio: Audio) -> float:
+    """Return the highest point of the curve through the samples in dBTP; -inf for silence.
+
+    Four samples are put where one was (ITU-R BS.1770, annex 2).
+    """
+    between = resample_poly(audio.samples, _OVERSAMPLING, 1)
+    peak = max(float(np.abs(between).max()), float(np.abs(audio.samples).max()))
+    return 20 * math.log10(peak) if peak > 0 else -math.inf
+
+
+def _why_unmeasurable(audio: Audio) -> str:
+    if audio.duration < SHORTEST:
+        return f"it lasts less than {SHORTEST:g} s, too short to have a loudness; left as it is"
+    return "it is silent; left as it is"
+
+
+def _with_note(audio: Audio, note: str) -> Audio:
+    return replace(audio, notes=(*audio.notes, note))

@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from motion import clearance
+from motion.clearance import clear_of_body
+from motion.clip import MotionClip
+from motion.formats import read_motion
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import forward_kinematics, joint_index
+
+FRAMES, RATE = 90, 30
+
+
+def _with_left_arm(adduction: np.ndarray, seed: int = 0) -> MotionClip:
+    """Return a clip whose left arm hangs by `adduction` degrees per frame; 90 is straight down."""
+    rng = np.random.default_rng(seed)
+    poses = np.zeros((len(adduction), 55, 3))
+    poses[:, joint_index("left_shoulder"), 2] = -np.radians(adduction)
+    poses[:, joint_index("right_shoulder"), 2] = np.radians(50)
+    poses[:, joint_index("left_elbow"), 1] = rng.uniform(-0.3, 0)
+    poses[:, 0] = Rotation.from_euler("y", rng.uniform(-180, 180), degrees=True).as_rotvec()
+    return MotionClip(poses=poses, trans=np.zeros((len(adduction), 3)), frame_rate=RATE)
+
+
+def _distance_from_thigh(clip: MotionClip) -> np.ndarray:
+    """Return how far the left wrist is from the axis of the left thigh, shape (T,)."""
+    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    hip, knee, wrist = (positions[:, joint_index(f"left_{n}")] for n in ("hip", "knee", "middle1"))
+    along = (knee - hip) / np.linalg.norm(knee - hip, axis=1, keepdims=True)
+    return np.linalg.norm(np.cross(wrist - hip, along), axis=1)
+
+
+def _shoulder_turns(before: MotionClip, after: MotionClip) -> np.ndarray:
+    joint = joint_index("left_shoulder")
+    first, second = (Rotation.from_rotvec(clip.poses[:, joint]) for clip in (before, after))
+    return np.degrees((first.inv() * second).magnitude())
+
+
+@given(adduction=st.floats(88, 100), seed=st.integers(0, 99))
+@settings(max_examples=20)
+def test_a_hand_in_the_leg_comes_out_of_it(adduction: float, seed: int) -> None:
+    clip = _with_left_arm(np.full(FRAMES, adduction), seed)
+    cleared, _ = clear_of_body(clip)
+    assert _distance_from_thigh(cleared).min() > min(0.1, _distance_from_thigh(clip).min())
+    others = np.delete(np.arange(55), joint_index("left_shoulder"))
+    np.testing.assert_array_equal(cleared.poses[:, others], clip.poses[:, others])
+
+
+def test_a_hand_that_passes_through_makes_way_smoothly_and_returns() -> None:
+    passing = 60 + 35 * np.exp(-(((np.arange(FRAMES) - 45) / 6) ** 2))
+    clip = _with_left_arm(passing)
+    cleared, notes = clear_of_body(clip)
+    turns = _shoulder_turns(clip, cleared)
+    assert turns.max() > 3
+    assert turns[[0, 10, -10, -1]].max() < 1e-3
+    assert np.abs(np.diff(turns)).max() < 4
+    assert "moved out" in notes[0]
+
+
+@given(adduction=st.floats(-30, 70), seed=st.integers(0, 99))
+@settings(max_examples=20)
+def test_hands_that_are_outside_stay_where_they_are(adduction: float, seed: int) -> None:
+    clip = _with_left_arm(np.full(8, adduction), seed)
+    cleared, notes = clear_of_body(clip)
+    assert cleared is clip
+    assert notes == ()
+
+
+def test_a_note_says_in_how_many_frames_and_how_far_arms_were_turned() -> None:
+    passing = 60 + 35 * np.exp(-(((np.arange(FRAMES) - 45) / 6) ** 2))
+    clip = _with_left_arm(passing)
+    cleared, (note,) = clear_of_body(clip)
+    turns = _shoulder_turns(clip, cleared)
+    assert f" {round(100 * (turns > 1).mean())} % of the frames" in note
+    assert f" {turns.max():.0f} degrees" in note
+
+
+def test_a_clip_whose_arms_would_hardly_turn_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clearance, "_WORTH_SAYING", np.radians(90))
+    clip = _with_left_arm(np.full(FRAMES, 95.0))
+    cleared, notes = clear_of_body(clip)
+    assert cleared is clip
+    assert notes == ()
+
+
+@pytest.mark.parametrize(
+    ("file", "rate", "most"), [("2_scott_0_1_1.bvh", 15, 10), ("aitviewer_sample.bvh", None, 100)]
+)
+def test_real_hands_are_out_of_the_thighs(
+    shared_data: Path, file: str, rate: float | None, most: int
+) -> None:
+    clip = read_motion(shared_data / file, frame_rate=rate)
+    (note,) = (part for part in clip.provenance["notes"].split("; ") if "moved out" in part)
+    assert int(note.split(" in ")[1].split(" %")[0]) <= most
+    near = _distance_from_thigh(clip)
+    positions, _ = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    low = positions[:, joint_index("left_middle1"), 1] < positions[:, joint_index("left_hip"), 1]
+    high = positions[:, joint_index("left_middle1"), 1] > positions[:, joint_index("left_knee"), 1]
+    assert near[low & high].min() > 0.085

@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
+from motion.skinning import TwistJoints, skinning_matrices, twist_angles
+
+ELBOW, WRIST = joint_index("left_elbow"), joint_index("left_wrist")
+ALONG = np.array([1.0, 0.0, 0.0])  # the left forearm at rest
+
+
+def _on_forearm(*shares: tuple[float, float]) -> TwistJoints:
+    bones = np.tile([ELBOW, WRIST], (len(shares), 1))
+    return TwistJoints(bones=bones, shares=np.array(shares))
+
+
+def _twisted(elbow: float, wrist: float) -> np.ndarray:
+    poses = np.zeros((1, JOINT_COUNT, 3))
+    poses[0, ELBOW], poses[0, WRIST] = elbow * ALONG, wrist * ALONG
+    return poses
+
+
+@given(st.integers(0, 999))
+def test_matrices_carry_the_joints_to_where_forward_kinematics_puts_them(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    poses, trans = rng.normal(0, 1, (3, JOINT_COUNT, 3)), rng.normal(0, 1, (3, 3))
+    positions, turned = forward_kinematics(poses, trans, REST_JOINTS)
+    matrices = skinning_matrices(poses, trans, REST_JOINTS)
+    carried = np.einsum("njab,jb->nja", matrices[..., :3], REST_JOINTS) + matrices[..., 3]
+    np.testing.assert_allclose(carried, positions, atol=1e-5)
+    np.testing.assert_allclose(matrices[..., :3], turned, atol=1e-5)
+
+
+@given(
+    swing=st.floats(-3, 3),
+    twist=st.floats(-3, 3),
+    around=st.floats(0, 2 * np.pi),
+    seed=st.integers(0, 99),
+)
+def test_twist_is_what_remains_when_the_swing_is_taken_off(
+    swing: float, twist: float, around: float, seed: int
+) -> None:
+    frame = Rotation.random(rng=seed)
+    axis = frame.apply([1, 0, 0])
+    across = frame.apply([0, np.cos(around), np.sin(around)])
+    turn = Rotation.from_rotvec(swing * across) * Rotation.from_rotvec(twist * axis)
+    assert twist_angles(turn.as_quat(), axis) == pytest.approx(twist, abs=1e-6)
+
+
+@given(elbow=st.floats(-1.5, 1.5), wrist=st.floats(-1.5, 1.5), share=st.floats(0, 1))
+def test_skin_of_the_forearm_turns_from_the_upper_arm_to_the_hand(
+    elbow: float, wrist: float, share: float
+) -> None:
+    joints = _on_forearm((share - 1, share))
+    matrix = skinning_matrices(_twisted(elbow, wrist), np.zeros((1, 3)), REST_JOINTS, joints)
+    turn = Rotation.from_matrix(matrix[0, -1, :, :3]).as_rotvec()
+    np.testing.assert_allclose(turn, share * (elbow + wrist) * ALONG, atol=1e-6)
+
+
+def test_extra_joints_leave_the_bone_where_it_is() -> None:
+    rng = np.random.default_rng(0)
+    poses, trans = rng.normal(0, 0.6, (4, JOINT_COUNT, 3)), rng.normal(0, 1, (4, 3))
+    joints = _on_forearm((-1, 0), (-0.5, 0.5), (0, 1))
+    matrices = skinning_matrices(poses, trans, REST_JOINTS, joints)
+    for point in (REST_JOINTS[ELBOW], REST_JOINTS[WRIST]):
+        carried = matrices[..., :3] @ point + matrices[..., 3]
+        for extra in range(JOINT_COUNT, JOINT_COUNT + 3):
+            np.testing.assert_allclose(carried[:, extra], carried[:, ELBOW], atol=1e-5)
+
+
+def test_an_unposed_body_is_left_as_it_is() -> None:
+    joints = _on_forearm((-1, 0), (0, 1))
+    still = np.zeros((2, JOINT_COUNT, 3))
+    matrices = skinning_matrices(still, np.zeros((2, 3)), REST_JOINTS, joints)
+    expected = np.broadcast_to(np.eye(3, 4), (2, JOINT_COUNT + 2, 3, 4))
+    np.testing.assert_allclose(matrices, expected, atol=1e-6)

@@ -1,0 +1,28 @@
+"""Videos of a block that moves as it is told, for what looks at videos without drawing any."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from renderer.encoder import VideoWriter, video_frame
+from renderer.look import BACKGROUND
+
+SIZE = 128
+
+
+def write_block_video(path: Path, places: Sequence[int | None]) -> Path:
+    """Write a lossless video of a dark block whose left edge is at each of `places`.
+
+    None shows the background alone.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with VideoWriter(path, SIZE, SIZE, 30) as writer:
+        for place in places:
+            picture = np.full((SIZE, SIZE, 3), BACKGROUND, np.uint8)
+            if place is not None:
+                picture[30:, max(place, 0) : place + 40] = (40, 60, 90)
+            writer.write(video_frame(picture))
+    return path

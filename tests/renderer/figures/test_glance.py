@@ -1,0 +1,91 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from renderer.figures.glance import MOMENTS, SIDE, Glance, glance_at
+from renderer.figures.sheet_cell import CELL, Cell, draw_cell
+from tests.renderer.figures.small_videos import write_block_video
+
+SWAYING = [44 + round(12 * np.sin(k / 4)) for k in range(90)]
+
+
+def glance(tmp_path: Path, places: list[int | None]) -> Glance:
+    return glance_at(write_block_video(tmp_path / "video.mkv", places))
+
+
+def test_a_moving_figure_gives_no_remark(tmp_path: Path) -> None:
+    seen = glance(tmp_path, [*SWAYING])
+    assert seen.remarks == ()
+    assert seen.seconds == pytest.approx(3)
+    assert seen.pictures.shape == (MOMENTS, SIDE, SIDE, 3)
+    assert list(seen.times) == sorted(seen.times)
+    assert len(seen.movement) == 89
+
+
+def test_a_figure_that_never_moves_is_told(tmp_path: Path) -> None:
+    assert glance(tmp_path, [44] * 60).remarks == ("never moves",)
+
+
+def test_freezing_is_told_with_its_times(tmp_path: Path) -> None:
+    frozen = [*SWAYING[:30], *[SWAYING[30]] * 45, *SWAYING[30:60]]
+    assert glance(tmp_path, frozen).remarks == ("still from 1.0 to 2.5 s",)
+
+
+def test_a_short_rest_is_no_freezing(tmp_path: Path) -> None:
+    assert glance(tmp_path, [*SWAYING[:30], *[SWAYING[30]] * 20, *SWAYING[30:60]]).remarks == ()
+
+
+def test_a_jump_is_told_with_its_time(tmp_path: Path) -> None:
+    jumping = [*SWAYING[:40], *[place + 25 for place in SWAYING[40:80]]]
+    assert glance(tmp_path, jumping).remarks == ("jumps at 1.3 s",)
+
+
+def test_jerking_all_the_time_is_told_once(tmp_path: Path) -> None:
+    jerking = [20 + 45 * (k % 2) for k in range(60)]
+    assert glance(tmp_path, jerking).remarks == ("jerks throughout",)
+
+
+def test_a_missing_figure_is_told(tmp_path: Path) -> None:
+    (first, *_) = glance(tmp_path, [None] * 15 + SWAYING[:45]).remarks[::-1]
+    assert first == "nobody in the picture 25% of the time"
+
+
+def test_a_figure_at_the_edge_is_told(tmp_path: Path) -> None:
+    leaving = [44 + k for k in range(60)]
+    assert glance(tmp_path, leaving).remarks[-1].startswith("out of the picture")
+
+
+def test_presence_is_the_share_of_frames_at_each_place(tmp_path: Path) -> None:
+    presence = glance(tmp_path, [10] * 30 + [80] * 30).presence
+    middle = SIDE * 3 // 4
+    assert presence[middle, round(30 / 128 * SIDE)] == pytest.approx(0.5)
+    assert presence[middle, round(62 / 128 * SIDE)] == 0
+
+
+def test_what_is_no_video_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "bad.mp4").write_bytes(b"no video" * 30)
+    with pytest.raises(InputError, match="cannot be read"):
+        glance_at(tmp_path / "bad.mp4")
+    with pytest.raises(InputError, match="cannot be read"):
+        glance_at(tmp_path / "missing.mp4")
+
+
+def test_a_cell_keeps_picture_and_remarks_together(tmp_path: Path) -> None:
+    cell = draw_cell(glance(tmp_path, [44] * 60))
+    again = Cell(cell.data)
+    assert again.remarks == ("never moves",)
+    assert again.picture.size == CELL
+    assert draw_cell(glance(tmp_path, [44] * 60)).data == cell.data
+
+
+def test_a_still_figure_has_a_flat_curve_and_a_moving_one_has_not(tmp_path: Path) -> None:
+    inked = []
+    for places in ([44] * 60, [*SWAYING[:60]]):
+        curve = np.asarray(draw_cell(glance(tmp_path, places)).picture).astype(int)[-30:-4]
+        inked.append((curve[..., 2] - curve[..., 0] > 60).sum())
+    assert inked[0] == 0
+    assert inked[1] > 500

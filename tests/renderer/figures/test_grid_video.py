@@ -1,0 +1,187 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from motion.audio import Audio
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.resample import resample
+from renderer.clip_video import Stage
+from renderer.encoder import SOUND_RATE
+from renderer.figures.grid_video import GridLayout, Panel, speed_name, write_grid
+from renderer.framing import Camera
+from renderer.look import BACKGROUND, Look
+from renderer.stills import still
+
+SIZE = 96
+SECONDS = 0.4
+
+
+@pytest.fixture(scope="module")
+def stage(body_path: Path, camera: Camera) -> Iterator[Stage]:
+    with Stage(body_path, camera, Look(size=SIZE)) as stage:
+        yield stage
+
+
+@pytest.fixture(scope="module")
+def clips(clip: MotionClip) -> tuple[MotionClip, MotionClip]:
+    """Return two clips that differ: the motion forwards and backwards."""
+    count = round(SECONDS * 30)
+    return clip.frames(slice(0, count)), clip.frames(np.arange(len(clip))[: -count - 1 : -1])
+
+
+def hum() -> Audio:
+    times = np.arange(round(SECONDS * SOUND_RATE)) / SOUND_RATE
+    return Audio((0.3 * np.sin(2 * np.pi * 220 * times)).astype(np.float32), SOUND_RATE)
+
+
+def write(
+    stage: Stage, camera: Camera, clips: tuple[MotionClip, ...], video: Path, **changes: object
+) -> Path:
+    panels = [Panel(caption=f"condition {k}", clip=clip) for k, clip in enumerate(clips)]
+    given = {"speed": 1.0, "skeleton": None, "text": "we got the house", "video": video}
+    write_grid(stage, camera, panels, hum(), **(given | changes))  # type: ignore[arg-type]
+    return video
+
+
+def pictures(path: Path) -> np.ndarray:
+    with av.open(str(path)) as container:
+        frames = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+    return np.array(frames).astype(int)
+
+
+def sound_of(path: Path) -> np.ndarray:
+    with av.open(str(path)) as container:
+        return np.concatenate([frame.to_ndarray()[0] for frame in container.decode(audio=0)])
+
+
+@pytest.fixture(scope="module")
+def grid(
+    stage: Stage,
+    camera: Camera,
+    clips: tuple[MotionClip, MotionClip],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:
+    return write(stage, camera, clips, tmp_path_factory.mktemp("grid") / "grid.mp4")
+
+
+@pytest.mark.parametrize("count", range(1, 10))
+@pytest.mark.parametrize("widened", [False, True])
+def test_panels_are_inside_the_frame_and_none_covers_another(count: int, widened: bool) -> None:
+    layout = GridLayout(count=count, size=64, widened=widened)
+    width, height = layout.frame
+    assert width % 2 == height % 2 == 0
+    places = [layout.place(number) for number in range(count)]
+    for left, top in places:
+        assert left % 2 == top % 2 == 0
+        assert left >= 0
+        assert left + layout.panel_width <= width
+        assert top + 64 + layout.caption_height <= height
+    for one, two in combinations(places, 2):
+        apart = abs(one[0] - two[0]) >= layout.panel_width
+        assert apart or abs(one[1] - two[1]) >= 64 + layout.caption_height
+
+
+def test_more_than_nine_clips_are_refused() -> None:
+    with pytest.raises(InputError, match="1 to 9"):
+        GridLayout(count=10, size=64)
+
+
+def test_each_clip_is_in_its_place_in_every_frame(
+    grid: Path, stage: Stage, clips: tuple[MotionClip, MotionClip]
+) -> None:
+    shown = pictures(grid)
+    assert len(shown) == round(SECONDS * 30)
+    layout = GridLayout(count=2, size=SIZE, text="words")
+    for number in (0, 7, 11):
+        for place, clip in enumerate(clips):
+            left, top = layout.place(place)
+            drawn = np.asarray(still(stage, clip, number / 30)).astype(int)
+            part = shown[number, top : top + SIZE, left : left + SIZE]
+            assert np.abs(part - drawn).mean() < 2.5
+
+
+def test_names_words_and_time_stand_below(grid: Path) -> None:
+    layout = GridLayout(count=2, size=SIZE, text="words")
+    first, last = pictures(grid)[[0, -1]]
+    ink = np.abs(first - BACKGROUND).max(axis=-1) > 60
+    captions = ink[SIZE : SIZE + layout.caption_height]
+    assert captions[:, :SIZE].any()
+    assert captions[:, SIZE:].any()
+    footer = np.s_[-layout.footer_height :]
+    assert ink[footer].any()
+    assert np.abs(first[footer] - last[footer]).max() > 40  # the clock goes on
+
+
+def test_the_speech_is_heard_and_the_video_plays_while_it_loads(grid: Path) -> None:
+    assert sound_of(grid)[4800:-4800].std() > 0.02
+    data = grid.read_bytes()
+    assert data.index(b"moov") < data.index(b"mdat")
+
+
+def test_slow_motion_is_longer_silent_and_says_so(
+    stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+) -> None:
+    slow = tuple(resample(clip, 120) for clip in clips)
+    video = write(stage, camera, slow, tmp_path / "slow.mp4", speed=0.25, text="")
+    shown = pictures(video)
+    assert len(shown) == round(SECONDS * 30 / 0.25)
+    assert np.abs(sound_of(video)).max() < 1e-3
+    layout = GridLayout(count=2, size=SIZE)
+    corner = shown[0, -layout.footer_height :, : SIZE // 2]
+    assert np.abs(corner - BACKGROUND).max() > 60
+    # In between is new motion, not a frame shown four times.
+    assert np.abs(np.diff(shown[:4, :SIZE], axis=0)).max(axis=(1, 2, 3)).min() > 5
+
+
+def test_long_text_leaves_the_clock_and_the_speed_free(
+    stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+) -> None:
+    short = (clips[0].frames(slice(0, 1)),)
+    video = write(stage, camera, short, tmp_path / "long.mp4", speed=0.1, text="never again " * 40)
+    layout = GridLayout(count=1, size=SIZE, text="words")
+    footer = pictures(video)[0, -layout.footer_height :]
+    inked = (np.abs(footer - BACKGROUND).max(axis=-1) > 60).any(axis=1)
+    lines = np.flatnonzero(np.diff(inked.astype(int)) == 1)
+    assert len(lines) + inked[0] == 3
+
+
+def test_the_skeleton_is_drawn_beside_every_body(
+    stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+) -> None:
+    short = tuple(clip.frames(slice(0, 2)) for clip in clips)
+    video = write(stage, camera, short, tmp_path / "bones.mp4", skeleton="beside")
+    shown = pictures(video)
+    assert shown.shape[2] == 4 * SIZE
+    for left in (SIZE, 3 * SIZE):
+        bones = shown[0, :SIZE, left : left + SIZE]
+        blue = (bones[..., 2] - bones[..., 0]) > 60
+        vermilion = (bones[..., 0] - bones[..., 2]) > 60
+        assert blue.sum() > 20 and vermilion.sum() > 20
+
+
+def test_the_same_grid_has_the_same_bytes(
+    grid: Path, stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+) -> None:
+    again = write(stage, camera, clips, tmp_path / "again.mp4")
+    assert grid.read_bytes() == again.read_bytes()
+
+
+def test_frames_done_are_counted(
+    stage: Stage, camera: Camera, clips: tuple[MotionClip, MotionClip], tmp_path: Path
+) -> None:
+    steps: list[tuple[int, int]] = []
+    short = (clips[0].frames(slice(0, 3)),)
+    write(stage, camera, short, tmp_path / "one.mp4", on_frame=lambda *step: steps.append(step))
+    assert steps == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_speeds_have_names() -> None:
+    assert speed_name(0.25) == "quarter speed"
+    assert speed_name(0.3) == "0.3 × speed"

@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image, ImageColor
+
+from motion.errors import InputError
+from renderer.figures.cut_out import FAR, CutOut
+from renderer.figures.overlay import VARIATION_COLOURS, blended, draw_overlay, faded
+
+RED, GREEN, GREY = (200, 0, 0, 255), (0, 200, 0, 255), (120, 120, 120, 255)
+
+
+def square(colour: tuple[int, int, int, int], left: int, depth: float) -> CutOut:
+    """Return a square of 10 pixels in a picture of 40 × 20, so far from the camera."""
+    picture = Image.new("RGBA", (40, 20))
+    picture.paste(colour, (left, 5, left + 10, 15))
+    depths = np.full((20, 40), FAR, np.float32)
+    depths[5:15, left : left + 10] = depth
+    return CutOut(picture, depths)
+
+
+def at(figure: CutOut, x: int) -> tuple[int, ...]:
+    return tuple(np.asarray(figure.picture)[10, x].tolist())
+
+
+def test_older_moments_are_fainter_and_the_newest_is_whole() -> None:
+    trail = faded([square(RED, left, 3.0) for left in (0, 15, 28)])
+    strengths = [at(trail, x)[3] for x in (5, 20, 33)]
+    assert 30 < strengths[0] < strengths[1] < strengths[2] == 255
+    assert at(trail, 5)[:3] == RED[:3]
+    assert at(trail, 12)[3] == 0
+
+
+def test_one_moment_is_left_as_it_is() -> None:
+    alone = square(RED, 0, 3.0)
+    np.testing.assert_array_equal(np.asarray(faded([alone]).picture), np.asarray(alone.picture))
+
+
+def test_a_hand_before_the_body_leaves_its_trail_on_it() -> None:
+    body, hand = square(GREEN, 10, 3.0), square(RED, 10, 2.6)
+    assert at(faded([hand, body]), 15)[0] > 40
+    assert at(faded([body, hand]), 15) == RED
+
+
+def test_what_hardly_moved_in_depth_is_seen_as_it_was_last() -> None:
+    assert at(faded([square(RED, 10, 2.98), square(GREEN, 10, 3.0)]), 15) == GREEN
+
+
+def test_older_moments_do_not_mix_where_they_hardly_differ_in_depth() -> None:
+    older = [square(RED, 10, 2.98), square(GREEN, 10, 3.0)]
+    with_last = at(faded([*older, square(GREY, 30, 3.0)]), 15)
+    assert with_last[1] > 2 * with_last[0]
+
+
+def test_variations_have_the_colour_of_their_legend_where_they_differ() -> None:
+    both = blended([square(GREY, 0, 3.0), square(GREY, 20, 3.0)])
+    for x, colour in zip((5, 25), VARIATION_COLOURS, strict=False):
+        wanted = np.array(ImageColor.getrgb(colour))
+        shown = np.array(at(both, x)[:3])
+        assert np.argmax(shown) == np.argmax(wanted)
+        assert np.ptp(shown) > 60
+
+
+def test_what_variations_share_keeps_its_colours() -> None:
+    shared = blended([square(RED, 10, 3.0), square(RED, 10, 3.0)])
+    assert np.abs(np.array(at(shared, 15)[:3]) - RED[:3]).max() <= 2
+
+
+def test_no_variation_is_drawn_before_another() -> None:
+    one = blended([square(RED, 5, 3.0), square(RED, 10, 3.0)]).picture
+    other = blended([square(RED, 10, 3.0), square(RED, 5, 3.0)]).picture
+    alphas = [np.asarray(picture.getchannel("A")) for picture in (one, other)]
+    np.testing.assert_array_equal(*alphas)
+
+
+def test_more_variations_than_colours_are_refused() -> None:
+    with pytest.raises(InputError, match="at most 7"):
+        blended([square(RED, 5, 3.0)] * 8)
+
+
+def test_the_page_says_what_each_colour_is_and_which_moments_are_seen() -> None:
+    page = draw_overlay(Image.new("RGBA", (300, 200)), ["ours", "theirs"], "1.2 s", clear=True)
+    assert [text.get_text() for text in page.figure.texts] == ["ours", "theirs", "1.2 s"]
+    swatches = [patch.get_facecolor() for axes in page.figure.axes for patch in axes.patches]
+    assert len(set(swatches)) == 2
+    assert page.width == 300
+
+
+def test_text_that_is_wider_than_the_page_is_cut() -> None:
+    picture = Image.new("RGBA", (300, 200))
+    page = draw_overlay(picture, ["ours " * 20, "theirs"], "1.2 s → " * 16, clear=True)
+    for text in page.figure.texts:
+        assert text.get_window_extent().x1 <= page.width

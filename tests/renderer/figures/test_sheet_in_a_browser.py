@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from motion.segment import Segment
+from renderer.figures.sheet import Sheet, SheetCell, sheet_page
+
+CHROMIUM = Path("/usr/bin/chromium")
+CONDITIONS = tuple(f"condition_{k}" for k in range(6))
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Return the sheet of two segments in Debian's Chromium, or skip the tests."""
+    if not CHROMIUM.exists():
+        pytest.skip("Chromium is not installed: apt-get install chromium")
+    sync_api = pytest.importorskip("playwright.sync_api")
+    segments = tuple(
+        Segment(
+            name=name,
+            wav="a.wav",
+            start=0,
+            end=2,
+            speaker="robin",
+            emotion=emotion,
+            transcript=text,
+        )
+        for name, emotion, text in (("one", "anger", "Die Straße"), ("two", "fear", "a house"))
+    )
+    cells = {
+        (segment.name, condition): SheetCell(
+            cell=None, remark="jumps at 1.0 s" * (segment.name == "two"), video=""
+        )
+        for segment in segments
+        for condition in CONDITIONS
+    }
+    sheet = Sheet(
+        title="Who & why", facts="12 clips", conditions=CONDITIONS, roles={}, segments=segments,
+        cells=cells,
+    )  # fmt: skip
+    file = tmp_path_factory.mktemp("sheet") / "index.html"
+    file.write_text(sheet_page(sheet), encoding="utf-8")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(
+            executable_path=str(CHROMIUM), args=["--no-sandbox", "--disable-gpu"]
+        )
+        page = chromium.new_page(viewport={"width": 900, "height": 700})
+        page.goto(file.as_uri())
+        yield page
+        chromium.close()
+
+
+def rows(page: Any) -> list[str]:
+    """Return the segments of the rows that are seen."""
+    return [name.inner_text() for name in page.locator("tbody b").all() if name.is_visible()]
+
+
+def test_rows_are_found_by_what_is_said_and_felt(page: Any) -> None:
+    assert rows(page) == ["one", "two"]
+    for words, found in (("straße", ["one"]), ("FEAR", ["two"]), ("robin", ["one", "two"])):
+        page.fill("#words", words)
+        assert rows(page) == found
+    page.fill("#words", "")
+
+
+def test_rows_without_a_remark_can_be_hidden(page: Any) -> None:
+    page.check("#remarked")
+    assert rows(page) == ["two"]
+    page.uncheck("#remarked")
+    assert rows(page) == ["one", "two"]
+
+
+def test_search_and_segments_stay_in_view_beside_far_conditions(page: Any) -> None:
+    page.locator("thead th").last.scroll_into_view_if_needed()
+    assert page.evaluate("scrollX") > 500
+    for place in ("#words", "tbody th >> nth=0"):
+        assert page.locator(place).bounding_box()["x"] >= 0

@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from motion.body import BodyModel
+from motion.clip import MotionClip
+from motion.skeleton import joint_index
+from renderer.figures.projection import project
+from renderer.figures.skeleton_lines import SIDE_COLOURS, joints_of, with_skeleton
+from renderer.framing import Camera
+from renderer.stills import frame_at
+
+SIZE = 240
+
+
+@pytest.fixture
+def joints(clip: MotionClip, body: BodyModel) -> np.ndarray:
+    return joints_of(frame_at(clip, 0.4), body)[0]
+
+
+def drawn(joints: np.ndarray, camera: Camera, place: str) -> np.ndarray:
+    plain = Image.new("RGB", (SIZE, SIZE), "white")
+    return np.asarray(with_skeleton(plain, joints, camera, place)).astype(int)
+
+
+def test_each_elbow_has_the_colour_of_its_side(joints: np.ndarray, camera: Camera) -> None:
+    picture = drawn(joints, camera, "over")
+    for side, colour in SIDE_COLOURS.items():
+        x, y, _ = project(joints[joint_index(f"{side}_elbow")], camera, SIZE)
+        assert np.abs(picture[int(y), int(x)] - colour).max() <= 3
+
+
+def test_beside_the_body_leaves_the_body_as_it_is(joints: np.ndarray, camera: Camera) -> None:
+    picture = drawn(joints, camera, "beside")
+    assert picture.shape == (SIZE, 2 * SIZE, 3)
+    assert (picture[:, :SIZE] == 255).all()
+    np.testing.assert_array_equal(picture[:, SIZE:], drawn(joints, camera, "over"))
+
+
+def test_the_sides_differ_in_shape_too(joints: np.ndarray, camera: Camera) -> None:
+    # Shifted to one place and repainted, a round joint and a square one are not the same.
+    apart = np.full_like(joints, 1e6)
+    apart[:] = np.nan
+    shapes = []
+    for side in SIDE_COLOURS:
+        alone = apart.copy()
+        alone[joint_index(f"{side}_elbow")] = alone[joint_index(f"{side}_shoulder")] = (
+            *camera.target[:2],
+            0,
+        )
+        part = drawn(alone, camera, "over")[: SIZE * 3 // 4]
+        shapes.append((np.abs(part - SIDE_COLOURS[side]).max(axis=-1) < 40).sum())
+    assert 0 < shapes[0] < shapes[1]
+
+
+def test_joints_behind_the_camera_are_left_out(joints: np.ndarray, camera: Camera) -> None:
+    joints = joints.copy()
+    joints[joint_index("left_wrist")] = (0, 0, camera.eye[2] + 1)
+    assert drawn(joints, camera, "over").min() < 255

@@ -1,0 +1,127 @@
+from __future__ import annotations
+
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from motion.audio import Audio
+from motion.errors import InputError
+from renderer.figures.moments import Moment, even_moments
+from renderer.figures.plate import LETTERS, Plate
+from renderer.figures.strip import StripLayout, draw_strip
+
+MOMENTS = (Moment(seconds=0.4, word="no"), Moment(seconds=1.1), Moment(seconds=1.9, word="never"))
+SPEECH = Audio(np.sin(np.arange(16000 * 2) / 20).astype(np.float32), 16000)
+COLOURS = {"ours": (0, 90, 160), "theirs": (230, 150, 0)}
+
+
+def layout(**changes: object) -> StripLayout:
+    given = {"inches": 2.0, "rows": ("ours", "theirs"), "moments": MOMENTS, "aspect": 1.25}
+    return StripLayout(**(given | changes))  # type: ignore[arg-type]
+
+
+def strip(*, clear: bool = False, **changes: object) -> Plate:
+    shape = layout(**changes)
+    panels = {
+        (row, moment): Image.new("RGBA", shape.panel, COLOURS.get(row))
+        for row in shape.rows
+        for moment in shape.moments
+    }
+    return draw_strip(shape, panels, SPEECH, clear=clear)
+
+
+def test_there_is_a_panel_for_each_condition_and_key_word() -> None:
+    page = strip()
+    pictures = [axes.images[0] for axes in page.figure.axes if axes.images]
+    assert len(pictures) == 6
+    texts = [text.get_text() for text in page.figure.texts]
+    for wanted in ("ours", "theirs", "“no”", "1.1 s", "“never”"):
+        assert wanted in texts
+
+
+def test_it_is_as_wide_in_print_as_asked_for_and_panels_are_not_resampled(tmp_path: Path) -> None:
+    page = strip()
+    page.save([tmp_path / "strip.png"])
+    with Image.open(tmp_path / "strip.png") as image:
+        assert image.size == (page.width, page.height)
+        assert page.width == pytest.approx(600, abs=3)
+        assert image.info["dpi"] == pytest.approx((300, 300), abs=0.1)
+        pixels = np.asarray(image.convert("RGB"))
+    width, height = layout().panel
+    for colour in COLOURS.values():
+        assert (pixels == colour).all(axis=-1).sum() == 3 * width * height
+
+
+@pytest.mark.parametrize("count", [1, 5, 16])
+def test_any_number_of_moments_fits_the_width(count: int) -> None:
+    shape = layout(moments=even_moments(10, count), inches=6.9)
+    assert shape.margin + count * shape.panel[0] <= 6.9 * 300
+
+
+@pytest.mark.parametrize("inches", [1.9, 2.0, 2.05, 2.1, 2.15])
+def test_long_names_and_words_are_written_smaller(inches: float) -> None:
+    # At any width: letters of another size are not exactly in proportion.
+    page = strip(rows=("a_long_condition",), inches=inches)
+    sizes = {text.get_text(): text.get_fontsize() for text in page.figure.texts}
+    assert sizes["a_long_condition"] < sizes["“no”"] == LETTERS
+
+
+@pytest.mark.parametrize("inches", [1.0, 2.0, 6.9])
+def test_no_text_covers_another_or_leaves_the_page(inches: float) -> None:
+    moments = tuple(Moment(seconds=k / 10, word="an enormous breakfast") for k in range(4))
+    page = strip(inches=inches, rows=("x" * 40, "y" * 40), moments=moments)
+    extents = [text.get_window_extent() for text in page.figure.texts]
+    for extent in extents:
+        assert extent.x0 >= -1 and extent.x1 <= page.width + 1
+        assert extent.y0 >= -1 and extent.y1 <= page.height + 1
+    for one, other in combinations(extents, 2):
+        assert not one.overlaps(other)
+
+
+def test_a_clear_strip_has_nothing_behind_it(tmp_path: Path) -> None:
+    strip(clear=True).save([tmp_path / "clear.png"])
+    strip().save([tmp_path / "plain.png"])
+    corners = []
+    for name in ("clear", "plain"):
+        with Image.open(tmp_path / f"{name}.png") as image:
+            corners.append(image.convert("RGBA").getpixel((0, image.height - 1)))
+    assert corners[0][3] == 0
+    assert corners[1] == (255, 255, 255, 255)
+
+
+def test_the_wave_may_be_left_out() -> None:
+    assert strip(wave=False).height < strip().height
+    assert not [a for a in strip(wave=False).figure.axes if a.collections]
+
+
+def test_with_skeletons_the_page_says_which_side_is_which() -> None:
+    page = strip(skeleton=True)
+    told = {text.get_text() for text in page.figure.texts}
+    assert {"● left", "■ right"} <= told
+    assert page.height > strip().height
+
+
+def test_a_pdf_has_letters_and_pictures_and_names_no_program(tmp_path: Path) -> None:
+    strip().save([tmp_path / "strip.pdf"])
+    data = (tmp_path / "strip.pdf").read_bytes()
+    assert data.count(b"/Subtype /Image") >= 6
+    assert b"DejaVuSans" in data
+    assert b"/CreationDate" not in data
+    assert b"/Creator" not in data
+
+
+@pytest.mark.parametrize("ending", [".png", ".pdf"])
+def test_the_same_strip_has_the_same_bytes(ending: str, tmp_path: Path) -> None:
+    paths = [tmp_path / f"{name}{ending}" for name in ("one", "two")]
+    for path in paths:
+        strip().save([path])
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_an_ending_that_cannot_be_written_is_refused_before_anything_is(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"\.pdf or \.png"):
+        strip().save([tmp_path / "strip.png", tmp_path / "strip.docx"])
+    assert list(tmp_path.iterdir()) == []
