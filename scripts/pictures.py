@@ -1,7 +1,7 @@
 """Take the pictures in docs/ from a study: ``python scripts/pictures.py demo-study``.
 
 A participant's page with its video playing, the first screen of the report, one rendered frame
-of every condition, and a figure as a paper shows it.
+of every condition, everyone whom a study can show, and a figure as a paper shows it.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import httpx
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
+from renderer.avatar_sheet import everyone
 from studyapp.definition.folder import StudyFolder
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -107,6 +108,7 @@ def main() -> None:
         page.screenshot(path=DOCS / "report.png")
         browser.close()
     picture_frames(folder)
+    everyone(size=320).save(DOCS / "avatars.png", optimize=True)
     picture_figure(folder)
 
 
