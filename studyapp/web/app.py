@@ -10,7 +10,6 @@ from jinja2 import StrictUndefined
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.definition.protocols.ranking import RankingStudy
 from studyapp.definition.scales import RatingQuestion
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
@@ -78,15 +77,10 @@ def create_app(
 
 def _require_pages(served: ServedStudy, folder: Path) -> None:
     """Raise `InputError` unless there are pages for trials such as those of `served`."""
-    study = served.study
-    if isinstance(study, RankingStudy):
-        what = "a ranking"
-    elif any(isinstance(q, RatingQuestion) and q.scale == "slider" for q in study.questions):
-        what = "a slider"
-    else:
-        return
-    raise InputError(
-        f"participants' pages cannot show {what} yet",
-        where=folder,
-        remedy="Serve a study of another protocol or with other scales",
-    )
+    for question in served.study.questions:
+        if isinstance(question, RatingQuestion) and question.scale == "slider":
+            raise InputError(
+                f"participants' pages cannot show a slider, as question {question.name!r} wants",
+                where=folder,
+                remedy='Give it scale = "labels" or "mean_opinion"',
+            )

@@ -44,8 +44,10 @@ def study(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
     folder.mkdir()
     write_finished_study(folder, request.param, video)
     definition = folder / "study.toml"
-    text = definition.read_text("utf-8")
-    definition.write_text(text.replace('scale = "slider"', 'scale = "mean_opinion"'), "utf-8")
+    text = definition.read_text("utf-8").replace('scale = "slider"', 'scale = "mean_opinion"')
+    definition.write_text(
+        text.replace("trials = 3\npractice = 1", "trials = 1\npractice = 0"), "utf-8"
+    )
     return folder
 
 
@@ -75,7 +77,11 @@ def watch_all(page: Page, button: str = ".play") -> None:
 
 def answer_all(page: Page) -> None:
     for question in page.locator(".question").all():
-        question.locator(".scale label").first.click()
+        ranks = question.locator("select").all()
+        for place, rank in enumerate(ranks, start=1):
+            rank.select_option(str(place))
+        if not ranks:
+            question.locator(".scale label").first.click()
 
 
 def take_trial(page: Page) -> None:
@@ -87,7 +93,7 @@ def take_trial(page: Page) -> None:
 
 @pytest.mark.parametrize(
     ("study", "trials", "answers"),
-    [("pairwise", 6, 6), ("rating", 3, 18), ("mismatch", 4, 4)],
+    [("pairwise", 3, 3), ("rating", 3, 18), ("ranking", 2, 4), ("mismatch", 4, 4)],
     indirect=["study"],
 )
 def test_a_study_session_from_consent_to_code(

@@ -2,6 +2,12 @@
 
 import { forget, recall, remember } from "./storage.js";
 
+function answered(question) {
+  const ranks = [...question.querySelectorAll("select")];
+  if (ranks.length) return ranks.every((rank) => rank.value);
+  return question.querySelector("[type=radio]:checked") !== null;
+}
+
 export class Answers extends EventTarget {
   constructor(form) {
     super();
@@ -10,16 +16,15 @@ export class Answers extends EventTarget {
     this.draftKey = `draft ${form.elements.trial.value}`;
     this.restore();
     form.addEventListener("change", () => {
-      remember(this.draftKey, JSON.stringify(this.values()));
+      remember(this.draftKey, JSON.stringify(this.given()));
       this.dispatchEvent(new Event("change"));
     });
     document.addEventListener("keydown", (event) => this.key(event));
   }
 
-  values() {
-    return Object.fromEntries(
-      [...new FormData(this.form)].filter(([name]) => name !== "trial"),
-    );
+  // Every answer as its name and value; a name may come several times.
+  given() {
+    return [...new FormData(this.form)].filter(([name]) => name !== "trial");
   }
 
   unanswered() {
@@ -27,13 +32,16 @@ export class Answers extends EventTarget {
   }
 
   open() {
-    return this.questions.filter((question) => !question.querySelector(":checked"));
+    return this.questions.filter((question) => !answered(question));
   }
 
   restore() {
-    const draft = JSON.parse(recall(this.draftKey) ?? "{}");
-    for (const radio of this.form.querySelectorAll("[type=radio]")) {
-      if (draft[radio.name] === radio.value) radio.checked = true;
+    for (const [name, value] of JSON.parse(recall(this.draftKey) ?? "[]")) {
+      for (const control of this.form.querySelectorAll(".question :is(input, select)")) {
+        if (control.name !== name) continue;
+        if (control.matches("select")) control.value = value;
+        else if (control.value === value) control.checked = true;
+      }
     }
   }
 
@@ -46,12 +54,14 @@ export class Answers extends EventTarget {
     if (event.ctrlKey || event.metaKey || event.altKey || !/^[1-5]$/.test(event.key)) return;
     const focused = document.activeElement?.closest(".question");
     const question = focused ?? this.open()[0];
-    if (!question) return;
-    question.querySelectorAll("[type=radio]")[Number(event.key) - 1]?.click();
+    const choice = question?.querySelectorAll("[type=radio]")[Number(event.key) - 1];
+    if (!choice) return;
+    choice.click();
     event.preventDefault();
   }
 
   focusFirstUnanswered() {
-    this.open()[0]?.querySelector("[type=radio]").focus();
+    const controls = [...(this.open()[0]?.querySelectorAll("[type=radio], select") ?? [])];
+    controls.find((control) => control.type === "radio" || !control.value)?.focus();
   }
 }

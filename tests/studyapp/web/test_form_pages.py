@@ -135,8 +135,8 @@ def test_an_attention_check_looks_like_every_page_and_says_what_to_answer(
 
 def test_a_study_without_pages_is_not_served(tmp_path: Path) -> None:
     write_short_video(tmp_path / "short.mp4")
-    write_finished_study(tmp_path, "ranking", tmp_path / "short.mp4")
+    write_finished_study(tmp_path, "rating", tmp_path / "short.mp4")
 
-    with pytest.raises(InputError, match="cannot show a ranking"):
+    with pytest.raises(InputError, match="cannot show a slider"):
         create_app(tmp_path)
     assert not (tmp_path / "responses.db").exists()

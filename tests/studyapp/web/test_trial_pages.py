@@ -67,8 +67,9 @@ def trial_at(visitor: Visitor, position: int) -> Trial:
 
 
 def first_answers(page: PageReader) -> dict[str, str]:
-    """Return the first choice of every question on `page`."""
-    chosen: dict[str, str] = {}
+    """Return the first choice of every question on `page`; ranks in the videos' order."""
+    ranks = [str(rank["name"]) for rank in page.soup.select("#answers select")]
+    chosen = {name: name.partition(":")[2] for name in ranks}
     for radio in page.soup.select("#answers [type=radio]"):
         chosen.setdefault(str(radio["name"]), str(radio["value"]))
     return chosen
@@ -95,7 +96,8 @@ def words(tag: Tag | PageReader) -> str:
 
 
 @pytest.mark.parametrize(
-    ("protocol", "trials", "answers"), [("pairwise", 6, 6), ("rating", 3, 18), ("mismatch", 4, 4)]
+    ("protocol", "trials", "answers"),
+    [("pairwise", 6, 6), ("rating", 3, 18), ("ranking", 2, 4), ("mismatch", 4, 4)],
 )
 def test_from_first_trial_to_code_without_scripts(
     arrive: Arrive, protocol: str, trials: int, answers: int
@@ -206,12 +208,17 @@ def test_the_next_trials_videos_are_named_in_order(arrive: Arrive) -> None:
     assert [video["src"] for video in visitor.page().soup.select("video")] == following
 
 
-@pytest.mark.parametrize("protocol", ["pairwise", "rating", "mismatch"])
+@pytest.mark.parametrize("protocol", ["pairwise", "rating", "ranking", "mismatch"])
 def test_instructions_fit_the_protocol(arrive: Arrive, protocol: str) -> None:
     visitor = arrive(protocol)
     page = Visitor(application(visitor), visitor.clock).enrol().page()
 
-    expected = {"pairwise": "6 pairs", "rating": "3 pages", "mismatch": "4 pairs"}
+    expected = {
+        "pairwise": "6 pairs",
+        "rating": "3 pages",
+        "ranking": "2 pages",
+        "mismatch": "4 pairs",
+    }
     assert expected[protocol] in words(page)
     assert "one after the other" in words(page)
 
@@ -220,3 +227,54 @@ def test_a_page_of_several_players_stays_small(arrive: Arrive) -> None:
     visitor = arrive("rating")
 
     assert len(visitor.client.get(visitor.address).data) < 20_000
+
+
+def test_a_ranking_shows_its_reference_apart_and_asks_for_a_rank_of_each(arrive: Arrive) -> None:
+    page = arrive("ranking").page()
+
+    assert [video["data-label"] for video in page.soup.select("video")] == ["Reference", "A", "B"]
+    assert words(page.one(".apart > p")) == (
+        "The reference is there to compare with. It is not ranked."
+    )
+    ranks = page.soup.select("#answers select")
+    assert [rank["name"] for rank in ranks] == ["realism:1", "realism:2"]
+    assert [rank["aria-label"] for rank in ranks] == ["Rank of video A", "Rank of video B"]
+    assert [[option["value"] for option in rank.select("option")] for rank in ranks] == [
+        ["", "1", "2"]
+    ] * 2
+    assert page.soup.select("[selected]") == []
+
+
+@pytest.mark.parametrize(
+    ("ranks", "problem"), [(("1", "1"), "two videos have the same rank"), (("1", ""), "about B")]
+)
+def test_a_ranking_that_is_no_order_is_refused_and_kept(
+    arrive: Arrive, ranks: tuple[str, str], problem: str
+) -> None:
+    visitor = arrive("ranking")
+    visitor.watch()
+    given = dict(zip(("realism:1", "realism:2"), ranks, strict=True))
+
+    status, refused = send(visitor, visitor.page(), {k: v for k, v in given.items() if v})
+
+    assert status == 422
+    assert problem in words(refused.one("#problem"))
+    assert [option["value"] for option in refused.soup.select("[selected]")] == [
+        rank for rank in ranks if rank
+    ]
+    assert stored(visitor) == 0
+
+
+def test_reasons_may_be_ticked_beside_an_answer(arrive: Arrive) -> None:
+    visitor = arrive("rating")
+    visitor.watch()
+    page = visitor.page()
+    boxes = page.soup.select('[name="synchrony:2:reasons"]')
+    assert [box["value"] for box in boxes] == ["hands", "face"]
+
+    data = {"trial": page.trial, **first_answers(page), "synchrony:2:reasons": ["face"]}
+
+    assert visitor.client.post(page.action, data=data).status_code == 303
+    with application(visitor).app_context(), running().database.reading() as session:
+        told = session.scalars(select(Response).where(Response.question == "synchrony"))
+        assert [response.reasons for response in told] == [[], ["face"], []]
