@@ -10,7 +10,6 @@ from jinja2 import StrictUndefined
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.definition.scales import RatingQuestion
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
@@ -55,7 +54,6 @@ def create_app(
     if rehearsal_speed is not None and not rehearsal_speed > 0:
         raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
     served = ServedStudy.read(folder)
-    _require_pages(served, folder)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal_speed is not None)
     app = StudyWeb("studyapp.web")
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
@@ -73,14 +71,3 @@ def create_app(
     register_error_pages(app)
     protect(app)
     return app
-
-
-def _require_pages(served: ServedStudy, folder: Path) -> None:
-    """Raise `InputError` unless there are pages for trials such as those of `served`."""
-    for question in served.study.questions:
-        if isinstance(question, RatingQuestion) and question.scale == "slider":
-            raise InputError(
-                f"participants' pages cannot show a slider, as question {question.name!r} wants",
-                where=folder,
-                remedy='Give it scale = "labels" or "mean_opinion"',
-            )

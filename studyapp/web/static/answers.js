@@ -1,10 +1,13 @@
 // The questions: keys 1-5, and a draft that outlives a reload.
 
+import { addSlider } from "./slider.js";
 import { forget, recall, remember } from "./storage.js";
 
 function answered(question) {
   const ranks = [...question.querySelectorAll("select")];
   if (ranks.length) return ranks.every((rank) => rank.value);
+  const number = question.querySelector("[type=number]");
+  if (number) return number.value !== "" && number.validity.valid;
   return question.querySelector("[type=radio]:checked") !== null;
 }
 
@@ -15,6 +18,7 @@ export class Answers extends EventTarget {
     this.questions = [...form.querySelectorAll(".question")];
     this.draftKey = `draft ${form.elements.trial.value}`;
     this.restore();
+    for (const slider of form.querySelectorAll(".slider")) addSlider(slider);
     form.addEventListener("change", () => {
       remember(this.draftKey, JSON.stringify(this.given()));
       this.dispatchEvent(new Event("change"));
@@ -39,7 +43,7 @@ export class Answers extends EventTarget {
     for (const [name, value] of JSON.parse(recall(this.draftKey) ?? "[]")) {
       for (const control of this.form.querySelectorAll(".question :is(input, select)")) {
         if (control.name !== name) continue;
-        if (control.matches("select")) control.value = value;
+        if (control.matches("select, [type=number]")) control.value = value;
         else if (control.value === value) control.checked = true;
       }
     }
@@ -51,7 +55,7 @@ export class Answers extends EventTarget {
 
   // 1-5 answer the question that has the focus, else the first unanswered one.
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || !/^[1-5]$/.test(event.key)) return;
+    if (event.target.matches("[type=number], select") || event.ctrlKey || event.metaKey || event.altKey || !/^[1-5]$/.test(event.key)) return;
     const focused = document.activeElement?.closest(".question");
     const question = focused ?? this.open()[0];
     const choice = question?.querySelectorAll("[type=radio]")[Number(event.key) - 1];
@@ -61,7 +65,7 @@ export class Answers extends EventTarget {
   }
 
   focusFirstUnanswered() {
-    const controls = [...(this.open()[0]?.querySelectorAll("[type=radio], select") ?? [])];
-    controls.find((control) => control.type === "radio" || !control.value)?.focus();
+    const controls = [...(this.open()[0]?.querySelectorAll("[type=radio], [type=range], select") ?? [])];
+    controls.find((control) => /^(radio|range)$/.test(control.type) || !control.value)?.focus();
   }
 }

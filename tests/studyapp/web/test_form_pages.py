@@ -10,12 +10,10 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from motion.errors import InputError
 from studyapp.models import FormAnswer, Trial
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from studyapp.web.wording import SCALE as SCALE_WORDS
-from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.services.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
@@ -131,12 +129,3 @@ def test_an_attention_check_looks_like_every_page_and_says_what_to_answer(
     assert all(f"please answer this one with {words}." in text for text in asked)
     assert {len(shape) for shape in shapes} <= {len(shapes[0]), len(shapes[0]) + 1}
     assert len(shapes) == 7
-
-
-def test_a_study_without_pages_is_not_served(tmp_path: Path) -> None:
-    write_short_video(tmp_path / "short.mp4")
-    write_finished_study(tmp_path, "rating", tmp_path / "short.mp4")
-
-    with pytest.raises(InputError, match="cannot show a slider"):
-        create_app(tmp_path)
-    assert not (tmp_path / "responses.db").exists()

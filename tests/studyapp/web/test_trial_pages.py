@@ -20,7 +20,7 @@ from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
 
-Arrive = Callable[[str], Visitor]
+Arrive = Callable[..., Visitor]
 
 
 @pytest.fixture(scope="module")
@@ -35,13 +35,14 @@ def arrive(tmp_path: Path, video: Path, clock: SetClock) -> Iterator[Arrive]:
     """Return a function that brings a participant to the first trial of a protocol's study."""
     with ExitStack() as closing:
 
-        def make(protocol: str) -> Visitor:
+        def make(protocol: str, scale: str = "mean_opinion") -> Visitor:
             folder = tmp_path / protocol
             folder.mkdir()
             write_finished_study(folder, protocol, video)
-            path = folder / "study.toml"
-            text = path.read_text("utf-8")
-            path.write_text(text.replace('scale = "slider"', 'scale = "mean_opinion"'), "utf-8")
+            if scale != "slider":
+                path = folder / "study.toml"
+                text = path.read_text("utf-8")
+                path.write_text(text.replace('scale = "slider"', f'scale = "{scale}"'), "utf-8")
             app = create_app(folder)
             with app.app_context():
                 here = running()
@@ -278,3 +279,25 @@ def test_reasons_may_be_ticked_beside_an_answer(arrive: Arrive) -> None:
     with application(visitor).app_context(), running().database.reading() as session:
         told = session.scalars(select(Response).where(Response.question == "synchrony"))
         assert [response.reasons for response in told] == [[], ["face"], []]
+
+
+def test_a_slider_is_a_number_field_with_bands_and_no_preset(arrive: Arrive) -> None:
+    visitor = arrive("rating", scale="slider")
+    visitor.watch()
+    page = visitor.page()
+    fields = page.soup.select("#answers [type=number]")
+    assert fields
+    for field in fields:
+        assert (field["min"], field["max"], field["value"]) == ("0", "100", "")
+        assert "a number from 0 to 100" in field["aria-label"]
+    assert {len(bands.select("li")) for bands in page.soup.select(".bands")} == {5}
+    numbers = {str(field["name"]): "37" for field in fields}
+    first = next(iter(numbers))
+
+    for wrong in ("", "101", "37.5"):
+        status, refused = send(visitor, page, {**first_answers(page), **numbers, first: wrong})
+        assert status == 422
+        assert stored(visitor) == 0
+        assert str(refused.one(f'[name="{first}"]')["value"]) == wrong
+
+    assert send(visitor, page, {**first_answers(page), **numbers})[0] == 303
