@@ -118,7 +118,7 @@ def _entry(place: Path, clip: _ShownVideo | None) -> SheetCell:
     if clip is None:
         return SheetCell(cell=None, remark="there is no video: run 'motionjury render'", video="")
     kept = _kept(place, clip)
-    video = f"../{clip.file.relative_to(place.parent).as_posix()}"
+    video = f"../../{clip.file.relative_to(place.parent.parent).as_posix()}"
     if not kept.exists():
         try:
             cell = draw_cell(glance_at(clip.file))
