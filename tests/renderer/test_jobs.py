@@ -257,9 +257,11 @@ def _running_in_group(group: int) -> list[str]:
 
 
 _ENDLESS = """
-import pickle, sys
+import pickle, signal, sys
 from renderer.jobs import run_jobs
 if __name__ == "__main__":
+    # Where tests run in the background, Ctrl-C is ignored until somebody asks for it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     jobs = pickle.loads(open(sys.argv[1], "rb").read())
     run_jobs(jobs, processes=1, on_done=lambda outcome: print(outcome.name, flush=True))
 """
