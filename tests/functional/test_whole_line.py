@@ -76,6 +76,14 @@ def study(home: Path, motionjury: Callable[..., str]) -> Path:
     return home / "lab"
 
 
+@pytest.fixture(scope="module")
+def rehearsal_rows(study: Path, motionjury: Callable[..., str]) -> list[dict[str, str]]:
+    """Return what `export` writes of the rehearsal."""
+    motionjury("export", "lab", "--rehearsal")
+    with (study / "rehearsal_responses.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
 def test_check_finds_nothing_that_must_be_mended(
     study: Path, motionjury: Callable[..., str]
 ) -> None:
@@ -94,11 +102,9 @@ def test_the_report_is_one_file_that_says_rehearsal_and_answers(study: Path) -> 
 
 
 def test_rehearsal_answers_are_exported_apart_from_real_ones(
-    study: Path, motionjury: Callable[..., str]
+    study: Path, rehearsal_rows: list[dict[str, str]], motionjury: Callable[..., str]
 ) -> None:
-    motionjury("export", "lab", "--rehearsal")
-    with (study / "rehearsal_responses.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = rehearsal_rows
     sessions = {row["study_session"] for row in rows}
     assert len(sessions) == 2 * PARTICIPANTS
     assert {row["comparison"] for row in rows} == {
@@ -111,9 +117,10 @@ def test_rehearsal_answers_are_exported_apart_from_real_ones(
     assert not (study / "responses.db").exists()
 
 
-def test_catch_trials_show_the_ground_truth_beside_the_broken_motion(study: Path) -> None:
-    with (study / "rehearsal_responses.csv").open() as file:
-        catches = [row for row in csv.DictReader(file) if row["kind"] == "catch"]
+def test_catch_trials_show_the_ground_truth_beside_the_broken_motion(
+    rehearsal_rows: list[dict[str, str]],
+) -> None:
+    catches = [row for row in rehearsal_rows if row["kind"] == "catch"]
     assert catches
     for row in catches:
         shown = {row["left_condition"], row["right_condition"]}
