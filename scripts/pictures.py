@@ -24,6 +24,7 @@ from playwright.sync_api import Page, sync_playwright
 
 from renderer.avatar_sheet import everyone
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import read_stimuli
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 CHROMIUM_FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
@@ -72,7 +73,8 @@ def picture_participant(page: Page, address: str) -> None:
 def picture_frames(folder: StudyFolder) -> None:
     """Set one frame of every condition side by side."""
     frames = []
-    for condition in folder.study().shown_conditions:
+    clips = read_stimuli(folder.stimuli).clips
+    for condition in dict.fromkeys(clip.condition for clip in clips):
         with av.open(str(folder.videos / "clips" / condition / f"{SEGMENT}.mp4")) as video:
             frames.append(
                 next(f.to_image() for f in video.decode(video=0) if (f.time or 0) >= MOMENT)
