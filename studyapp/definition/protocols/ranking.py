@@ -30,8 +30,9 @@ from studyapp.definition.study import Study
 from studyapp.design.allocation import allocate_segments, shuffled
 from studyapp.design.arm import Arm
 from studyapp.design.asking import Answers, Trial
+from studyapp.design.grouped_trial import grouped_catch_trial, grouped_trial
 from studyapp.design.order import drawn_segments, numbered, scattered_by_part
-from studyapp.design.planned_trial import Kind, PlannedTrial
+from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content, Stimulus
 from studyapp.design.tally import NO_VOTES, Tally
 
@@ -132,7 +133,9 @@ class RankingStudy(Study):
                 seed=(self.seed, *block.name.encode()),
             )
             main += [
-                self._trial("main", block, segment, block.conditions, chance)
+                grouped_trial(
+                    "main", block.name, segment, block.conditions, chance, reference=self.reference
+                )
                 for segment in shuffled(heard, chance)
             ]
         extra = [*self._catch(segments, chance), *self._attention(segments, chance)]
@@ -189,45 +192,25 @@ class RankingStudy(Study):
     def _caught(self) -> tuple[str, ...]:
         return (self.catch_against, self.catch.condition) if self.catch.trials else ()
 
-    def _trial(
-        self,
-        kind: Kind,
-        block: RankingBlock,
-        segment: Segment,
-        conditions: Sequence[str],
-        chance: np.random.Generator,
-    ) -> PlannedTrial:
-        apart = None if self.reference is None else Stimulus.own(self.reference, segment.name)
-        return PlannedTrial(
-            position=0,
-            kind=kind,
-            part=block.name,
-            segment=segment,
-            reference=apart,
-            videos=tuple(
-                (Stimulus.own(condition, segment.name),)
-                for condition in shuffled(conditions, chance)
-            ),
-        )
-
     def _catch(
         self, segments: Sequence[Segment], chance: np.random.Generator
     ) -> list[PlannedTrial]:
-        right, flawed = self.catch_against, self.catch.condition
-        trials = []
-        for block, segment in self._extra(segments, self.catch.trials, chance):
-            others = shuffled([name for name in block.conditions if name != right], chance)
-            shown = (right, flawed, *others[: len(block.conditions) - 2])
-            trial = self._trial("catch", block, segment, shown, chance)
-            trials.append(replace(trial, expected=1 + trial.conditions.index(right)))
-        return trials
+        return [
+            grouped_catch_trial(
+                block.name, segment, block.conditions, chance,
+                right=self.catch_against, flawed=self.catch.condition, reference=self.reference,
+            )
+            for block, segment in self._extra(segments, self.catch.trials, chance)
+        ]  # fmt: skip
 
     def _attention(
         self, segments: Sequence[Segment], chance: np.random.Generator
     ) -> list[PlannedTrial]:
         trials = []
         for block, segment in self._extra(segments, self.attention.trials, chance):
-            trial = self._trial("attention", block, segment, block.conditions, chance)
+            trial = grouped_trial(
+                "attention", block.name, segment, block.conditions, chance, reference=self.reference
+            )
             first = int(chance.integers(1, len(block.conditions) + 1))
             trials.append(replace(trial, instructed=first))
         return trials

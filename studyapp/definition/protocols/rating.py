@@ -28,8 +28,9 @@ from studyapp.definition.study import Study
 from studyapp.design.allocation import allocate_segments, shuffled
 from studyapp.design.arm import Arm
 from studyapp.design.asking import Answers, Trial
+from studyapp.design.grouped_trial import grouped_catch_trial, grouped_trial
 from studyapp.design.order import drawn_segments, numbered, scattered_by_part
-from studyapp.design.planned_trial import Kind, PlannedTrial
+from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content, Stimulus
 from studyapp.design.tally import NO_VOTES, Tally
 
@@ -102,7 +103,8 @@ class RatingStudy(Study):
             ring = [*ring[groups:], *ring[:groups]] if groups else ring
             heard = ring[-groups:] if groups else []
             main += [
-                self._trial("main", part, segment, part.conditions, chance) for segment in heard
+                grouped_trial("main", part.name, segment, part.conditions, chance)
+                for segment in heard
             ]
         extra = [*self._catch(segments, chance), *self._attention(segments, chance)]
         return numbered(scattered_by_part(extra, main, chance))
@@ -145,37 +147,18 @@ class RatingStudy(Study):
     def _scale(self, name: str) -> RatingQuestion:
         return next(question for question in self.questions if question.name == name)
 
-    def _trial(
-        self,
-        kind: Kind,
-        part: RatingSet,
-        segment: Segment,
-        conditions: Sequence[str],
-        chance: np.random.Generator,
-    ) -> PlannedTrial:
-        return PlannedTrial(
-            position=0,
-            kind=kind,
-            part=part.name,
-            segment=segment,
-            videos=tuple(
-                (Stimulus.own(condition, segment.name),)
-                for condition in shuffled(conditions, chance)
-            ),
-        )
-
     def _catch(
         self, segments: Sequence[Segment], chance: np.random.Generator
     ) -> list[PlannedTrial]:
-        right, flawed = self.catch_against, self.catch.condition
-        trials = []
-        for index, segment in enumerate(drawn_segments(segments, self.catch.trials, chance)):
-            part = self.sets[index % len(self.sets)]
-            others = shuffled([name for name in part.conditions if name != right], chance)
-            shown = (right, flawed, *others[: max(0, len(part.conditions) - 2)])
-            trial = self._trial("catch", part, segment, shown, chance)
-            trials.append(replace(trial, expected=1 + trial.conditions.index(right)))
-        return trials
+        drawn = drawn_segments(segments, self.catch.trials, chance)
+        parts = [self.sets[index % len(self.sets)] for index in range(len(drawn))]
+        return [
+            grouped_catch_trial(
+                part.name, segment, part.conditions, chance,
+                right=self.catch_against, flawed=self.catch.condition,
+            )
+            for part, segment in zip(parts, drawn, strict=True)
+        ]  # fmt: skip
 
     def _attention(
         self, segments: Sequence[Segment], chance: np.random.Generator
@@ -183,6 +166,6 @@ class RatingStudy(Study):
         trials = []
         for index, segment in enumerate(drawn_segments(segments, self.attention.trials, chance)):
             part = self.sets[index % len(self.sets)]
-            trial = self._trial("attention", part, segment, part.conditions, chance)
+            trial = grouped_trial("attention", part.name, segment, part.conditions, chance)
             trials.append(replace(trial, instructed=int(chance.integers(1, STEPS + 1))))
         return trials
