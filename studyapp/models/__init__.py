@@ -4,6 +4,7 @@ from studyapp.models.audit_line import AuditLine
 from studyapp.models.base import Base
 from studyapp.models.form_answer import FormAnswer
 from studyapp.models.place import Place
+from studyapp.models.refusal_line import RefusalLine
 from studyapp.models.response import Response
 from studyapp.models.study_session import StudySession
 from studyapp.models.study_version import StudyVersion
@@ -17,6 +18,7 @@ __all__ = [
     "Base",
     "FormAnswer",
     "Place",
+    "RefusalLine",
     "Response",
     "StudySession",
     "StudyVersion",

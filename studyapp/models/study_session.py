@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from sqlalchemy import JSON, CheckConstraint, ForeignKey, String, UniqueConstraint
+from sqlalchemy import JSON, CheckConstraint, ForeignKey, String, UniqueConstraint, text
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from studyapp.models.base import Base
@@ -43,6 +43,14 @@ class StudySession(Base):
         their consent back.
     completion_code : str or None
         There is none before the last answer is stored.
+    sound_digits : str
+        The digits that are spoken to them in the sound check; empty where none were drawn.
+    sound_tries : int
+        How often they typed other digits.
+    sound_checked_at : datetime or None
+        When they had heard them.
+    rested_at_position : int or None
+        Position of the trial before which they last ended a break.
     """
 
     __tablename__ = "study_sessions"
@@ -70,6 +78,10 @@ class StudySession(Base):
     completed_at: Mapped[datetime | None]
     withdrawn_at: Mapped[datetime | None]
     completion_code: Mapped[str | None] = mapped_column(String(32), unique=True)
+    sound_digits: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))
+    sound_tries: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+    sound_checked_at: Mapped[datetime | None]
+    rested_at_position: Mapped[int | None]
 
     version: Mapped[StudyVersion] = relationship()
     place: Mapped[Place | None] = relationship(back_populates="study_session")

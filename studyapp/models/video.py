@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import TYPE_CHECKING
 
 from sqlalchemy import ForeignKey, String, UniqueConstraint
@@ -26,6 +27,8 @@ class Video(Base):
         Random; names the video to the browser, and says nothing else.
     duration : float
         Seconds.
+    unplayable_at : datetime or None
+        When the participant said that it does not play.
     """
 
     __tablename__ = "videos"
@@ -36,6 +39,7 @@ class Video(Base):
     number: Mapped[int]
     token: Mapped[str] = mapped_column(String(64), unique=True)
     duration: Mapped[float]
+    unplayable_at: Mapped[datetime | None]
 
     trial: Mapped[Trial] = relationship(back_populates="videos")
     stimuli: Mapped[list[TrialStimulus]] = relationship(
