@@ -15,10 +15,11 @@ from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
 from studyapp.definition.conditions import Condition
-from studyapp.definition.reading import parse_study
+from studyapp.definition.reading import ALIASES, parse_study
 from studyapp.definition.study import Study
 
-TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch")
+TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES)
+"""The protocols, and the papers whose studies they follow."""
 
 
 def new_study(
@@ -65,7 +66,8 @@ def new_study(
         raise InputError(
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
-    text = resources.files(__package__).joinpath("templates", f"{template}.toml").read_text("utf-8")
+    file = f"{ALIASES.get(template, template)}.toml"
+    text = resources.files(__package__).joinpath("templates", file).read_text("utf-8")
     document = tomlkit.parse(text)
     document["name"] = check_name(name, "study")
     for key, value in (("title", title), ("reference", reference), ("trials", trials)):

@@ -20,6 +20,7 @@ from studyapp.definition.conditions import (
     source_problems,
 )
 from studyapp.definition.form import Form
+from studyapp.definition.page import Page
 from studyapp.definition.questions import Question, question_problems
 from studyapp.definition.section import Name, Section
 from studyapp.design.arm import Arm
@@ -59,16 +60,6 @@ class Watching(Section):
     """What counts as having watched: the share of each video that must really have played."""
 
     coverage: float = Field(0.95, ge=0, le=1, strict=False)
-
-
-class Page(Section):
-    """What participants are told before they agree to take part."""
-
-    organisation: str = Field("", max_length=200)
-    contact: str = Field("", max_length=200)
-    minutes: int | None = Field(None, ge=1, le=240)
-    payment: str = Field("", max_length=200)
-    consent: str = Field(min_length=1, max_length=4000)
 
 
 class Study(Section, ABC):

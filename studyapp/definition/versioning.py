@@ -17,7 +17,7 @@ OPERATION: Final[dict[str, Any]] = {
     "lease_minutes": True,
     "participants": True,
     "participants_per_comparison": True,
-    "page": {"organisation", "contact", "minutes", "payment"},
+    "page": {"organisation", "contact", "minutes", "payment", "phones"},
 }
 """Keys that may change while the study runs; all others are its design."""
 

@@ -1,0 +1,51 @@
+"""What a study tells its participants, and how it leads them around the trials."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from studyapp.definition.section import Section
+
+Language = Literal["en", "de", "ja"]
+
+
+class Page(Section):
+    """What participants are told before they agree, and how they are led around the trials.
+
+    Attributes
+    ----------
+    language : {'en', 'de', 'ja'}
+        The language of the pages' own words; what the study file says is shown as it is.
+    phones : {'refused', 'usable'}
+        Whether who comes with a phone is asked to open the study on a computer instead.
+    sound_check : bool
+        Whether spoken digits must be typed before the instructions. A study that is all without
+        sound has no such check.
+    break_every : int
+        Trials after which a break is offered; 0 for none.
+    withdrawn : {'deleted', 'kept'}
+        What becomes of the answers of a participant who withdraws. They are never analysed.
+    """
+
+    language: Language = "en"
+    organisation: str = Field("", max_length=200)
+    contact: str = Field("", max_length=200)
+    minutes: int | None = Field(None, ge=1, le=240)
+    payment: str = Field("", max_length=200)
+    consent: str = Field(min_length=1, max_length=4000)
+    phones: Literal["refused", "usable"] = "refused"
+    sound_check: bool = False
+    break_every: int = Field(0, ge=0, le=500)
+    withdrawn: Literal["deleted", "kept"] = "deleted"
+
+    def break_after(self, done: int, presentations: int) -> bool:
+        """Tell whether a break comes after `done` of `presentations` trials.
+
+        There is none shortly before the end: at least half as many trials as between two breaks,
+        and no fewer than two, must remain.
+        """
+        if self.break_every == 0 or done == 0 or done % self.break_every:
+            return False
+        return presentations - done >= max(2, self.break_every // 2)
