@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser demo serve test check format bench bench-render soak pictures clean
+.PHONY: help setup setup-browser setup-database demo serve test check format bench bench-render soak pictures clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -15,6 +15,9 @@ setup: $(VENV)/.installed  ## Install everything that running the project needs.
 
 setup-browser: setup
 	@scripts/debian-packages chromium fonts-dejavu-core
+
+setup-database: setup
+	@scripts/debian-packages postgresql
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	@scripts/debian-packages --for-python $(PYTHON)
@@ -28,7 +31,7 @@ demo: setup  ## Run the whole line on synthetic speech and write a report.
 serve: setup  ## Serve a study (STUDY=demo-study) to take part in it oneself.
 	$(BIN)/motionjury serve $(STUDY)
 
-test: setup-browser  ## Run all tests, the ones in a real browser included.
+test: setup-browser setup-database  ## Run all tests, the ones in a real browser included.
 	$(BIN)/pytest -n 2 -m "not slow and not browser"
 	$(BIN)/pytest -n 2 -m "slow or browser"
 

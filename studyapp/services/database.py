@@ -14,7 +14,7 @@ from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy import URL, Connection, Engine, create_engine, event
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError
 from sqlalchemy.orm import Session
@@ -201,17 +201,25 @@ def _explained(url: str) -> Iterator[None]:
         ) from error
 
 
+def _address(url: str) -> URL:
+    """Return the address in parts; PostgreSQL's, however it is written, with the driver's name."""
+    address = make_url(url)
+    if address.drivername in ("postgres", "postgresql"):
+        return address.set(drivername="postgresql+psycopg")
+    return address
+
+
 def _shown(url: str) -> str:
     """Return the address without its password."""
     try:
-        return make_url(url).render_as_string(hide_password=True)
+        return _address(url).render_as_string(hide_password=True)
     except ArgumentError:
         return "DATABASE_URL"
 
 
 def _sqlite_file(url: str) -> Path | None:
     """Return the file of an SQLite database, None for every other database."""
-    address = make_url(url)
+    address = _address(url)
     if address.get_backend_name() != "sqlite" or not address.database:
         return None
     return Path(address.database)
@@ -219,7 +227,7 @@ def _sqlite_file(url: str) -> Path | None:
 
 def _engine(url: str, set_up_sqlite: Callable[[sqlite3.Connection, Any], None]) -> Engine:
     # Among the parameters of a failed statement may be a participant's token.
-    address, hidden = make_url(url), {"hide_parameters": True}
+    address, hidden = _address(url), {"hide_parameters": True}
     if address.get_backend_name() != "sqlite":
         return create_engine(address, pool_pre_ping=True, **hidden)
     engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **hidden)

@@ -101,6 +101,18 @@ def test_an_unusable_address_is_refused(url: str) -> None:
         Database.open(url)
 
 
+@pytest.mark.parametrize("scheme", ["postgresql", "postgres", "postgresql+psycopg"])
+def test_an_address_as_hosting_gives_it_is_used_with_the_driver_that_is_installed(
+    scheme: str,
+) -> None:
+    nobody_listens = f"{scheme}://someone:secret@127.0.0.1:1/study"
+
+    with pytest.raises(InputError, match=r"cannot be opened.*[Cc]onnection refused") as caught:
+        Database.open(nobody_listens)
+
+    assert "secret" not in str(caught.value)
+
+
 def test_an_error_does_not_show_the_password() -> None:
     with pytest.raises(InputError) as caught:
         Database.open("unknowndatabase://someone:secret@host/name")

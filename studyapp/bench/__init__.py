@@ -1,0 +1,1 @@
+"""Measuring and straining the server, and the PostgreSQL server that it is done with."""
