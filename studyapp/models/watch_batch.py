@@ -20,8 +20,9 @@ class WatchBatch(Base):
         Played parts of the video, each from and to, in seconds.
     rate : float
         Largest playback rate seen while it played; 1 is as recorded.
-    hidden_seconds : float
-        How long it played where nobody could see it, since the report before.
+    hidden_seconds, silent_seconds : float
+        How long it played where nobody could see it, and where nobody could hear it, since the
+        report before.
     stalls : int
     stalled_seconds : float
         How often and how long it waited for data while meant to play, since the report before.
@@ -39,6 +40,7 @@ class WatchBatch(Base):
     intervals: Mapped[list[list[float]]] = mapped_column(JSON)
     rate: Mapped[float] = mapped_column(default=1.0, server_default=text("1"))
     hidden_seconds: Mapped[float] = mapped_column(default=0.0, server_default=text("0"))
+    silent_seconds: Mapped[float] = mapped_column(default=0.0, server_default=text("0"))
     stalls: Mapped[int] = mapped_column(default=0, server_default=text("0"))
     stalled_seconds: Mapped[float] = mapped_column(default=0.0, server_default=text("0"))
     frames: Mapped[int | None]

@@ -17,6 +17,7 @@ NOT_NULL: Final[Mapping[str, Mapping[str, tuple[sa.types.TypeEngine[Any], str]]]
     "watch_batches": {
         "rate": (sa.Double(), "1"),
         "hidden_seconds": (sa.Double(), "0"),
+        "silent_seconds": (sa.Double(), "0"),
         "stalls": (sa.Integer(), "0"),
         "stalled_seconds": (sa.Double(), "0"),
     },
