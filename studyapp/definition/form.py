@@ -9,6 +9,7 @@ from typing import Final, Literal, Self
 from pydantic import Field, model_validator
 
 from studyapp.definition.section import Name, Section
+from studyapp.design.message import Message
 
 Stage = Literal["eligibility", "consent", "demographics", "closing"]
 
@@ -83,10 +84,11 @@ class FormQuestion(Section):
             return f"{answer} – {words[answer]}" if answer in words else answer
         return answer
 
-    def problem(self, answer: str) -> str:
-        """Say why `answer` cannot be accepted; empty where it can."""
+    def problem(self, answer: str, number: int = 1) -> Message | None:
+        """Say why `answer` cannot be accepted as that to question `number`; None where it can."""
         if not answer.strip():
-            return "is not answered yet" if self.required else ""
+            missing = Message("Question {number} is not answered yet.", number=number)
+            return missing if self.required else None
         match self.kind:
             case "text":
                 fits = len(answer) <= LONGEST_TEXT
@@ -95,7 +97,11 @@ class FormQuestion(Section):
             case _:
                 whole = re.fullmatch(r"-?[0-9]{1,9}", answer) is not None
                 fits = whole and self.low <= int(answer) <= self.high
-        return "" if fits else "has an answer that is not one of those offered"
+        if fits:
+            return None
+        return Message(
+            "Question {number} has an answer that is not one of those offered.", number=number
+        )
 
 
 class Form(Section):

@@ -25,6 +25,7 @@ from studyapp.definition.questions import Question, question_problems
 from studyapp.definition.section import Name, Section
 from studyapp.design.arm import Arm
 from studyapp.design.asking import Answers, Ask, Trial
+from studyapp.design.message import Message
 from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content
 from studyapp.design.tally import NO_VOTES, Tally
@@ -156,10 +157,10 @@ class Study(Section, ABC):
             if question.belongs_to(trial.part)
         )
 
-    def problem(self, trial: Trial, answers: Answers) -> str:
-        """Say why complete `answers`, each right in itself, do not go together; else empty."""
+    def problem(self, trial: Trial, answers: Answers) -> Message | None:
+        """Say why complete `answers`, each right in itself, do not go together, if so."""
         del trial, answers
-        return ""
+        return None
 
     def failed(self, trial: Trial, answers: Answers) -> bool:
         """Tell whether `answers` fail a catch trial or an attention check; others never fail."""

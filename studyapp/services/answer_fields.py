@@ -7,17 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from motion.listing import listed
 from studyapp.definition.study import Study
 from studyapp.design.asking import AnswerKey, Answers, Ask, Trial
+from studyapp.design.message import Message
 from studyapp.services.refusal import UnacceptableError
 
 Fields = Mapping[str, Sequence[str]]
 """A form as it was sent: every value of every name."""
 
 WHOLE_NUMBER: Final = re.compile(r"-?[1-9][0-9]{0,2}|0")
-
-COUNT_WORDS: Final = {2: "two", 3: "three", 4: "four", 5: "five"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,41 +51,47 @@ def read_fields(study: Study, trial: Trial, fields: Fields) -> Given:
     _check_complete(asks, fields)
     values = {ask.key: int(fields[ask.field][0]) for ask in asks}
     problem = study.problem(trial, values)
-    if problem:
-        raise UnacceptableError(problem, "Please look at it again; your answers are kept.")
+    if problem is not None:
+        raise UnacceptableError(
+            "{problem}", "Please look at it again; your answers are kept.", problem=problem
+        )
     return Given(values=values, reasons={ask.key: _reasons(ask, fields) for ask in asks})
 
 
 def _check_value(ask: Ask, given: Sequence[str]) -> None:
     right = len(given) == 1 and WHOLE_NUMBER.fullmatch(given[0]) and int(given[0]) in ask.values
     if not right:
-        count = COUNT_WORDS.get(len(ask.values), "")
         raise UnacceptableError(
-            f"An answer is not one of the {count + ' ' if count else ''}choices.",
-            f"Please choose one of the {count or 'choices'} for every question.",
+            "An answer is not one of the choices.",
+            "Please choose one of the choices for every question.",
         )
 
 
 def _check_complete(asks: Sequence[Ask], fields: Fields) -> None:
     questions = list(dict.fromkeys(ask.question for ask in asks))
-    missing = [
-        f"{questions.index(ask.question) + 1}{_about(ask)}"
-        for ask in asks
-        if not fields.get(ask.field)
-    ]
-    if missing:
-        who = (
-            f"Question {missing[0]} is" if len(missing) == 1 else f"Questions {listed(missing)} are"
-        )
+    missing = tuple(
+        _named(ask, questions.index(ask.question) + 1) for ask in asks if not fields.get(ask.field)
+    )
+    if len(missing) == 1:
         raise UnacceptableError(
-            f"{who} not answered yet.",
+            "Question {number} is not answered yet.",
+            "Please choose an answer; the others you gave are kept.",
+            number=missing[0],
+        )
+    if missing:
+        raise UnacceptableError(
+            "Questions {numbers} are not answered yet.",
             "Please choose an answer to each; the others you gave are kept.",
+            numbers=missing,
         )
 
 
-def _about(ask: Ask) -> str:
-    """Return which video an answer is about, in words."""
-    return "" if ask.stimulus is None else f" about {chr(ord('A') + ask.stimulus - 1)}"
+def _named(ask: Ask, number: int) -> Message | int:
+    """Return what an answer is called: its question's number, and the video it is about."""
+    if ask.stimulus is None:
+        return number
+    letter = chr(ord("A") + ask.stimulus - 1)
+    return Message("{number} about {letter}", number=number, letter=letter)
 
 
 def _reasons(ask: Ask, fields: Fields) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find, require_present, trial_of
-from studyapp.services.watching import missing_seconds
+from studyapp.services.watch_evidence import missing_seconds
 
 
 def answer(
@@ -54,8 +54,9 @@ def answer(
         missing = missing_seconds(trial, study.watching.coverage)
         if missing > 0:
             raise UnacceptableError(
-                f"About {max(1, round(missing))} s of the videos have not been played yet.",
+                "About {seconds} s of the videos have not been played yet.",
                 "Please play them to the end; your answers below are kept.",
+                seconds=max(1, round(missing)),
             )
         now = clock.now()
         trial.responses = [

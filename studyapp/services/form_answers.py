@@ -102,10 +102,10 @@ def _answers(
     answers = []
     for number, question in enumerate(study.form.asked(stage), start=1):
         value = fields.get(question.name, "").strip()
-        problem = question.problem(value)
-        if problem:
+        problem = question.problem(value, number)
+        if problem is not None:
             raise UnacceptableError(
-                f"Question {number} {problem}.", "The other answers you gave are kept."
+                "{problem}", "The other answers you gave are kept.", problem=problem
             )
         answers.append(
             FormAnswer(stage=stage, question=question.name, value=value, answered_at=now)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from studyapp.design.message import Message, Value
+
 
 class RefusalError(Exception):
     """A request that changes nothing; what was stored before stays stored.
@@ -9,15 +11,27 @@ class RefusalError(Exception):
     Parameters
     ----------
     what : str
-        What happened, as a sentence for the participant.
+        What happened, as a sentence for the participant. A literal with places named ``{so}``, so
+        that it can be translated.
     remedy : str
-        What they can do, as a sentence.
+        What they can do, as a sentence, in the same way.
+    **values : int, str, Message or tuple of them
+        What stands in the places of both.
     """
 
-    def __init__(self, what: str, remedy: str) -> None:
-        self.what = what
-        self.remedy = remedy
-        super().__init__(f"{what} {remedy}")
+    def __init__(self, what: str, remedy: str, /, **values: Value) -> None:
+        self.messages = (Message(what, **values), Message(remedy, **values))
+        super().__init__(f"{self.what} {self.remedy}")
+
+    @property
+    def what(self) -> str:
+        """What happened, in English."""
+        return str(self.messages[0])
+
+    @property
+    def remedy(self) -> str:
+        """What they can do, in English."""
+        return str(self.messages[1])
 
 
 class UnknownAddressError(RefusalError):
@@ -42,3 +56,7 @@ class IneligibleError(RefusalError):
 
 class UnacceptableError(RefusalError):
     """An answer is missing or out of range, or the video is not yet watched."""
+
+
+class TooMuchWatchedError(UnacceptableError):
+    """More was reported as played than can have been."""

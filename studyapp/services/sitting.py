@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from datetime import datetime
-from typing import Literal
+from types import MappingProxyType
+from typing import Final, Literal
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from studyapp.definition.form import Stage
 from studyapp.definition.study import Study
+from studyapp.design.message import Message
 from studyapp.models import StudySession, Trial, Video
 from studyapp.services.refusal import ConflictError, NotTheirsError, UnknownAddressError
 
 State = Literal["instructed", "started", "completed", "withdrawn", "lapsed"]
+
+NOT_AT_A_TRIAL: Final[Mapping[State, Message]] = MappingProxyType(
+    {
+        "instructed": Message("You have not begun yet."),
+        "completed": Message("You have already finished: all your answers are stored."),
+        "withdrawn": Message("You have withdrawn from this study."),
+        "lapsed": Message("Your place was given to somebody else after a long pause."),
+    }
+)
+"""Why somebody who has not started, or no longer takes part, has no trial."""
 
 
 def find(session: Session, token: str) -> StudySession:
@@ -79,13 +92,9 @@ def require_present(study_session: StudySession, trial: Trial) -> datetime:
     state = state_of(study_session)
     if state != "started":
         raise ConflictError(
-            {
-                "instructed": "You have not begun yet.",
-                "completed": "You have already finished: all your answers are stored.",
-                "withdrawn": "You have withdrawn from this study.",
-                "lapsed": "Your place was given to somebody else after a long pause.",
-            }[state],
+            "{problem}",
             "The page you come to next shows how to go on.",
+            problem=NOT_AT_A_TRIAL[state],
         )
     if trial is not current_trial(study_session) or trial.shown_at is None:
         raise ConflictError(

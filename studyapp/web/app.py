@@ -16,6 +16,7 @@ from studyapp.services.versions import open_study
 from studyapp.web import entrance, media, participant
 from studyapp.web.errors import register_error_pages
 from studyapp.web.headers import protect
+from studyapp.web.language import language_of, speak
 from studyapp.web.running import Running, attach
 
 LARGEST_REQUEST: Final = 64 * 1024
@@ -65,6 +66,7 @@ def create_app(
     )
     open_study(here.database, served, here.clock)
     attach(app, here)
+    speak(app, language_of(served.study.page.language))
     app.register_blueprint(entrance.pages)
     app.register_blueprint(participant.pages)
     app.register_blueprint(media.pages)

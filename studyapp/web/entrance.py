@@ -13,6 +13,7 @@ from flask.typing import ResponseReturnValue
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.refusal import UnacceptableError
 from studyapp.web.about_participant import form_fields
+from studyapp.web.errors import told
 from studyapp.web.participant import to_where_they_stand
 from studyapp.web.running import running
 
@@ -49,7 +50,7 @@ def start() -> ResponseReturnValue:
     try:
         token = enrol(here.database, here.served, arrival, here.clock)
     except UnacceptableError as refusal:
-        problem = f"{refusal.what} {refusal.remedy}"
+        problem = told(refusal)
         return _consent_page(visit, recruiter, problem=problem, given=arrival.form), 422
     return to_where_they_stand(token)
 

@@ -8,15 +8,18 @@ from flask import Flask, jsonify, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 from werkzeug.exceptions import HTTPException
 
+from studyapp.design.message import Message
 from studyapp.services.refusal import (
     ConflictError,
     IneligibleError,
     NotTheirsError,
     RefusalError,
     StudyFullError,
+    TooMuchWatchedError,
     UnacceptableError,
     UnknownAddressError,
 )
+from studyapp.web.language import _, say
 from studyapp.web.running import running
 
 STATUS: Final[dict[type[RefusalError], int]] = {
@@ -26,19 +29,26 @@ STATUS: Final[dict[type[RefusalError], int]] = {
     StudyFullError: 409,
     ConflictError: 409,
     UnacceptableError: 422,
+    TooMuchWatchedError: 422,
 }
 
 WORDS: Final = {
     404: (
-        "This page does not exist.",
-        "Please open the link you were given once more; nothing you answered is lost.",
+        Message("This page does not exist."),
+        Message("Please open the link you were given once more; nothing you answered is lost."),
     ),
-    405: ("This page cannot be opened like this.", "Please go back to the page before."),
-    413: ("That was too much to send at once.", "Please go back and try again."),
+    405: (
+        Message("This page cannot be opened like this."),
+        Message("Please go back to the page before."),
+    ),
+    413: (
+        Message("That was too much to send at once."),
+        Message("Please go back and try again."),
+    ),
 }
 OTHER_WORDS: Final = (
-    "Something went wrong on our side.",
-    "What you answered before is stored. Please wait a moment and try again.",
+    Message("Something went wrong on our side."),
+    Message("What you answered before is stored. Please wait a moment and try again."),
 )
 
 
@@ -53,23 +63,34 @@ def register_error_pages(app: Flask) -> None:
 
     @app.errorhandler(RefusalError)
     def refuse(refusal: RefusalError) -> ResponseReturnValue:
-        return _page(refusal.what, refusal.remedy, STATUS[type(refusal)])
+        return _page(refusal.messages, STATUS[type(refusal)])
 
     @app.errorhandler(HTTPException)
     def fail(error: HTTPException) -> ResponseReturnValue:
         status = error.code or 500
-        return _page(*WORDS.get(status, OTHER_WORDS), status)
+        return _page(WORDS.get(status, OTHER_WORDS), status)
 
 
-def _page(what: str, remedy: str, status: int) -> ResponseReturnValue:
+def told(refusal: RefusalError) -> str:
+    """Return in the page's language what happened and what to do."""
+    return _joined(refusal.messages)
+
+
+def _joined(messages: tuple[Message, Message]) -> str:
+    what, remedy = messages
+    return _("%(what)s %(remedy)s", what=say(what), remedy=say(remedy))
+
+
+def _page(messages: tuple[Message, Message], status: int) -> ResponseReturnValue:
     if wants_json():
-        return jsonify(problem=f"{what} {remedy}"), status
+        return jsonify(problem=_joined(messages)), status
     token = (request.view_args or {}).get("token")
     known = token is not None and status != 404
+    what, remedy = messages
     return render_template(
         "problem.html",
         study=running().study,
-        what=what,
-        remedy=remedy,
+        what=say(what),
+        remedy=say(remedy),
         back=url_for("participant.stand", token=token) if known else None,
     ), status

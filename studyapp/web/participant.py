@@ -16,7 +16,8 @@ from studyapp.services.refusal import UnacceptableError
 from studyapp.services.taking_part import ShownTrial, begin, look, withdraw
 from studyapp.services.watching import record_watched
 from studyapp.web.about_participant import form_fields, form_page
-from studyapp.web.errors import wants_json
+from studyapp.web.errors import told, wants_json
+from studyapp.web.language import _
 from studyapp.web.running import running
 from studyapp.web.trial_page import trial_page
 from studyapp.web.watch_report import WatchReport
@@ -39,7 +40,7 @@ def form(token: str, stage: Stage) -> ResponseReturnValue:
     try:
         answer_form(here.database, here.served, token, stage, given, here.clock)
     except UnacceptableError as refusal:
-        problem = f"{refusal.what} {refusal.remedy}"
+        problem = told(refusal)
         return form_page(token, stage, problem=problem, given=given), 422
     return to_where_they_stand(token)
 
@@ -62,7 +63,7 @@ def answers(token: str) -> ResponseReturnValue:
     except UnacceptableError as refusal:
         if wants_json():
             raise
-        problem = f"{refusal.what} {refusal.remedy}"
+        problem = told(refusal)
         return _where_they_stand(token, problem=problem, given=fields), 422
     return to_where_they_stand(token)
 
@@ -82,7 +83,7 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
     try:
         report = WatchReport.model_validate_json(request.get_data())
     except ValidationError:
-        return jsonify(problem="This is not a report of played intervals."), 422
+        return jsonify(problem=_("This is not a report of played intervals.")), 422
     known = record_watched(
         here.database,
         here.served,
@@ -91,6 +92,7 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
         batch=report.batch,
         intervals=report.intervals,
         clock=here.clock,
+        playback=report.playback,
     )
     return jsonify(asdict(known))
 

@@ -31,6 +31,7 @@ from studyapp.design.allocation import allocate_segments, shuffled
 from studyapp.design.arm import Arm
 from studyapp.design.asking import Answers, Trial
 from studyapp.design.grouped_trial import grouped_catch_trial, grouped_trial
+from studyapp.design.message import Message
 from studyapp.design.order import drawn_segments, numbered, scattered_by_part
 from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content, Stimulus
@@ -151,17 +152,17 @@ class RankingStudy(Study):
         """Every motion gets a rank."""
         return True
 
-    def problem(self, trial: Trial, answers: Answers) -> str:
+    def problem(self, trial: Trial, answers: Answers) -> Message | None:
         """Say on which question the ranks make no order."""
         asked = [question for question in self.questions if question.belongs_to(trial.part)]
         for place, question in enumerate(asked, start=1):
             ranks = [value for (name, _), value in answers.items() if name == question.name]
             whole = set(ranks) == set(range(1, len(set(ranks)) + 1))
             if not self.ties and len(set(ranks)) != len(ranks):
-                return f"In question {place}, two videos have the same rank."
+                return Message("In question {number}, two videos have the same rank.", number=place)
             if not whole:
-                return f"In question {place}, a rank is left out."
-        return ""
+                return Message("In question {number}, a rank is left out.", number=place)
+        return None
 
     def prefers(self, answers: Answers, better: int, worse: int) -> bool:
         """Tell whether `better` is ranked before `worse` on every question."""

@@ -71,12 +71,12 @@ def test_other_answers_afterwards_are_refused_and_the_first_stand(
 @pytest.mark.parametrize(
     ("answers", "words"),
     [
-        ({"rhythm": "3", "emotion": "0"}, "not one of the five"),
-        ({"rhythm": "-3", "emotion": "0"}, "not one of the five"),
-        ({"rhythm": "1.0", "emotion": "0"}, "not one of the five"),
-        ({"rhythm": "", "emotion": "0"}, "not one of the five"),
-        ({"rhythm": "-0", "emotion": "0"}, "not one of the five"),
-        ({"rhythm": "1\n", "emotion": "0"}, "not one of the five"),
+        ({"rhythm": "3", "emotion": "0"}, "not one of the choices"),
+        ({"rhythm": "-3", "emotion": "0"}, "not one of the choices"),
+        ({"rhythm": "1.0", "emotion": "0"}, "not one of the choices"),
+        ({"rhythm": "", "emotion": "0"}, "not one of the choices"),
+        ({"rhythm": "-0", "emotion": "0"}, "not one of the choices"),
+        ({"rhythm": "1\n", "emotion": "0"}, "not one of the choices"),
         ({"rhythm": "1"}, "Question 2 is not answered"),
         ({}, "Questions 1 and 2 are not answered"),
         ({"rhythm": "1", "emotion": "0", "extra": "1"}, "does not ask"),

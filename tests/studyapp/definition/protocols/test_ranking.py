@@ -92,7 +92,7 @@ def test_a_study_may_do_without_a_reference() -> None:
 def test_every_whole_order_is_accepted(order: list[int]) -> None:
     study, trial = first_trial()
 
-    assert study.problem(trial, ranks(*order)) == ""
+    assert study.problem(trial, ranks(*order)) is None
 
 
 @pytest.mark.parametrize(
@@ -110,10 +110,10 @@ def test_ties_are_accepted_only_where_the_study_says_so(
     study, trial = first_trial()
     tolerant, _ = first_trial(ties=True)
 
-    assert strict in study.problem(trial, ranks(*given_ranks))
+    assert strict in str(study.problem(trial, ranks(*given_ranks)))
     said = tolerant.problem(trial, ranks(*given_ranks))
-    assert with_ties in said
-    assert bool(said) == bool(with_ties)
+    assert with_ties in str(said)
+    assert (said is not None) == bool(with_ties)
 
 
 @pytest.mark.parametrize(

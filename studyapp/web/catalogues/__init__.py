@@ -1,0 +1,1 @@
+"""Translations of the pages, and the tools that keep them complete: ``make messages``."""
