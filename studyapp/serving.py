@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from flask import Flask
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
@@ -17,8 +17,13 @@ from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
 
-THREADS = 8
-"""Requests that one worker handles side by side; a slow line must not hold up the others."""
+WORKERS: Final = 2
+THREADS: Final = 128
+"""Requests that one worker handles side by side.
+
+A participant with a slow line keeps a thread for as long as a video takes. Threads that wait cost
+next to nothing, so there are more of them than participants who watch at the same time.
+"""
 
 
 class StudyServer(BaseApplication):  # type: ignore[misc]
@@ -44,8 +49,9 @@ def run_server(
     folder: Path,
     host: str,
     port: int,
-    workers: int,
+    workers: int = WORKERS,
     *,
+    threads: int = THREADS,
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
     new_version: bool = False,
@@ -61,6 +67,8 @@ def run_server(
         Where to listen.
     workers : int
         Processes.
+    threads : int
+        Requests that each of them handles side by side.
     database_url, rehearsal_speed
         See `studyapp.web.app.create_app`.
     new_version : bool
@@ -87,7 +95,7 @@ def run_server(
         "bind": f"{host}:{port}",
         "workers": workers,
         "worker_class": "gthread",
-        "threads": THREADS,
+        "threads": threads,
         "preload_app": False,
         # Addresses hold participants' tokens.
         "accesslog": None,
