@@ -7,6 +7,7 @@ from typing import Literal
 
 from studyapp.definition.study import Study
 from studyapp.services.taking_part import ShownTrial, ShownVideo
+from studyapp.web.language import _
 from studyapp.web.wording import AskedQuestion, asked_questions, letter
 
 Layout = Literal["composed", "pair", "rating", "ranking"]
@@ -50,9 +51,9 @@ class TrialPage:
     questions: tuple[AskedQuestion, ...]
 
     @property
-    def asked_of_each(self) -> int:
-        """How many questions stand under each player."""
-        return len(self.players[0].questions)
+    def boxes(self) -> int:
+        """How many videos stand beside each other."""
+        return len(self.players) + (self.reference is not None)
 
     @property
     def muted(self) -> bool:
@@ -81,7 +82,7 @@ def trial_page(study: Study, trial: ShownTrial) -> TrialPage:
 
 def _label(video: ShownVideo) -> str:
     if video.shows == (0,):
-        return "Reference"
+        return _("Reference")
     return letter(video.shows[0]) if len(video.shows) == 1 else ""
 
 

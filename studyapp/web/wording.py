@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
-from motion.listing import listed
 from studyapp.definition.protocols.ranking import RankingStudy
 from studyapp.definition.questions import Question
 from studyapp.definition.scales import BAND, STEPS, RatingQuestion
 from studyapp.definition.study import Study
 from studyapp.design.asking import Ask
+from studyapp.design.message import Message
 from studyapp.services.taking_part import ShownTrial
+from studyapp.web.language import _, say, spoken
 
 Labels = tuple[tuple[int, str], ...]
 """Values, each with the words that stand for it on the page."""
@@ -21,25 +22,50 @@ Labels = tuple[tuple[int, str], ...]
 Widget = Literal["choices", "slider", "ranking"]
 """How a question is answered: one of a few labels, a number on a line, or an order."""
 
-SCALE: Final[Labels] = (
-    (-2, "clearly A"),
-    (-1, "slightly A"),
-    (0, "no difference"),
-    (1, "slightly B"),
-    (2, "clearly B"),
+NO_DIFFERENCE: Final = Message("no difference")
+SCALE: Final = (
+    (-2, Message("clearly A")),
+    (-1, Message("slightly A")),
+    (0, NO_DIFFERENCE),
+    (1, Message("slightly B")),
+    (2, Message("clearly B")),
 )
 """The five answers in the order of the videos, from left to right."""
 
-PREFERENCE_LABELS: Final[Mapping[int, Labels]] = MappingProxyType(
-    {2: ((-1, "A"), (1, "B")), 3: ((-1, "A"), (0, "no difference"), (1, "B")), 5: SCALE}
+PREFERENCE_LABELS: Final[Mapping[int, tuple[tuple[int, Message], ...]]] = MappingProxyType(
+    {
+        2: ((-1, Message("A")), (1, Message("B"))),
+        3: ((-1, Message("A")), (0, NO_DIFFERENCE), (1, Message("B"))),
+        5: SCALE,
+    }
 )
 """By how many answers there are, in the order of the videos."""
 
+CATEGORY_LABELS: Final = (
+    Message("bad"),
+    Message("poor"),
+    Message("fair"),
+    Message("good"),
+    Message("excellent"),
+)
+"""The words of `studyapp.definition.scales.QUALITY_CATEGORIES`."""
+
 CHANNEL_WORDS: Final = {
-    "face": "face",
-    "hands": "fingers",
-    "lower_body": "legs",
-    "root": "whole-body movement through space",
+    "face": Message("the face"),
+    "hands": Message("the fingers"),
+    "lower_body": Message("the legs"),
+    "root": Message("whole-body movement through space"),
+}
+
+EMOTION_WORDS: Final = {
+    "neutral": Message("neutral"),
+    "happiness": Message("happiness"),
+    "anger": Message("anger"),
+    "sadness": Message("sadness"),
+    "contempt": Message("contempt"),
+    "surprise": Message("surprise"),
+    "fear": Message("fear"),
+    "disgust": Message("disgust"),
 }
 
 
@@ -60,7 +86,7 @@ class AskedQuestion:
     asks : tuple of Ask
         Its answers: one, or in a ranking one for each stimulus.
     labels : tuple of (int, str)
-        The choices, or the upper ends of a slider's bands, with their words.
+        The choices, the upper ends of a slider's bands, or the ranks, with their words.
     reasons : tuple of (str, str)
         Names and words of what may be ticked beside the answer.
     """
@@ -77,7 +103,9 @@ class AskedQuestion:
     @property
     def needed(self) -> str:
         """What a checklist calls it."""
-        return str(self.number) if self.stimulus is None else f"{self.number} for {self.letter}"
+        if self.stimulus is None:
+            return str(self.number)
+        return _("%(number)s for %(letter)s", number=self.number, letter=self.letter)
 
     @property
     def letter(self) -> str:
@@ -90,12 +118,12 @@ def letter(number: int) -> str:
     return chr(ord("A") + number - 1)
 
 
-def emphasised(text: str, emotion: str) -> tuple[tuple[str, bool], ...]:
-    """Return `text` in pieces, with the emotion of the segment in its place."""
-    pieces = text.split("{emotion}")
+def emphasised(text: str, place: str, words: str) -> tuple[tuple[str, bool], ...]:
+    """Return `text` in pieces, with emphasised `words` wherever it holds `place`."""
+    pieces = text.split(place)
     parts: list[tuple[str, bool]] = [(pieces[0], False)]
     for piece in pieces[1:]:
-        parts += [(emotion, True), (piece, False)]
+        parts += [(words, True), (piece, False)]
     return tuple(part for part in parts if part[0])
 
 
@@ -123,11 +151,11 @@ def _asked(
     ranking: bool,
 ) -> AskedQuestion:
     widget: Widget = "ranking" if ranking else "choices"
-    labels = () if ranking else _labels(question, asks[0].values)
+    labels = ranks(asks[0].values) if ranking else _labels(question, asks[0].values)
     if isinstance(question, RatingQuestion) and question.scale == "slider":
         widget = "slider"
     if trial.instructed is None:
-        parts = emphasised(question.text, trial.emotion)
+        parts = emphasised(question.text, "{emotion}", say(EMOTION_WORDS[trial.emotion]))
     else:
         parts = _instruction(widget, labels, trial.instructed)
     return AskedQuestion(
@@ -142,33 +170,36 @@ def _asked(
     )
 
 
+def ranks(values: Sequence[int]) -> Labels:
+    """Return the ranks `values` with their words: 1st, 2nd, …"""
+    words = {1: _("1st"), 2: _("2nd"), 3: _("3rd")}
+    return tuple((rank, words.get(rank) or _("%(rank)sth", rank=rank)) for rank in values)
+
+
 def _labels(question: Question, values: Sequence[int]) -> Labels:
     if not isinstance(question, RatingQuestion):
-        return PREFERENCE_LABELS[len(values)]
+        return tuple((value, say(label)) for value, label in PREFERENCE_LABELS[len(values)])
+    own = "labels" in question.model_fields_set
+    labels = question.labels if own else tuple(say(label) for label in CATEGORY_LABELS)
     if question.scale == "slider":
-        return tuple(zip(range(BAND, STEPS * BAND + 1, BAND), question.labels, strict=True))
-    return tuple(zip(values, question.labels, strict=True))
+        values = range(BAND, STEPS * BAND + 1, BAND)
+    return tuple(zip(values, labels, strict=True))
 
 
 def _instruction(widget: Widget, labels: Labels, instructed: int) -> tuple[tuple[str, bool], ...]:
     """Return what an attention check asks for in place of its question."""
-    reason = "To show that you read each question, please "
     if widget == "ranking":
-        return ((f"{reason}put ", False), (letter(instructed), True), (" first here.", False))
+        text = _("To show that you read each question, please put {answer} first here.")
+        return emphasised(text, "{answer}", letter(instructed))
     if widget == "slider":
-        _, label = labels[instructed - 1]
-        return (
-            (f"{reason}move this slider into the part ", False),
-            (label, True),
-            (".", False),
+        text = _(
+            "To show that you read each question, please move this slider into the part {answer}."
         )
-    return (
-        (f"{reason}answer this one with ", False),
-        (dict(labels)[instructed], True),
-        (".", False),
-    )
+        return emphasised(text, "{answer}", labels[instructed - 1][1])
+    text = _("To show that you read each question, please answer this one with {answer}.")
+    return emphasised(text, "{answer}", dict(labels)[instructed])
 
 
 def frozen_words(study: Study) -> str:
     """Return what the videos hold still, as a list in words; empty where nothing is."""
-    return listed([CHANNEL_WORDS[channel] for channel in study.freeze])
+    return spoken().listed([say(CHANNEL_WORDS[channel]) for channel in study.freeze])

@@ -125,7 +125,7 @@ def test_an_attention_check_looks_like_every_page_and_says_what_to_answer(
         visitor.watch()
         visitor.post(page)
 
-    words = dict(SCALE_WORDS)[check.instructed or 0]
+    words = str(dict(SCALE_WORDS)[check.instructed or 0])
     assert all(f"please answer this one with {words}." in text for text in asked)
     assert {len(shape) for shape in shapes} <= {len(shapes[0]), len(shapes[0]) + 1}
     assert len(shapes) == 7

@@ -328,7 +328,10 @@ def test_instructions_follow_the_study(tiny_study: Path) -> None:
     text = instructions(tiny_study)
 
     assert "The first 2 pairs are for practice" in text
-    assert "The face and whole-body movement through space are kept still on purpose" in text
+    assert (
+        "Kept still on purpose in every video: the face and whole-body movement through space."
+        in text
+    )
 
 
 def test_a_study_with_a_recording_does_not_claim_to_have_none(tiny_study: Path) -> None:

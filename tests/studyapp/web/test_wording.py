@@ -1,11 +1,17 @@
 from __future__ import annotations
 
 import pytest
+from flask import Flask
 
 from motion.freeze import CHANNELS
+from motion.segment import EMOTIONS
+from studyapp.definition.scales import QUALITY_CATEGORIES
 from studyapp.design.preference import PREFERENCES
+from studyapp.web.language import language_of, speak
 from studyapp.web.wording import (
+    CATEGORY_LABELS,
     CHANNEL_WORDS,
+    EMOTION_WORDS,
     PREFERENCE_LABELS,
     SCALE,
     emphasised,
@@ -17,8 +23,8 @@ from tests.studyapp.made_study import make_study
 
 def test_the_scale_is_symmetric_and_in_the_order_of_the_videos() -> None:
     assert [value for value, _ in SCALE] == [-2, -1, 0, 1, 2]
-    mirrored = [label.translate(str.maketrans("AB", "BA")) for _, label in reversed(SCALE)]
-    assert mirrored == [label for _, label in SCALE]
+    mirrored = [str(label).translate(str.maketrans("AB", "BA")) for _, label in reversed(SCALE)]
+    assert mirrored == [str(label) for _, label in SCALE]
 
 
 @pytest.mark.parametrize("levels", sorted(PREFERENCES))
@@ -31,7 +37,7 @@ def test_stimuli_are_lettered_in_order() -> None:
 
 
 def test_the_emotion_is_emphasised_in_its_place() -> None:
-    assert emphasised("{emotion}: which shows {emotion}?", "fear") == (
+    assert emphasised("{emotion}: which shows {emotion}?", "{emotion}", "fear") == (
         ("fear", True),
         (": which shows ", False),
         ("fear", True),
@@ -43,14 +49,23 @@ def test_the_emotion_is_emphasised_in_its_place() -> None:
     ("freeze", "words"),
     [
         ([], ""),
-        (["face"], "face"),
-        (["face", "hands"], "face and fingers"),
-        (["face", "hands", "lower_body"], "face, fingers and legs"),
+        (["face"], "the face"),
+        (["face", "hands"], "the face and the fingers"),
+        (["face", "hands", "lower_body"], "the face, the fingers and the legs"),
     ],
 )
 def test_what_is_kept_still_is_said_in_words(freeze: list[str], words: str) -> None:
-    assert frozen_words(make_study(freeze=freeze)) == words
+    app = Flask("test")
+    speak(app, language_of("en"))
+
+    with app.app_context():
+        assert frozen_words(make_study(freeze=freeze)) == words
 
 
 def test_every_channel_has_words() -> None:
     assert set(CHANNEL_WORDS) == set(CHANNELS)
+
+
+def test_every_emotion_and_category_has_words() -> None:
+    assert [str(word) for word in EMOTION_WORDS.values()] == list(EMOTIONS) == list(EMOTION_WORDS)
+    assert tuple(str(word) for word in CATEGORY_LABELS) == QUALITY_CATEGORIES
