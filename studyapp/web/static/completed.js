@@ -1,6 +1,7 @@
 // Copying the completion code. Whoever comes next to this window is somebody else.
 
 import { forget } from "./storage.js";
+import { say } from "./words.js";
 
 forget("visit");
 const button = document.getElementById("copy");
@@ -10,9 +11,9 @@ button.addEventListener("click", async () => {
   const code = document.getElementById("completion-code");
   try {
     await navigator.clipboard.writeText(code.textContent);
-    copied.textContent = "Copied ✓";
+    copied.textContent = say("Copied ✓");
   } catch {
     getSelection().selectAllChildren(code);
-    copied.textContent = "Marked: press Ctrl+C to copy";
+    copied.textContent = say("Marked: press Ctrl+C to copy");
   }
 });

@@ -1,5 +1,7 @@
 // The buttons of one video. There is no way to skip ahead: only what is played counts.
 
+import { say } from "./words.js";
+
 export class Playback {
   constructor(video, controls) {
     this.video = video;
@@ -36,6 +38,6 @@ export class Playback {
   showState() {
     const [symbol, words] = this.play.children;
     symbol.textContent = this.video.paused ? "▶" : "❚❚";
-    words.textContent = this.video.paused ? this.words : "Pause";
+    words.textContent = this.video.paused ? this.words : say("Pause");
   }
 }

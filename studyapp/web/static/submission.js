@@ -1,5 +1,7 @@
 // Next: says what is missing, or saves and moves on. A click is never lost.
 
+import { say } from "./words.js";
+
 const FIRST_WAIT_MS = 1000;
 const LONGEST_WAIT_MS = 15000;
 
@@ -33,8 +35,8 @@ export class Submission {
     }
     this.busy = true;
     this.button.setAttribute("aria-busy", "true");
-    this.needed.textContent = "Saving…";
-    this.show(" · saving…", "");
+    this.needed.textContent = say("Saving…");
+    this.show(say("saving…"), "");
     await this.evidence.report();
     await this.send();
   }
@@ -50,7 +52,7 @@ export class Submission {
         });
         if (answer.ok) {
           this.answers.forget();
-          this.show(" · saved ✓", "");
+          this.show(say("saved ✓"), "");
           location.replace((await answer.json()).next);
           return;
         }
@@ -77,13 +79,13 @@ export class Submission {
 
   showLost() {
     this.show(
-      " · not saved yet",
-      "The connection is lost. Your answers are kept here, and we are trying again…",
+      say("not saved yet"),
+      say("The connection is lost. Your answers are kept here, and we are trying again…"),
     );
   }
 
   show(saved, problem) {
-    this.saved.textContent = saved;
+    this.saved.textContent = saved && ` · ${saved}`;
     this.problem.textContent = problem;
     this.problem.hidden = !problem;
   }

@@ -4,6 +4,7 @@ import { Answers } from "./answers.js";
 import { makePlayers } from "./players.js";
 import { Submission } from "./submission.js";
 import { WatchedVideos } from "./watched_videos.js";
+import { listed, say, sayCount } from "./words.js";
 
 const videos = [...document.querySelectorAll("main video")];
 const evidence = new WatchedVideos(videos);
@@ -13,23 +14,21 @@ const watched = document.getElementById("watched");
 const LISTED = 3; // more of them are counted
 let fetchedAhead = false;
 
-function listed(texts) {
-  const last = texts.slice(-1);
-  return texts.length > 1 ? `${texts.slice(0, -1).join(", ")} and ${last}` : `${last}`;
-}
-
 function missing() {
   const parts = evidence.needed ? [evidence.needed] : [];
   const unanswered = answers.unanswered();
-  if (unanswered.length > LISTED) parts.push(`${unanswered.length} answers`);
-  else if (unanswered.length) parts.push(`answer ${listed(unanswered)}`);
+  if (unanswered.length > LISTED) {
+    parts.push(sayCount("{count} answer", "{count} answers", unanswered.length));
+  } else if (unanswered.length) parts.push(say("answer {questions}", { questions: listed(unanswered) }));
   return parts;
 }
 
 function show() {
   if (submission.busy) return;
   const parts = missing();
-  const words = parts.length ? `Still needed: ${parts.join(", ")}` : "All done – press Next";
+  const words = parts.length
+    ? say("Still needed: {parts}", { parts: parts.join(say(", ")) })
+    : say("All done – press Next");
   // Only a change is read aloud.
   if (needed.textContent !== words) needed.textContent = words;
   needed.classList.toggle("complete", parts.length === 0);

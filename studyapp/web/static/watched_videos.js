@@ -1,6 +1,7 @@
 // The watch evidence of all videos of a trial, and what of them is still missing in words.
 
 import { WatchEvidence } from "./watch_evidence.js";
+import { listed, say } from "./words.js";
 
 export class WatchedVideos extends EventTarget {
   constructor(videos) {
@@ -25,16 +26,20 @@ export class WatchedVideos extends EventTarget {
   get needed() {
     const labels = this.unwatched.map(({ label }) => label);
     if (!labels.length) return "";
-    return labels[0] ? `watch ${labels.join(", ")}` : "play the pair to the end";
+    if (!labels[0]) return say("play the pair to the end");
+    return say("watch {videos}", { videos: listed(labels) });
   }
 
   get words() {
     if (this.missing > 0 && this.unwatched.some((evidence) => evidence.silent)) {
-      return "Turn the sound on, please";
+      return say("Turn the sound on, please");
     }
     const [first] = this.each;
-    if (!first.label) return `Watched${state(first).replace(/^ –/, ":")}`;
-    return `Watched: ${this.each.map((each) => each.label + state(each)).join(" · ")}`;
+    if (!first.label) {
+      if (first.missing <= 0) return say("Watched ✓");
+      return say("Watched: still {seconds} s", { seconds: Math.ceil(first.missing) });
+    }
+    return say("Watched: {videos}", { videos: this.each.map(state).join(" · ") });
   }
 
   async report() {
@@ -42,6 +47,7 @@ export class WatchedVideos extends EventTarget {
   }
 }
 
-function state({ missing }) {
-  return missing > 0 ? ` – still ${Math.ceil(missing)} s` : " ✓";
+function state({ label, missing }) {
+  if (missing <= 0) return `${label} ✓`;
+  return say("{video} – still {seconds} s", { video: label, seconds: Math.ceil(missing) });
 }
