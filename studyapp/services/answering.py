@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from studyapp.clock import Clock
-from studyapp.models import Response, Trial
+from studyapp.models import Response, Trial, Video
 from studyapp.services.answer_fields import Fields, Given, read_fields
 from studyapp.services.database import Database
 from studyapp.services.finishing import move_on
+from studyapp.services.loading import load_videos
 from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
@@ -45,6 +46,7 @@ def answer(
     with database.writing() as session:
         study_session = find(session, token)
         trial = trial_of(study_session, trial_token)
+        load_videos(session, [trial])
         given = read_fields(study, trial, fields)
         if trial.answered_at is not None:
             _require_same(trial, given)
@@ -55,7 +57,7 @@ def answer(
         if missing > 0:
             raise UnacceptableError(
                 "About {seconds} s of the videos have not been played yet.",
-                "Please play them to the end; your answers below are kept.",
+                "Please play them to the end, with sound and in view; your answers are kept.",
                 seconds=max(1, round(missing)),
             )
         now = clock.now()
@@ -75,14 +77,24 @@ def answer(
 
 
 def skip_unplayable(
-    database: Database, served: ServedStudy, token: str, trial_token: str, clock: Clock
+    database: Database,
+    served: ServedStudy,
+    token: str,
+    trial_token: str,
+    clock: Clock,
+    video_token: str = "",
 ) -> None:
     """Record that a video of the present trial does not play, and go on without an answer.
+
+    Parameters
+    ----------
+    video_token : str
+        The video; needed where the trial shows several.
 
     Raises
     ------
     RefusalError
-        If the trial is not theirs or not the present one.
+        If the trial is not theirs or not the present one, or the video is none of its own.
     """
     with database.writing() as session:
         study_session = find(session, token)
@@ -92,8 +104,19 @@ def skip_unplayable(
         regain_place(session, served, study_session)
         require_present(study_session, trial)
         now = clock.now()
+        _unplayable(trial, video_token).unplayable_at = now
         trial.unplayable_at = now
         move_on(study_session, served.study, now)
+
+
+def _unplayable(trial: Trial, video_token: str) -> Video:
+    named = [video for video in trial.videos if video_token in ("", video.token)]
+    if len(named) != 1:
+        raise UnacceptableError(
+            "The page did not say which of its videos does not play.",
+            "Please choose the video that does not play.",
+        )
+    return named[0]
 
 
 def _require_same(trial: Trial, given: Given) -> None:

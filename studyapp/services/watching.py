@@ -1,89 +1,32 @@
-"""Watch evidence: which parts of a video were really played, judged by the server."""
+"""Storing a browser's reports of what was played."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from datetime import datetime
 from typing import Final
 
 from studyapp.clock import Clock
-from studyapp.models import Trial, Video, WatchBatch
+from studyapp.models import Video, WatchBatch
 from studyapp.services.database import Database
 from studyapp.services.places import regain_place
-from studyapp.services.refusal import UnacceptableError
+from studyapp.services.refusal import TooMuchWatchedError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find, require_present, video_of
-
-Interval = tuple[float, float]
+from studyapp.services.watch_evidence import (
+    AS_RECORDED,
+    Interval,
+    Playback,
+    Watched,
+    counts,
+    length,
+    merged,
+    watched_so_far,
+)
 
 TOLERANCE: Final = 1.0
 """Seconds by which a browser's clock may be ahead of what has passed on the server."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Watched:
-    """What is known of one video of a trial.
-
-    Attributes
-    ----------
-    intervals : tuple of (float, float)
-        Played parts in seconds, merged and in order.
-    missing : float
-        Seconds that must still be played before the questions can be answered.
-    next_batch : int
-        Number of the next report.
-    """
-
-    intervals: tuple[Interval, ...]
-    missing: float
-    next_batch: int
-
-
-def merged(intervals: Iterable[Interval]) -> tuple[Interval, ...]:
-    """Return the union of `intervals` as disjoint ones in order."""
-    union: list[Interval] = []
-    for start, end in sorted(intervals):
-        if union and start <= union[-1][1]:
-            union[-1] = (union[-1][0], max(union[-1][1], end))
-        else:
-            union.append((start, end))
-    return tuple(union)
-
-
-def length(intervals: Sequence[Interval]) -> float:
-    """Return the seconds that disjoint `intervals` cover together."""
-    return sum(end - start for start, end in intervals)
-
-
-def watched_so_far(video: Video, coverage: float) -> Watched:
-    """Return what has been played of `video`.
-
-    Parameters
-    ----------
-    video : Video
-        Loaded with its watch batches.
-    coverage : float
-        Share of the video that must have been played, in [0, 1].
-    """
-    reported = [(start, end) for batch in video.watch_batches for start, end in batch.intervals]
-    union = merged(reported)
-    missing = max(0.0, coverage * video.duration - length(union))
-    return Watched(
-        intervals=union,
-        missing=0.0 if missing < 1e-3 else missing,
-        next_batch=max((batch.batch for batch in video.watch_batches), default=-1) + 1,
-    )
-
-
-def missing_seconds(trial: Trial, coverage: float) -> float:
-    """Return the seconds that must still be played of all videos of `trial` together."""
-    return sum(watched_so_far(video, coverage).missing for video in trial.videos)
-
-
-def watched_share(trial: Trial) -> float:
-    """Return the share of all videos of `trial` together that was played, in [0, 1]."""
-    played = sum(length(watched_so_far(video, 0.0).intervals) for video in trial.videos)
-    return min(1.0, played / sum(video.duration for video in trial.videos))
 
 
 def record_watched(
@@ -95,12 +38,13 @@ def record_watched(
     batch: int,
     intervals: Sequence[Interval],
     clock: Clock,
+    playback: Playback = AS_RECORDED,
 ) -> Watched:
     """Store one numbered report of played intervals and return what is known of the video now.
 
     A number is stored once, so that a report may be sent again when its fate is unknown. Where
-    another window has used the number, the answer lacks what was reported; it can be sent again
-    under `Watched.next_batch`.
+    another window has used the number for another report, `Watched.stored` says so; it can be
+    sent again under `Watched.next_batch`.
 
     Parameters
     ----------
@@ -110,6 +54,8 @@ def record_watched(
         Number of the report within the video, from 0.
     intervals : sequence of (float, float)
         Played parts in seconds from the video's start; what lies outside the video is cut off.
+    playback : Playback
+        How they were played.
 
     Raises
     ------
@@ -124,29 +70,49 @@ def record_watched(
         regain_place(session, served, study_session)
         shown_at = require_present(study_session, video.trial)
         coverage = served.study.watching.coverage
-        inside = [
-            (max(0.0, start), min(video.duration, end))
-            for start, end in intervals
-            if start < video.duration and end > max(0.0, start)
-        ]
+        now = clock.now()
+        report = _report(video, batch, intervals, playback, now)
         before = watched_so_far(video, coverage)
-        if batch in {known.batch for known in video.watch_batches}:
-            return before
-        others = sum(
-            length(watched_so_far(other, coverage).intervals)
-            for other in video.trial.videos
-            if other is not video
-        )
-        played = others + length(merged([*before.intervals, *inside]))
-        if played > clock.seconds_since(shown_at) + TOLERANCE:
-            raise UnacceptableError(
+        for known in video.watch_batches:
+            if known.batch == batch:
+                return replace(before, stored=_same(known, report))
+        if _claimed(video, report, before, coverage) > clock.seconds_since(shown_at) + TOLERANCE:
+            raise TooMuchWatchedError(
                 "More of the video was reported as played than time has passed.",
                 "Please play it again.",
             )
-        now = clock.now()
         study_session.last_active_at = now
-        video.watch_batches.append(
-            WatchBatch(batch=batch, intervals=[list(pair) for pair in inside], received_at=now)
-        )
+        video.watch_batches.append(report)
         session.flush()
         return watched_so_far(video, coverage)
+
+
+def _report(
+    video: Video, batch: int, intervals: Sequence[Interval], playback: Playback, now: datetime
+) -> WatchBatch:
+    inside = [
+        [max(0.0, start), min(video.duration, end)]
+        for start, end in intervals
+        if start < video.duration and end > max(0.0, start)
+    ]
+    return WatchBatch(batch=batch, intervals=inside, received_at=now, **asdict(playback))
+
+
+def _same(known: WatchBatch, report: WatchBatch) -> bool:
+    """Tell whether two reports say the same."""
+    fields = ("intervals", *Playback.__dataclass_fields__)
+    return all(getattr(known, name) == getattr(report, name) for name in fields)
+
+
+def _claimed(video: Video, report: WatchBatch, before: Watched, coverage: float) -> float:
+    """Return the seconds that must have passed if `report` is true."""
+    intervals = [(start, end) for start, end in report.intervals]
+    measured = max(report.hidden_seconds, report.silent_seconds, report.stalled_seconds)
+    if not counts(report, video):
+        return max(measured, length(merged(intervals)) / max(1.0, report.rate))
+    others = sum(
+        length(watched_so_far(other, coverage).intervals)
+        for other in video.trial.videos
+        if other is not video
+    )
+    return max(measured, others + length(merged([*before.intervals, *intervals])))

@@ -17,11 +17,15 @@ participant. What programs may rely on:
                                 A) to 2 (clearly B); an answer about one video is named
                                 ``<question>:<number>``, reasons ticked beside an answer
                                 ``<its name>:reasons``. The same answers may be sent twice.
-``POST /take/<token>/unplayable``  the form ``<form id="unplayable">``: ``trial`` alone.
+``POST /take/<token>/unplayable``  the form ``<form id="unplayable">``: ``trial``, and ``video``,
+                                one of the tokens that its buttons send; a trial of one video
+                                needs none.
 ``POST`` the ``data-watched-url`` of ``<video id="pair">``
                                 JSON ``{"batch": n, "intervals": [[from, to], ...]}``, seconds of
                                 the video that were played; n counts the reports of a video from
-                                0. The answer holds ``missing``, the seconds still to be played.
+                                0. How they were played may be told beside them: see
+                                `studyapp.web.watch_report`. The answer holds ``missing``, the
+                                seconds still to be played.
 ``GET /media/<video token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its
                                 length as ``data-duration``.
 ``<output id="completion-code">``  on the last page, the completion code.

@@ -19,6 +19,7 @@ from studyapp.services.refusal import (
     UnacceptableError,
     UnknownAddressError,
 )
+from studyapp.services.refusals import note_refusal
 from studyapp.web.language import _, say
 from studyapp.web.running import running
 
@@ -63,12 +64,21 @@ def register_error_pages(app: Flask) -> None:
 
     @app.errorhandler(RefusalError)
     def refuse(refusal: RefusalError) -> ResponseReturnValue:
+        note(refusal)
         return _page(refusal.messages, STATUS[type(refusal)])
 
     @app.errorhandler(HTTPException)
     def fail(error: HTTPException) -> ResponseReturnValue:
         status = error.code or 500
         return _page(WORDS.get(status, OTHER_WORDS), status)
+
+
+def note(refusal: RefusalError) -> None:
+    """Note for the researcher that a participant's request was refused."""
+    here, token = running(), (request.view_args or {}).get("token")
+    if token is not None and request.endpoint is not None:
+        asked = request.endpoint.rpartition(".")[2]
+        note_refusal(here.database, token, asked, refusal, here.clock)
 
 
 def told(refusal: RefusalError) -> str:

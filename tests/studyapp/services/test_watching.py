@@ -8,9 +8,15 @@ from hypothesis import strategies as st
 from sqlalchemy import select
 
 from studyapp.models import WatchBatch
-from studyapp.services.refusal import ConflictError, NotTheirsError, UnacceptableError
-from studyapp.services.taking_part import withdraw
-from studyapp.services.watching import length, merged, record_watched
+from studyapp.services.refusal import (
+    ConflictError,
+    NotTheirsError,
+    RefusalError,
+    UnacceptableError,
+)
+from studyapp.services.watch_evidence import length, merged
+from studyapp.services.watching import record_watched
+from studyapp.services.withdrawing import withdraw
 from tests.studyapp.taking_part_steps import Participant
 
 INTERVALS = st.lists(
@@ -122,7 +128,7 @@ def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) ->
     participant.clock.advance(seconds=5)
     withdraw(participant.database, participant.token, participant.clock)
 
-    with pytest.raises(ConflictError, match="withdrawn"):
+    with pytest.raises(RefusalError):
         record_watched(
             participant.database,
             participant.served,
