@@ -14,6 +14,7 @@ from studyapp.definition.form import Stage
 from studyapp.definition.study import Study
 from studyapp.design.message import Message
 from studyapp.models import StudySession, Trial, Video
+from studyapp.services.loading import load_place_and_trials, load_video
 from studyapp.services.refusal import ConflictError, NotTheirsError, UnknownAddressError
 
 State = Literal["instructed", "started", "completed", "withdrawn", "lapsed"]
@@ -29,22 +30,25 @@ NOT_AT_A_TRIAL: Final[Mapping[State, Message]] = MappingProxyType(
 """Why somebody who has not started, or no longer takes part, has no trial."""
 
 
-def find(session: Session, token: str) -> StudySession:
-    """Return the study session with this token, kept from other writers until stored.
+def find(session: Session, token: str, *, to_change: bool = True) -> StudySession:
+    """Return the study session with this token, by default kept from other writers until stored.
+
+    What belongs to it must be loaded after it, not with it: whoever waited for another writer
+    would see its trials and its place as they were before.
 
     Raises
     ------
     UnknownAddressError
         If there is none.
     """
-    found = session.scalars(
-        select(StudySession).where(StudySession.token == token).with_for_update()
-    ).first()
+    wanted = select(StudySession).where(StudySession.token == token)
+    found = session.scalars(wanted.with_for_update() if to_change else wanted).first()
     if found is None:
         raise UnknownAddressError(
             "This address belongs to no participant of this study.",
             "Please open the link you were given once more; nothing you answered is lost.",
         )
+    load_place_and_trials(session, found)
     return found
 
 
@@ -126,8 +130,8 @@ def video_of(session: Session, study_session: StudySession, video_token: str) ->
     NotTheirsError
         If it is none of this study session.
     """
-    found = session.scalars(select(Video).where(Video.token == video_token)).first()
-    if found is None or found.trial.study_session_id != study_session.id:
+    found = load_video(session, study_session, video_token)
+    if found is None:
         raise _not_theirs()
     return found
 

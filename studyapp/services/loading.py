@@ -1,0 +1,71 @@
+"""Loading what belongs to a study session in few statements: each costs as much as a page's words.
+
+The relations load themselves where these functions were not called; that is slower, not wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from sqlalchemy import bindparam, select
+from sqlalchemy.orm import Session, joinedload, load_only, selectinload
+from sqlalchemy.orm.attributes import set_committed_value
+
+from studyapp.models import StudySession, Trial, Video
+
+PLACE_AND_TRIALS: Final = (
+    select(StudySession)
+    .where(StudySession.id == bindparam("id"))
+    .options(
+        load_only(StudySession.id),
+        joinedload(StudySession.place),
+        joinedload(StudySession.trials),
+    )
+)
+
+VIDEOS: Final = (
+    select(Video)
+    .order_by(Video.number)
+    .options(joinedload(Video.stimuli, innerjoin=True), selectinload(Video.watch_batches))
+)
+VIDEOS_OF_TRIALS: Final = VIDEOS.where(Video.trial_id.in_(bindparam("trials", expanding=True)))
+VIDEOS_BESIDE: Final = VIDEOS.where(
+    Video.trial_id
+    == select(Video.trial_id).where(Video.token == bindparam("token")).scalar_subquery()
+)
+
+
+def load_place_and_trials(session: Session, study_session: StudySession) -> None:
+    """Load the place and the trials of `study_session`."""
+    session.execute(PLACE_AND_TRIALS, {"id": study_session.id}).unique().all()
+
+
+def load_videos(session: Session, trials: Iterable[Trial]) -> None:
+    """Load the videos of `trials`, what they show, and what was played of them."""
+    wanted = {trial.id: trial for trial in trials}
+    videos = session.scalars(VIDEOS_OF_TRIALS, {"trials": list(wanted)}).unique().all()
+    for number, trial in wanted.items():
+        _attach(trial, [video for video in videos if video.trial_id == number])
+
+
+def load_video(session: Session, study_session: StudySession, token: str) -> Video | None:
+    """Return the video of `study_session` that `token` names, its trial's videos loaded with it.
+
+    Returns
+    -------
+    Video or None
+        None where it is none of this study session.
+    """
+    videos = session.scalars(VIDEOS_BESIDE, {"token": token}).unique().all()
+    trial = next((t for t in study_session.trials if videos and t.id == videos[0].trial_id), None)
+    if trial is None:
+        return None
+    _attach(trial, videos)
+    return next(video for video in videos if video.token == token)
+
+
+def _attach(trial: Trial, videos: Sequence[Video]) -> None:
+    shown = [stimulus for video in videos for stimulus in video.stimuli]
+    set_committed_value(trial, "videos", list(videos))
+    set_committed_value(trial, "stimuli", sorted(shown, key=lambda found: found.number))
