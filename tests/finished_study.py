@@ -7,6 +7,8 @@ from pathlib import Path
 
 from studyapp.definition.finished_videos import finished_video
 from studyapp.definition.folder import StudyFolder
+from studyapp.stages.rendering import hide_sizes
+from studyapp.stages.video_copies import copy_videos
 from tests.tiny_study import write_pair_video
 
 SEGMENTS = ("one", "two", "three")
@@ -98,10 +100,14 @@ text = "Which is better?"
 
 
 def write_finished_study(folder: Path, protocol: str, video: Path) -> None:
-    """Write a study of `protocol` into `folder`; every video is a copy of `video`."""
+    """Write a study of `protocol` into `folder`, ready to serve; all show what `video` does."""
     keys, tables = PROTOCOLS[protocol].split("\n\n", 1)
-    text = f"{keys}\n{COMMON}\n{tables}"
-    (folder / "study.toml").write_text(text, encoding="utf-8")
+    write_study_of_one_video(folder, f"{keys}\n{COMMON}\n{tables}", video)
+
+
+def write_study_of_one_video(folder: Path, definition: str, video: Path) -> None:
+    """Write the study that `definition` declares, of finished videos that all are `video`."""
+    (folder / "study.toml").write_text(definition, encoding="utf-8")
     files = StudyFolder(folder)
     study = files.study()
     conditions = [*study.conditions, *([study.catch.condition] if study.catch.trials else [])]
@@ -110,6 +116,8 @@ def write_finished_study(folder: Path, protocol: str, video: Path) -> None:
             _copy(video, folder / "videos" / condition / f"{segment}.mp4")
     for shown, *_ in study.contents(tuple(files.segments_of(study))):
         _copy(video, finished_video(files.videos, shown))
+    copy_videos(files)
+    hide_sizes(files)
 
 
 def write_short_video(path: Path, *, seconds: float = 2.0) -> None:

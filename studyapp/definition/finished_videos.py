@@ -1,7 +1,8 @@
 """Finished videos from any other tool: ``videos/<condition>/<segment>.mp4``.
 
 The same motion heard with another segment's speech lies beside it as
-``<segment>@<speech>.mp4``; no segment's name holds an @.
+``<segment>@<speech>.mp4``; no segment's name holds an @. Participants are shown copies: the files
+that were brought stay as they are.
 """
 
 from __future__ import annotations
@@ -13,13 +14,25 @@ import av
 
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
-from studyapp.design.stimulus import Stimulus
+from studyapp.definition.study import Study
+from studyapp.design.stimulus import Content, Stimulus
+
+
+def shows_copy(study: Study, content: Content) -> bool:
+    """Tell whether participants are shown a copy of the video of `content`.
+
+    They are of all single videos where some were brought finished, since these differ in what
+    their files tell, and of every one without sound.
+    """
+    (first, *others) = content
+    finished = any(map(study.is_finished, (*study.conditions, study.catch.condition)))
+    return not others and (finished or first.speech is None)
 
 
 def finished_video(videos: Path, stimulus: Stimulus) -> Path:
     """Return where the finished video of `stimulus` lies in the folder `videos`.
 
-    A stimulus without sound is the video with its own speech, which the page mutes.
+    A stimulus without sound is the video with its own speech, copied without it.
     """
     other = stimulus.speech not in (None, stimulus.segment)
     name = f"{stimulus.segment}@{stimulus.speech}" if other else stimulus.segment

@@ -1,4 +1,4 @@
-"""Which file shows what: rendered videos and finished ones alike."""
+"""Which file shows participants what: rendered videos, and copies of others."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from studyapp.definition.finished_videos import finished_video, seconds_of
+from studyapp.definition.finished_videos import shows_copy
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import Stimuli, read_stimuli
+from studyapp.definition.stimuli import Stimuli, VideoCopy, read_stimuli
 from studyapp.definition.study import Study
 from studyapp.design.stimulus import Content, Stimulus
 
@@ -24,21 +24,21 @@ class VideoFile:
 
 @dataclass(frozen=True, kw_only=True)
 class Media:
-    """All videos of a study.
+    """All videos that a study's participants are shown.
 
     Attributes
     ----------
-    folder : StudyFolder
-        Where they lie.
     study : Study
-        Tells which conditions have finished videos.
-    rendered : mapping of Content to VideoFile
-        What `motionjury render` has made.
+        Tells of which videos copies are shown.
+    made : mapping of Content to VideoFile
+        What `motionjury render` has rendered.
+    copies : mapping of Content to VideoFile
+        What it has copied.
     """
 
-    folder: StudyFolder
     study: Study
-    rendered: Mapping[Content, VideoFile]
+    made: Mapping[Content, VideoFile]
+    copies: Mapping[Content, VideoFile]
 
     @classmethod
     def of(cls, folder: StudyFolder, study: Study) -> Self:
@@ -47,27 +47,29 @@ class Media:
         Raises
         ------
         InputError
-            If something must have been rendered and nothing was.
+            If nothing was rendered yet.
         """
-        stimuli = Stimuli() if study.only_finished else read_stimuli(folder.stimuli)
-        return cls(folder=folder, study=study, rendered=_rendered(folder, stimuli))
+        stimuli = read_stimuli(folder.stimuli)
+        return cls(
+            study=study,
+            made=_rendered(folder, stimuli),
+            copies={
+                (stimulus_of(copy),): VideoFile(
+                    file=folder.root / copy.file, duration=copy.duration
+                )
+                for copy in stimuli.copies
+            },
+        )
 
     def find(self, content: Content) -> VideoFile | None:
         """Return the video that shows `content`, whether or not its file is there; else None."""
-        (first, *others) = content
-        if not others and self.study.is_finished(first.condition):
-            path = finished_video(self.folder.videos, first)
-            # What is not there is named by whoever looks for the file.
-            seconds = seconds_of(path) if path.is_file() else 0.0
-            return VideoFile(file=path, duration=seconds)
-        return self.rendered.get(tuple(_heard(stimulus) for stimulus in content))
+        made = self.copies if shows_copy(self.study, content) else self.made
+        return made.get(content)
 
 
-def _heard(stimulus: Stimulus) -> Stimulus:
-    """Return what a muted stimulus is before the page mutes it."""
-    if stimulus.speech is not None:
-        return stimulus
-    return Stimulus.own(stimulus.condition, stimulus.segment)
+def stimulus_of(copy: VideoCopy) -> Stimulus:
+    """Return what a copy shows."""
+    return Stimulus(condition=copy.condition, segment=copy.segment, speech=copy.heard)
 
 
 def _rendered(folder: StudyFolder, stimuli: Stimuli) -> dict[Content, VideoFile]:

@@ -1,4 +1,4 @@
-"""`stimuli.json`: every rendered file of a study and what it is."""
+"""`stimuli.json`: every file that rendering made of a study, and what it is."""
 
 from __future__ import annotations
 
@@ -58,12 +58,28 @@ class PairVideo(_RenderedVideo):
     right: str
 
 
+class VideoCopy(_RenderedVideo):
+    """What participants are shown of a finished video, or of a clip without its sound.
+
+    Its picture is encoded as in the original; its name says nothing of the condition.
+
+    Attributes
+    ----------
+    heard : str or None
+        The segment whose speech is heard; None for no sound at all.
+    """
+
+    condition: str
+    heard: str | None
+
+
 class Stimuli(_Record):
-    """All rendered media of a study."""
+    """All media of a study that were made by `motionjury render`."""
 
     format: Literal[1] = 1
     clips: tuple[ClipVideo, ...] = ()
     pairs: tuple[PairVideo, ...] = ()
+    copies: tuple[VideoCopy, ...] = ()
 
     def pair(self, segment: str, left: str, right: str) -> PairVideo | None:
         """Return the pair video of `segment` with these sides, or None."""

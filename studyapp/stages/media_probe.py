@@ -15,16 +15,25 @@ DURATION_TOLERANCE: Final = 0.1
 """Seconds by which a video may be longer or shorter than its segment."""
 
 
-def flaw_of(video: Path, seconds: float) -> str | None:
+def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> str | None:
     """Return what is wrong with a video that should last `seconds`; None where nothing is.
 
     Its index is read and its first frame decoded, not the whole of it.
+
+    Parameters
+    ----------
+    video : Path
+        Any file.
+    seconds : float
+        May be missed by `DURATION_TOLERANCE`.
+    sound : bool
+        Whether it must have sound.
     """
     try:
         with av.open(str(video)) as container:
             if not container.streams.video:
                 return "has no picture"
-            if not container.streams.audio:
+            if sound and not container.streams.audio:
                 return "has no sound"
             lasts = (container.duration or 0) / av.time_base
             if abs(lasts - seconds) > DURATION_TOLERANCE:

@@ -88,7 +88,7 @@ def _media_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
         study.contents(tuple(segments.values())),
         key=lambda content: order.index(content[0].segment),
     )
-    if not study.only_finished and not folder.stimuli.exists():
+    if not folder.stimuli.exists():
         yield Finding(Severity.ERROR, "the study has no videos yet", "Run 'motionjury render'")
         return
     media = Media.of(folder, study)
@@ -143,7 +143,7 @@ def _freeze_findings(study: Study) -> Iterator[Finding]:
 
 def _loudness_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     """Say where videos sound louder than others; what is rendered of one speech sounds alike."""
-    if not study.only_finished and not folder.stimuli.exists():
+    if not folder.stimuli.exists():
         return
     media = Media.of(folder, study)
     loudness: dict[str, float] = {}

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Final, Self
 
 from renderer.job import Outcome
-from studyapp.definition.stimuli import ClipVideo, PairVideo, Stimuli, write_stimuli
+from studyapp.definition.stimuli import ClipVideo, PairVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.stages.render_plan import RenderPlan
 
 _WRITTEN_EVERY: Final = 1.0
@@ -47,7 +47,7 @@ class RenderCount:
     Attributes
     ----------
     made, kept : int
-        Videos made by this run, and those that were there and still fit.
+        Videos made by this run, copies included, and those that were there and still fit.
     failures : tuple of str
         Videos that could not be made, and why.
     left_out : int
@@ -61,6 +61,15 @@ class RenderCount:
     failures: tuple[str, ...] = ()
     left_out: int = 0
     notes: tuple[str, ...] = ()
+
+    def and_copied(self, made: int, kept: int, failures: tuple[str, ...]) -> RenderCount:
+        """Return the count with the videos that were copied."""
+        return replace(
+            self,
+            made=self.made + made,
+            kept=self.kept + kept,
+            failures=(*self.failures, *failures),
+        )
 
 
 class RenderRecord:
@@ -80,6 +89,8 @@ class RenderRecord:
         everything = (*plan.clips, *plan.pairs)
         self._finished = {record.file for record in everything if record.file not in self._to_do}
         self._kept = len(self._finished)
+        known = plan.folder.stimuli
+        self._copies = read_stimuli(known).copies if known.exists() else ()
         self._failures: list[str] = []
         self._left_out = 0
         self._all_frames = sum(self._frame_count(record) for record in to_do)
@@ -142,6 +153,7 @@ class RenderRecord:
             Stimuli(
                 clips=tuple(clip for clip in self._plan.clips if clip.file in self._finished),
                 pairs=tuple(pair for pair in self._plan.pairs if pair.file in self._finished),
+                copies=self._copies,
             ),
         )
         self._written = time.monotonic()

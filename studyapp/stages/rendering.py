@@ -20,6 +20,7 @@ from studyapp.stages.disk_space import check_room, frames_limit
 from studyapp.stages.render_plan import RenderPlan, sides_of
 from studyapp.stages.render_record import RenderCount, RenderProgress, RenderRecord
 from studyapp.stages.speech_loudness import loudness_notes
+from studyapp.stages.video_copies import copy_videos
 
 
 def render(
@@ -35,7 +36,7 @@ def render(
     What is finished is recorded, so that an interrupted run goes on where it was. A video that
     cannot be made is reported and the rest goes on. Each segment's pairs follow its clips, so
     that the frames between them need not be kept longer than that. Finished videos that were
-    brought are only given equal sizes.
+    brought, and clips to be shown without sound, are copied for the participants.
 
     Parameters
     ----------
@@ -58,14 +59,15 @@ def render(
     """
     # Absolute, because workers of a cluster stand elsewhere.
     folder = StudyFolder(folder.root.absolute())
-    if folder.study().only_finished:
-        with _alone(folder):
-            hide_sizes(folder)
-        return RenderCount(made=0, kept=0)
-    plan = RenderPlan.of(folder)
+    plan = None if folder.study().only_finished else RenderPlan.of(folder)
     with _alone(folder):
         _remove_drafts(folder.videos)
-        return _render(plan, processes, cluster, frames_cache, on_progress)
+        rendered = RenderCount(made=0, kept=0)
+        if plan is not None:
+            rendered = _render(plan, processes, cluster, frames_cache, on_progress)
+        copied = copy_videos(folder)
+        hide_sizes(folder)
+    return rendered.and_copied(copied.made, copied.kept, copied.failures)
 
 
 def _render(
@@ -99,7 +101,6 @@ def _render(
             run_jobs(jobs, processes=processes, cluster=cluster, on_done=on_done)
     finally:
         _remove_drafts(folder.videos)
-    hide_sizes(folder)
     return record.count(notes=(*plan.notes, *notes))
 
 
@@ -170,7 +171,7 @@ def _current_files(folder: StudyFolder) -> dict[str, str]:
 def hide_sizes(folder: StudyFolder) -> None:
     """Give all videos of one segment that participants are shown the same file size.
 
-    Finished videos that were brought are padded as well; what they show stays as it is.
+    Of finished videos that were brought, the copies are meant.
     """
     study = folder.study()
     media = Media.of(folder, study)

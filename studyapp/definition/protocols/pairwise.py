@@ -100,7 +100,8 @@ class PairwiseStudy(Study):
             problems.append(f"{unused} has no meaning with comparisons = {self.comparisons!r}")
         if self.practice > self.trials:
             problems.append(f"practice {self.practice} is more than trials {self.trials}")
-        if self.is_composed and any(c.videos for c in self.conditions.values()):
+        finished = any(map(self.is_finished, (*self.conditions, self.catch.condition)))
+        if self.is_composed and finished:
             problems.append('finished videos cannot be composed: set layout = "players"')
         return problems
 

@@ -8,7 +8,7 @@ from motion.errors import InputError
 from studyapp.definition.finished_videos import finished_video, seconds_of
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.media import Media
-from studyapp.definition.stimuli import ClipVideo, Stimuli, write_stimuli
+from studyapp.definition.stimuli import ClipVideo, Stimuli, VideoCopy, write_stimuli
 from studyapp.design.stimulus import Stimulus
 from tests.finished_study import PROTOCOLS, SEGMENTS, write_finished_study, write_short_video
 from tests.studyapp.made_study import make_study
@@ -25,7 +25,9 @@ def finished(tmp_path: Path) -> StudyFolder:
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_finished_videos_need_neither_speech_nor_rendering(tmp_path: Path, protocol: str) -> None:
+def test_of_finished_videos_copies_are_shown_and_no_speech_is_needed(
+    tmp_path: Path, protocol: str
+) -> None:
     write_short_video(tmp_path / "short.mp4")
     write_finished_study(tmp_path, protocol, tmp_path / "short.mp4")
     folder = StudyFolder(tmp_path)
@@ -38,6 +40,7 @@ def test_finished_videos_need_neither_speech_nor_rendering(tmp_path: Path, proto
         found = media.find(content)
         assert found is not None
         assert found.file.is_file()
+        assert found.file.parent == folder.videos / "copies"
         assert found.duration == pytest.approx(2.0, abs=0.05)
 
 
@@ -66,7 +69,10 @@ def test_a_finished_video_that_is_none_is_named(finished: StudyFolder) -> None:
 def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> None:
     clip = ClipVideo(segment="one", condition="ours", file="videos/a.mp4", duration=2.0, key="k")
     other = clip.model_copy(update={"speech": "two", "file": "videos/b.mp4"})
-    write_stimuli(tmp_path / "stimuli.json", Stimuli(clips=(clip, other)))
+    silent = VideoCopy(
+        segment="one", condition="ours", heard=None, file="videos/c.mp4", duration=2.0, key="k"
+    )
+    write_stimuli(tmp_path / "stimuli.json", Stimuli(clips=(clip, other), copies=(silent,)))
     conditions = {"ours": {}, "theirs": {}}
     study = make_study(reference="ours", conditions=conditions)
     media = Media.of(StudyFolder(tmp_path), study)
@@ -75,6 +81,7 @@ def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> N
         found = media.find((stimulus,))
         return None if found is None else found.file.name
 
-    assert name(Stimulus.own("ours", "one")) == name(MUTED) == "a.mp4"
+    assert name(Stimulus.own("ours", "one")) == "a.mp4"
     assert name(OTHER) == "b.mp4"
+    assert name(MUTED) == "c.mp4"
     assert name(Stimulus.own("theirs", "one")) is None

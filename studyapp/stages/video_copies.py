@@ -1,0 +1,148 @@
+"""Copies of videos for participants, where the files themselves would tell more than they show.
+
+Finished videos come from any tool: their files name it, may last some frames more or less, and
+carry sound where none is to be heard. Copies have the same picture, encoded as it was, and are
+alike in all else. Originals are never changed.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Final
+
+from motion.errors import InputError
+from motion.segment import Segment
+from motion.source_version import source_version
+from renderer.stream_copy import copy_video, end_of
+from studyapp.definition.finished_videos import finished_video, shows_copy
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.media import stimulus_of
+from studyapp.definition.stimuli import Stimuli, VideoCopy, read_stimuli, write_stimuli
+from studyapp.definition.study import Study
+from studyapp.design.stimulus import Stimulus
+from studyapp.stages.digest import digest
+from studyapp.stages.media_probe import flaw_of
+
+_VERSION: Final = source_version(("renderer/stream_copy.py",), ("av",))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CopyCount:
+    """What a run copied.
+
+    Attributes
+    ----------
+    made, kept : int
+        Copies made by this run, and those that were there and still fit.
+    failures : tuple of str
+        Videos that could not be copied, and why.
+    """
+
+    made: int = 0
+    kept: int = 0
+    failures: tuple[str, ...] = ()
+
+
+def copy_videos(folder: StudyFolder) -> CopyCount:
+    """Copy each video that participants are shown a copy of, unless it was and still fits.
+
+    All copies of one segment last equally long: as long as the longest of them, within the
+    tolerance that `motionjury check` allows.
+    """
+    study = folder.study()
+    segments = {segment.name: segment for segment in folder.segments_of(study)}
+    before = read_stimuli(folder.stimuli) if folder.stimuli.exists() else Stimuli()
+    known = frozenset(before.copies)
+    made: list[VideoCopy] = []
+    kept: list[VideoCopy] = []
+    failures: list[str] = []
+    for name, originals in _originals(folder, study, tuple(segments.values()), before).items():
+        usable = {}
+        for stimulus, file in originals.items():
+            flaw = original_flaw(file, segments[name], sound=stimulus.speech is not None)
+            if flaw is None:
+                usable[stimulus] = file
+            else:
+                failures.append(f"{file.relative_to(folder.root)} {flaw}")
+        lasts = max(map(end_of, set(usable.values())), default=Fraction(0))
+        for stimulus, file in usable.items():
+            copy = _copy_of(stimulus, file, lasts)
+            if copy in known and (folder.root / copy.file).is_file():
+                kept.append(copy)
+                continue
+            try:
+                copy_video(file, folder.root / copy.file, lasts=lasts, sound=copy.heard is not None)
+            except InputError as error:
+                failures.append(str(error))
+            else:
+                made.append(copy)
+    current = sorted([*kept, *made], key=lambda copy: copy.file)
+    if made or len(current) != len(before.copies):
+        write_stimuli(folder.stimuli, before.model_copy(update={"copies": tuple(current)}))
+    for gone in {copy.file for copy in before.copies} - {copy.file for copy in current}:
+        (folder.root / gone).unlink(missing_ok=True)
+    return CopyCount(made=len(made), kept=len(kept), failures=tuple(dict.fromkeys(failures)))
+
+
+def original_flaw(file: Path, segment: Segment, *, sound: bool) -> str | None:
+    """Return why participants cannot be shown a copy of `file`; None where they can."""
+    return flaw_of(file, segment.duration, sound=sound) if file.is_file() else "is missing"
+
+
+def out_of_date(folder: StudyFolder) -> list[VideoCopy]:
+    """Return the copies whose original has changed since."""
+    study = folder.study()
+    stimuli = read_stimuli(folder.stimuli)
+    segments = tuple(folder.segments_of(study))
+    current = {
+        stimulus: file
+        for originals in _originals(folder, study, segments, stimuli).values()
+        for stimulus, file in originals.items()
+    }
+    return [
+        copy
+        for copy in stimuli.copies
+        if (file := current.get(stimulus_of(copy))) is not None
+        and file.is_file()
+        and not copy.key.startswith(_key_of(file))
+    ]
+
+
+def _originals(
+    folder: StudyFolder, study: Study, segments: Sequence[Segment], stimuli: Stimuli
+) -> Mapping[str, Mapping[Stimulus, Path]]:
+    """Return, for each segment, the videos to be copied and what each copy shows."""
+    rendered = {
+        (clip.condition, clip.segment, clip.speech or clip.segment): folder.root / clip.file
+        for clip in stimuli.clips
+    }
+    originals: defaultdict[str, dict[Stimulus, Path]] = defaultdict(dict)
+    for content in study.contents(segments):
+        if not shows_copy(study, content):
+            continue
+        (shown,) = content
+        file = rendered.get((shown.condition, shown.segment, shown.speech or shown.segment))
+        if study.is_finished(shown.condition):
+            file = finished_video(folder.videos, shown)
+        if file is not None:
+            originals[shown.segment][shown] = file
+    return originals
+
+
+def _copy_of(stimulus: Stimulus, original: Path, lasts: Fraction) -> VideoCopy:
+    return VideoCopy(
+        condition=stimulus.condition,
+        segment=stimulus.segment,
+        heard=stimulus.speech,
+        file=f"videos/copies/{digest(stimulus)}.mp4",
+        duration=float(lasts),
+        key=f"{_key_of(original)}-{float(lasts):.6f}",
+    )
+
+
+def _key_of(original: Path) -> str:
+    return digest(_VERSION, original)

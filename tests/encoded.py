@@ -1,0 +1,63 @@
+"""Videos as other tools write them, with more in their files than is seen and heard."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+
+from motion.audio import Audio
+from renderer.encoder import SOUND_RATE
+
+
+def _second_of_sound() -> Audio:
+    moments = np.arange(2 * SOUND_RATE) / SOUND_RATE
+    return Audio((0.1 * np.sin(2 * np.pi * 300 * moments)).astype(np.float32), SOUND_RATE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """What a file tells.
+
+    Attributes
+    ----------
+    name, language : str
+        Written into the file's and its streams' metadata.
+    sound : Audio or None
+        What is heard; two seconds of a tone where nothing else is said.
+    """
+
+    name: str = ""
+    language: str = "und"
+    frames: int = 60
+    rate: int = 30
+    size: int = 64
+    codec: str = "libx264"
+    sound: Audio | None = field(default_factory=_second_of_sound)
+
+
+def write_video(path: Path, told: Told) -> None:
+    """Write a video whose grey grows lighter."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with av.open(str(path), "w") as container:
+        container.metadata.update({"title": told.name, "comment": told.name})
+        video = container.add_stream(told.codec, rate=told.rate)
+        video.width, video.height, video.pix_fmt = told.size, told.size, "yuv420p"
+        video.metadata.update({"language": told.language, "handler_name": told.name})
+        packets = []
+        if told.sound is not None:
+            audio = container.add_stream("aac", rate=SOUND_RATE, layout="mono")
+            frame = av.AudioFrame.from_ndarray(
+                np.ascontiguousarray(told.sound.samples[None]), format="fltp", layout="mono"
+            )
+            frame.sample_rate, frame.pts = SOUND_RATE, 0
+            frame.time_base = Fraction(1, SOUND_RATE)
+            packets = [*audio.encode(frame), *audio.encode(None)]
+        for index in range(told.frames):
+            picture = np.full((told.size, told.size, 3), 60 + 2 * index % 180, np.uint8)
+            container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(video.encode(None))
+        container.mux(packets)
