@@ -16,8 +16,23 @@ from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find, form_due
+from studyapp.services.sound_check import sound_check_due
 
 BEFORE_ENROLMENT: Final[tuple[Stage, ...]] = ("eligibility", "consent")
+
+
+def check_eligibility(study: Study, fields: Mapping[str, str]) -> None:
+    """Refuse who may not take part as far as they said so before consent; nothing is stored.
+
+    Raises
+    ------
+    UnacceptableError
+        If an answer is missing, unknown or not one of those offered.
+    IneligibleError
+        If the person cannot take part.
+    """
+    _check_answers(study, "eligibility", fields)
+    _require_eligible(study, "eligibility", fields)
 
 
 def entrance_answers(study: Study, fields: Mapping[str, str], now: datetime) -> list[FormAnswer]:
@@ -30,18 +45,20 @@ def entrance_answers(study: Study, fields: Mapping[str, str], now: datetime) -> 
     IneligibleError
         If the person cannot take part; nothing of them is stored.
     """
-    answers = [
-        answer for stage in BEFORE_ENROLMENT for answer in _answers(study, stage, fields, now)
-    ]
-    given = {answer.question: answer.value for answer in answers}
+    answers = []
     for stage in BEFORE_ENROLMENT:
-        for question in study.form.asked(stage):
-            if question.eligible and given[question.name] not in question.eligible:
-                raise IneligibleError(
-                    "Thank you for your interest: this study looks for other participants.",
-                    "Nothing about you has been stored, and you may close this page.",
-                )
+        answers.extend(_answers(study, stage, fields, now))
+        _require_eligible(study, stage, fields)
     return answers
+
+
+def _require_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
+    for question in study.form.asked(stage):
+        if question.eligible and fields[question.name].strip() not in question.eligible:
+            raise IneligibleError(
+                "Thank you for your interest: this study looks for other participants.",
+                "Nothing about you has been stored, and you may close this page.",
+            )
 
 
 def answer_form(
@@ -86,7 +103,8 @@ def answer_form(
             return
         regain_place(session, served, study_session)
         running = study_session.place is not None and study_session.completed_at is None
-        if not running or form_due(study_session, study) != stage:
+        checking = sound_check_due(study_session, served)
+        if not running or checking or form_due(study_session, study) != stage:
             raise ConflictError(
                 "These questions are not the ones you are at.",
                 "The page you come to next shows how to go on.",
@@ -99,15 +117,22 @@ def _answers(
     study: Study, stage: Stage, fields: Mapping[str, str], now: datetime
 ) -> list[FormAnswer]:
     """Return an answer for each question of `stage`; one that was left open is empty."""
-    answers = []
+    _check_answers(study, stage, fields)
+    return [
+        FormAnswer(
+            stage=stage,
+            question=question.name,
+            value=fields.get(question.name, "").strip(),
+            answered_at=now,
+        )
+        for question in study.form.asked(stage)
+    ]
+
+
+def _check_answers(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
     for number, question in enumerate(study.form.asked(stage), start=1):
-        value = fields.get(question.name, "").strip()
-        problem = question.problem(value, number)
+        problem = question.problem(fields.get(question.name, "").strip(), number)
         if problem is not None:
             raise UnacceptableError(
                 "{problem}", "The other answers you gave are kept.", problem=problem
             )
-        answers.append(
-            FormAnswer(stage=stage, question=question.name, value=value, answered_at=now)
-        )
-    return answers

@@ -73,6 +73,11 @@ class ServedStudy:
         return cls(study=study, definition=definition, segments=segments, videos=videos)
 
     @cached_property
+    def has_sound(self) -> bool:
+        """Whether any video is to be heard."""
+        return any(shown.speech is not None for content in self.videos for shown in content)
+
+    @cached_property
     def design(self) -> str:
         """Digest of what may not change while the study runs."""
         return design_digest(self.study, self.segments)

@@ -1,29 +1,26 @@
-"""Beginning, looking at the present trial, and withdrawing."""
+"""Beginning, and looking at where the participant stands."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from statistics import median
-from typing import Final
+from dataclasses import dataclass, replace
 
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
 from studyapp.definition.form import Stage
 from studyapp.definition.study import Study
 from studyapp.design.asking import Ask
-from studyapp.design.stimulus import Content, Stimulus
 from studyapp.models import StudySession, Trial, Video
 from studyapp.services.database import Database
+from studyapp.services.loading import load_videos
 from studyapp.services.places import regain_place
-from studyapp.services.refusal import ConflictError
+from studyapp.services.resting import break_due
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import State, current_trial, find, form_due, state_of
-from studyapp.services.watching import Watched, watched_so_far
-
-SECONDS_FOR_ANSWERS: Final = 15.0
-"""What reading and answering takes beside the video, before the participant's own pace is known."""
+from studyapp.services.sound_check import draw_digits, left_unheard, sound_check_due
+from studyapp.services.time_left import expected_seconds, minutes_left
+from studyapp.services.watch_evidence import Watched, is_soundless, watched_so_far
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +67,7 @@ class ShownTrial:
     is_practice : bool
         Whether its answers are discarded; only some studies tell.
     minutes_left : int
-        From the participant's own pace, at least 1.
+        See `studyapp.services.time_left`.
     """
 
     token: str
@@ -90,23 +87,53 @@ class ShownTrial:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Break:
+    """A break between two trials.
+
+    Attributes
+    ----------
+    position : int
+        Of the trial that comes after it.
+    done : int
+        How many trials there have been.
+    minutes_left : int
+        See `studyapp.services.time_left`.
+    """
+
+    position: int
+    done: int
+    minutes_left: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class Situation:
-    """What a participant's page shows.
+    """What a participant's page shows; of what is due, the first in this order.
 
     Attributes
     ----------
     presentations, practice : int
         How many trials there are, and how many of them are practice.
+    sound_tries : int or None
+        How often other digits were typed; None where the sound check is not due.
     form : {'demographics', 'closing'} or None
         Questions about the participant that are to be answered before anything else.
+    rest : Break or None
+        A break that is offered now.
+    trial : ShownTrial or None
+        What is to be judged now.
+    left_unheard : bool
+        Whether they withdrew since they could not hear the sound.
     """
 
     state: State
     presentations: int
     practice: int
+    sound_tries: int | None = None
     form: Stage | None = None
+    rest: Break | None = None
     completion_code: str | None = None
     trial: ShownTrial | None = None
+    left_unheard: bool = False
 
 
 def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> Situation:
@@ -116,33 +143,48 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
     """
     with database.writing() as session:
         study_session = find(session, token)
-        now = clock.now()
         regain_place(session, served, study_session)
-        state = state_of(study_session)
-        trial = current_trial(study_session)
-        if state in ("instructed", "started"):
-            study_session.last_active_at = now
-        if state == "started" and trial is not None and trial.shown_at is None:
-            trial.shown_at = now
-        return Situation(
-            state=state,
+        situation = Situation(
+            state=state_of(study_session),
             presentations=len(study_session.trials),
             practice=sum(planned.kind == "practice" for planned in study_session.trials),
-            form=form_due(study_session, served.study)
-            if state in ("instructed", "started")
-            else None,
             completion_code=study_session.completion_code,
-            trial=_shown(study_session, trial, served.study)
-            if state == "started" and trial is not None
-            else None,
+            left_unheard=left_unheard(study_session),
         )
+        if situation.state not in ("instructed", "started"):
+            return situation
+        study_session.last_active_at = now = clock.now()
+        if sound_check_due(study_session, served):
+            draw_digits(study_session)
+            return replace(situation, sound_tries=study_session.sound_tries)
+        form = form_due(study_session, served.study)
+        trial = current_trial(study_session)
+        if form is not None or situation.state == "instructed" or trial is None:
+            return replace(situation, form=form)
+        minutes = _minutes_left(session, study_session)
+        if (position := break_due(study_session, served.study)) is not None:
+            rest = Break(position=position, done=position - 1, minutes_left=minutes)
+            return replace(situation, rest=rest)
+        load_videos(session, [trial, *_following(study_session, trial)[:1]])
+        trial.shown_at = trial.shown_at or now
+        return replace(situation, trial=_shown(study_session, trial, served.study, minutes))
 
 
-def _shown(study_session: StudySession, trial: Trial, study: Study) -> ShownTrial:
-    following = [later for later in study_session.trials if later.position > trial.position]
-    paces = [known.seconds for known in study_session.trials if known.seconds is not None]
-    duration = sum(video.duration for video in trial.videos)
-    pace = median(paces) if paces else duration + SECONDS_FOR_ANSWERS
+def _minutes_left(session: Session, study_session: StudySession) -> int:
+    # One query rather than one for each trial: nothing else of the other videos is needed.
+    durations: dict[int, list[float]] = {trial.id: [] for trial in study_session.trials}
+    videos = select(Video.trial_id, Video.duration).where(Video.trial_id.in_(durations))
+    for trial_id, duration in session.execute(videos):
+        durations[trial_id].append(duration)
+    expected = {trial: expected_seconds(durations[trial.id]) for trial in study_session.trials}
+    return minutes_left(
+        [(t.seconds, expected[t]) for t in study_session.trials if t.seconds is not None],
+        [expected[trial] for trial in study_session.trials if not trial.settled],
+    )
+
+
+def _shown(study_session: StudySession, trial: Trial, study: Study, minutes: int) -> ShownTrial:
+    following = _following(study_session, trial)
     parts = list(dict.fromkeys(known.part for known in study_session.trials))
     first = next(known for known in study_session.trials if known.part == trial.part)
     return ShownTrial(
@@ -159,8 +201,12 @@ def _shown(study_session: StudySession, trial: Trial, study: Study) -> ShownTria
         instructed=trial.instructed,
         is_practice=trial.kind == "practice",
         emotion=trial.emotion,
-        minutes_left=max(1, math.ceil((1 + len(following)) * pace / 60)),
+        minutes_left=minutes,
     )
+
+
+def _following(study_session: StudySession, trial: Trial) -> list[Trial]:
+    return [later for later in study_session.trials if later.position > trial.position]
 
 
 def _shown_video(video: Video, coverage: float) -> ShownVideo:
@@ -168,7 +214,7 @@ def _shown_video(video: Video, coverage: float) -> ShownVideo:
         token=video.token,
         shows=tuple(stimulus.number for stimulus in video.stimuli),
         duration=video.duration,
-        muted=all(stimulus.speech is None for stimulus in video.stimuli),
+        muted=is_soundless(video),
         watched=watched_so_far(video, coverage),
     )
 
@@ -177,45 +223,9 @@ def begin(database: Database, served: ServedStudy, token: str, clock: Clock) -> 
     """Start the trials; beginning twice changes nothing, and beginning too early neither."""
     with database.writing() as session:
         study_session = find(session, token)
-        waiting = form_due(study_session, served.study) is not None
+        waiting = (
+            sound_check_due(study_session, served)
+            or form_due(study_session, served.study) is not None
+        )
         if state_of(study_session) == "instructed" and not waiting:
             study_session.started_at = study_session.last_active_at = clock.now()
-
-
-def withdraw(database: Database, token: str, clock: Clock) -> None:
-    """Take the consent back: the place is given back and the answers are not exported.
-
-    Raises
-    ------
-    ConflictError
-        If the study session is finished; its completion code may have been used.
-    """
-    with database.writing() as session:
-        study_session = find(session, token)
-        if state_of(study_session) == "completed":
-            raise ConflictError(
-                "You have already finished the study.",
-                "To have your answers removed, please write to the people who run it.",
-            )
-        if study_session.withdrawn_at is None:
-            study_session.withdrawn_at = clock.now()
-            study_session.place = None
-
-
-def content_of(database: Database, video_token: str) -> Content | None:
-    """Return what the video shows that `video_token` may be served for, if any.
-
-    Only the present and the following trial of a running study session have videos: earlier
-    ones are settled, later ones nobody has been told of.
-    """
-    with database.reading() as session:
-        video = session.scalars(select(Video).where(Video.token == video_token)).first()
-        if video is None or state_of(video.trial.study_session) != "started":
-            return None
-        present = current_trial(video.trial.study_session)
-        if present is None or video.trial.position - present.position not in (0, 1):
-            return None
-        return tuple(
-            Stimulus(condition=shown.condition, segment=shown.segment, speech=shown.speech)
-            for shown in video.stimuli
-        )

@@ -8,6 +8,7 @@ from typing import Final
 from flask import render_template, request
 
 from studyapp.definition.form import Stage
+from studyapp.web.language import say
 from studyapp.web.running import running
 
 FORM_FIELD: Final = "form:"
@@ -26,8 +27,18 @@ def form_page(
         stage=stage,
         questions=study.form.asked(stage),
         problem=problem,
+        problems=problems_of(stage, given or {}) if problem else {},
         given=given or {},
     )
+
+
+def problems_of(stage: Stage, given: Mapping[str, str]) -> dict[str, str]:
+    """Return what cannot be accepted of the answers to the questions of `stage`, by question."""
+    found = {
+        question.name: question.problem(given.get(question.name, "").strip(), number)
+        for number, question in enumerate(running().study.form.asked(stage), start=1)
+    }
+    return {name: say(problem) for name, problem in found.items() if problem is not None}
 
 
 def form_fields() -> dict[str, str]:

@@ -13,11 +13,12 @@ from studyapp.clock import Clock
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
-from studyapp.web import entrance, media, participant
+from studyapp.web import entrance, media, participant, sound_check, withdrawal
 from studyapp.web.errors import register_error_pages
 from studyapp.web.headers import protect
 from studyapp.web.language import language_of, speak
 from studyapp.web.running import Running, attach
+from studyapp.web.window_name import window_name
 
 LARGEST_REQUEST: Final = 64 * 1024
 SCRIPT_SECONDS: Final = 300
@@ -33,7 +34,11 @@ class StudyWeb(Flask):
 
 
 def create_app(
-    folder: Path, *, database_url: str | None = None, rehearsal_speed: float | None = None
+    folder: Path,
+    *,
+    database_url: str | None = None,
+    rehearsal_speed: float | None = None,
+    accel_prefix: str | None = None,
 ) -> Flask:
     """Make the application that serves the study in `folder`.
 
@@ -45,6 +50,8 @@ def create_app(
         See `studyapp.services.database.database_url_of`.
     rehearsal_speed : float, optional
         Makes a rehearsal: seconds that count as passed for each real one.
+    accel_prefix : str, optional
+        Where a proxy in front finds the study folder: videos are left to it (X-Accel-Redirect).
 
     Raises
     ------
@@ -60,15 +67,22 @@ def create_app(
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
     app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
     app.jinja_env.undefined = StrictUndefined
+    app.jinja_env.globals["window_name"] = window_name
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
     here = Running(
-        served=served, database=Database.open(url), clock=Clock(speed=rehearsal_speed or 1.0)
+        served=served,
+        database=Database.open(url),
+        clock=Clock(speed=rehearsal_speed or 1.0),
+        folder=folder.resolve(),
+        accel_prefix=accel_prefix,
     )
     open_study(here.database, served, here.clock)
     attach(app, here)
     speak(app, language_of(served.study.page.language))
     app.register_blueprint(entrance.pages)
     app.register_blueprint(participant.pages)
+    app.register_blueprint(sound_check.pages)
+    app.register_blueprint(withdrawal.pages)
     app.register_blueprint(media.pages)
     register_error_pages(app)
     protect(app)

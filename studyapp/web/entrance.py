@@ -1,18 +1,21 @@
-"""The entrance: what the study is, who may take part, consent."""
+"""The entrance: who may take part, what the study is, consent. Nothing is stored before consent."""
 
 from __future__ import annotations
 
 import re
 import secrets
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final
 
 from flask import Blueprint, render_template, request
 from flask.typing import ResponseReturnValue
 
+from studyapp.definition.form import Stage
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.refusal import UnacceptableError
-from studyapp.web.about_participant import form_fields
+from studyapp.services.form_answers import check_eligibility
+from studyapp.services.refusal import IneligibleError, UnacceptableError
+from studyapp.web.about_participant import form_fields, problems_of
 from studyapp.web.errors import told
 from studyapp.web.participant import to_where_they_stand
 from studyapp.web.running import running
@@ -24,54 +27,110 @@ RECRUITER_NAME: Final = re.compile(r"[\x21-\x7e]{1,200}")
 VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")
 
 
+@dataclass(frozen=True, kw_only=True)
+class Entrant:
+    """Who stands at the entrance, as far as the pages there carry it along.
+
+    Attributes
+    ----------
+    visit : str
+        Drawn when the first page was opened.
+    recruiter : mapping of str to str
+        The recruiter's names; none at all where it did not name the participant.
+    given : mapping of question name to text
+        What was answered so far.
+    """
+
+    visit: str
+    recruiter: Mapping[str, str]
+    given: Mapping[str, str]
+
+    def page(self, stage: Stage, *, problem: str = "") -> str:
+        """Return the page of one stage; with a problem, it says what cannot be accepted."""
+        here = running()
+        study = here.study
+        return render_template(
+            f"{stage}.html",
+            study=study,
+            sound=here.served.has_sound,
+            paragraphs=[text for text in study.page.consent.split("\n\n") if text.strip()],
+            visit=self.visit,
+            recruiter=self.recruiter,
+            given=self.given,
+            problem=problem,
+            problems=problems_of(stage, self.given) if problem else {},
+            phone=study.page.phones == "refused" and _calls_itself_phone(),
+        )
+
+    def first_page(self) -> str:
+        """Return the page that comes first."""
+        return self.page("eligibility" if running().study.form.eligibility else "consent")
+
+
 @pages.get("/")
+def arrive() -> ResponseReturnValue:
+    """Ask whether they may take part, or say what the study is; nothing is stored."""
+    visit = secrets.token_urlsafe(24)
+    return Entrant(visit=visit, recruiter=_recruiter(request.args), given={}).first_page()
+
+
+@pages.post("/consent")
 def consent() -> ResponseReturnValue:
-    """Say what the study is and ask for consent; nothing is stored."""
-    return _consent_page(secrets.token_urlsafe(24), _recruiter(request.args))
+    """Say what the study is and ask for consent, if they may take part; nothing is stored."""
+    entrant = _entrant()
+    try:
+        check_eligibility(running().study, entrant.given)
+    except UnacceptableError as refusal:
+        return entrant.page("eligibility", problem=told(refusal)), 422
+    except IneligibleError:
+        return _screened_out(entrant)
+    return entrant.page("consent")
+
+
+@pages.get("/consent")
+def consent_again() -> ResponseReturnValue:
+    """Begin anew: what was answered before is not in the address."""
+    return arrive()
 
 
 @pages.post("/")
 def start() -> ResponseReturnValue:
     """Enrol the participant, or bring them back to where they were."""
     here = running()
+    entrant = _entrant()
+    recruiter = entrant.recruiter
+    arrival = Arrival(
+        visit=None if recruiter else entrant.visit,
+        recruiter_participant=recruiter.get("PROLIFIC_PID"),
+        recruiter_study=recruiter.get("STUDY_ID", ""),
+        recruiter_session=recruiter.get("SESSION_ID", ""),
+        form=entrant.given,
+    )
+    try:
+        token = enrol(here.database, here.served, arrival, here.clock)
+    except UnacceptableError as refusal:
+        unclear = problems_of("eligibility", entrant.given)
+        stage: Stage = "eligibility" if unclear else "consent"
+        return entrant.page(stage, problem=told(refusal)), 422
+    except IneligibleError:
+        return _screened_out(entrant)
+    return to_where_they_stand(token)
+
+
+def _screened_out(entrant: Entrant) -> ResponseReturnValue:
+    study = running().study
+    return render_template("screened_out.html", study=study, recruiter=entrant.recruiter), 403
+
+
+def _entrant() -> Entrant:
+    """Return who sent the form of one of the entrance's pages."""
     recruiter = _recruiter(request.form)
     visit = request.form.get("visit", "")
     if not recruiter and not VISIT.fullmatch(visit):
         raise UnacceptableError(
             "The start did not come from the start page.", "Please open the study's link again."
         )
-    arrival = Arrival(
-        visit=None if recruiter else visit,
-        recruiter_participant=recruiter.get("PROLIFIC_PID"),
-        recruiter_study=recruiter.get("STUDY_ID", ""),
-        recruiter_session=recruiter.get("SESSION_ID", ""),
-        form=form_fields(),
-    )
-    try:
-        token = enrol(here.database, here.served, arrival, here.clock)
-    except UnacceptableError as refusal:
-        problem = told(refusal)
-        return _consent_page(visit, recruiter, problem=problem, given=arrival.form), 422
-    return to_where_they_stand(token)
-
-
-def _consent_page(
-    visit: str,
-    recruiter: Mapping[str, str],
-    *,
-    problem: str = "",
-    given: Mapping[str, str] | None = None,
-) -> str:
-    study = running().study
-    return render_template(
-        "consent.html",
-        study=study,
-        paragraphs=[text for text in study.page.consent.split("\n\n") if text.strip()],
-        visit=visit,
-        recruiter=recruiter,
-        problem=problem,
-        given=given or {},
-    )
+    return Entrant(visit=visit, recruiter=recruiter, given=form_fields())
 
 
 def _recruiter(values: Mapping[str, str]) -> dict[str, str]:
@@ -83,3 +142,9 @@ def _recruiter(values: Mapping[str, str]) -> dict[str, str]:
             "Please open the study once more from the page that sent you here.",
         )
     return names if "PROLIFIC_PID" in names else {}
+
+
+def _calls_itself_phone() -> bool:
+    """Tell whether the browser says so: a first guess, until the page's script has measured."""
+    hint = request.headers.get("Sec-CH-UA-Mobile")
+    return hint == "?1" if hint else "Mobi" in request.headers.get("User-Agent", "")

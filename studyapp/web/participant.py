@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import Final
 
 from flask import Blueprint, jsonify, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
@@ -13,11 +14,12 @@ from studyapp.services.answer_fields import Fields
 from studyapp.services.answering import answer, skip_unplayable
 from studyapp.services.form_answers import answer_form
 from studyapp.services.refusal import UnacceptableError
-from studyapp.services.taking_part import ShownTrial, begin, look, withdraw
+from studyapp.services.resting import leave_break
+from studyapp.services.sound_check import TRIES_BEFORE_LEAVING
+from studyapp.services.taking_part import ShownTrial, begin, look
 from studyapp.services.watching import record_watched
 from studyapp.web.about_participant import form_fields, form_page
-from studyapp.web.errors import told, wants_json
-from studyapp.web.language import _
+from studyapp.web.errors import note, told, wants_json
 from studyapp.web.running import running
 from studyapp.web.trial_page import trial_page
 from studyapp.web.watch_report import WatchReport
@@ -25,11 +27,13 @@ from studyapp.web.wording import frozen_words
 
 pages = Blueprint("participant", __name__)
 
+LONGEST_NUMBER: Final = 6
+
 
 @pages.get("/take/<token>")
 def stand(token: str) -> ResponseReturnValue:
     """Show where the participant stands."""
-    return _where_they_stand(token)
+    return where_they_stand(token)
 
 
 @pages.post("/take/<token>/form/<any(demographics, closing):stage>")
@@ -40,6 +44,7 @@ def form(token: str, stage: Stage) -> ResponseReturnValue:
     try:
         answer_form(here.database, here.served, token, stage, given, here.clock)
     except UnacceptableError as refusal:
+        note(refusal)
         problem = told(refusal)
         return form_page(token, stage, problem=problem, given=given), 422
     return to_where_they_stand(token)
@@ -53,6 +58,19 @@ def begin_trials(token: str) -> ResponseReturnValue:
     return to_where_they_stand(token)
 
 
+@pages.post("/take/<token>/break")
+def end_break(token: str) -> ResponseReturnValue:
+    """Go on after a break; the form of one that is over leads on too."""
+    here = running()
+    position = request.form.get("position", "")
+    if not position.isdecimal() or len(position) > LONGEST_NUMBER:
+        raise UnacceptableError(
+            "This did not come from the page of a break.", "Please go on; nothing is lost."
+        )
+    leave_break(here.database, here.served, token, int(position), here.clock)
+    return to_where_they_stand(token)
+
+
 @pages.post("/take/<token>/answers")
 def answers(token: str) -> ResponseReturnValue:
     """Store the answers of the present trial."""
@@ -63,8 +81,9 @@ def answers(token: str) -> ResponseReturnValue:
     except UnacceptableError as refusal:
         if wants_json():
             raise
+        note(refusal)
         problem = told(refusal)
-        return _where_they_stand(token, problem=problem, given=fields), 422
+        return where_they_stand(token, problem=problem, given=fields), 422
     return to_where_they_stand(token)
 
 
@@ -72,7 +91,8 @@ def answers(token: str) -> ResponseReturnValue:
 def unplayable(token: str) -> ResponseReturnValue:
     """Go on without the video that does not play."""
     here = running()
-    skip_unplayable(here.database, here.served, token, request.form.get("trial", ""), here.clock)
+    trial_token, video_token = (request.form.get(name, "") for name in ("trial", "video"))
+    skip_unplayable(here.database, here.served, token, trial_token, here.clock, video_token)
     return to_where_they_stand(token)
 
 
@@ -83,7 +103,9 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
     try:
         report = WatchReport.model_validate_json(request.get_data())
     except ValidationError:
-        return jsonify(problem=_("This is not a report of played intervals.")), 422
+        raise UnacceptableError(
+            "This is not a report of played intervals.", "Please reload the page."
+        ) from None
     known = record_watched(
         here.database,
         here.served,
@@ -97,22 +119,6 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
     return jsonify(asdict(known))
 
 
-@pages.get("/take/<token>/withdraw")
-def ask_withdrawal(token: str) -> ResponseReturnValue:
-    """Ask whether the participant really wants to stop."""
-    here = running()
-    look(here.database, here.served, token, here.clock)
-    return render_template("withdraw.html", study=here.study, token=token)
-
-
-@pages.post("/take/<token>/withdraw")
-def confirm_withdrawal(token: str) -> ResponseReturnValue:
-    """Take the consent back."""
-    here = running()
-    withdraw(here.database, token, here.clock)
-    return to_where_they_stand(token)
-
-
 def to_where_they_stand(token: str) -> ResponseReturnValue:
     """Lead to the page that shows where the participant stands, in the way that was asked for."""
     address = url_for("participant.stand", token=token)
@@ -121,17 +127,25 @@ def to_where_they_stand(token: str) -> ResponseReturnValue:
     return redirect(address, 303)
 
 
-def _where_they_stand(token: str, *, problem: str = "", given: Fields | None = None) -> str:
+def where_they_stand(token: str, *, problem: str = "", given: Fields | None = None) -> str:
+    """Return the page of where the participant stands, with what cannot be accepted of it."""
     here = running()
     situation = look(here.database, here.served, token, here.clock)
     if situation.form is not None:
         return form_page(token, situation.form)
     if situation.trial is not None:
         return _trial_page(token, situation.trial, problem, given or {})
+    if situation.sound_tries is not None:
+        page = "sound_check"
+    else:
+        page = "break" if situation.rest is not None else situation.state
     return render_template(
-        f"{situation.state}.html",
+        f"{page}.html",
         study=here.study,
         token=token,
+        situation=situation,
+        problem=problem,
+        tries_before_leaving=TRIES_BEFORE_LEAVING,
         presentations=situation.presentations,
         practice=situation.practice,
         frozen=frozen_words(here.study),

@@ -6,7 +6,7 @@ import pytest
 from analysis.responses import responses_frame
 from studyapp.services.answering import skip_unplayable
 from studyapp.services.export import EXPORT_COLUMNS, responses_table, study_sessions_table
-from studyapp.services.taking_part import withdraw
+from studyapp.services.withdrawing import withdraw
 from tests.studyapp.taking_part_steps import Participant
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from studyapp.services.database import Database
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.taking_part import withdraw
+from studyapp.services.withdrawing import withdraw
 from studyapp.services.versions import open_study
 from studyapp.services.votes import votes_so_far
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -1,0 +1,36 @@
+// Of two windows that show the same study session, the newer one goes on and the older one says so.
+// The channel's name is made from the participant's address by the server, and leads nowhere.
+
+const dialog = document.getElementById("elsewhere");
+let leaving = false;
+
+function giveWay() {
+  for (const media of document.querySelectorAll("video, audio")) media.pause();
+  if (!dialog.open) dialog.showModal();
+}
+
+if ("BroadcastChannel" in window && dialog.showModal) {
+  const channel = new BroadcastChannel(`study session ${dialog.dataset.window}`);
+  channel.addEventListener("message", giveWay);
+
+  // A window that was opened behind others has not taken over yet.
+  const arrive = () => {
+    if (document.visibilityState === "visible") channel.postMessage("here");
+    else document.addEventListener("visibilitychange", arrive, { once: true });
+  };
+  arrive();
+  // A page that comes back as it was left may be an old one.
+  addEventListener("pageshow", (event) => {
+    if (event.persisted) location.replace(dialog.dataset.address);
+  });
+}
+
+dialog.querySelector("button").addEventListener("click", () => {
+  leaving = true;
+  location.replace(dialog.dataset.address);
+});
+// Neither Escape nor a key meant for the answers does anything behind it.
+dialog.addEventListener("close", () => {
+  if (!leaving) dialog.showModal();
+});
+dialog.addEventListener("keydown", (event) => event.stopPropagation());
