@@ -16,6 +16,7 @@ from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
+from studyapp.worker import StudyWorker
 
 WORKERS: Final = 2
 THREADS: Final = 128
@@ -52,6 +53,7 @@ def run_server(
     workers: int = WORKERS,
     *,
     threads: int = THREADS,
+    accel_prefix: str | None = None,
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
     new_version: bool = False,
@@ -69,7 +71,7 @@ def run_server(
         Processes.
     threads : int
         Requests that each of them handles side by side.
-    database_url, rehearsal_speed
+    database_url, rehearsal_speed, accel_prefix
         See `studyapp.web.app.create_app`.
     new_version : bool
         Whether a design that has changed since participants came becomes a new version.
@@ -94,7 +96,7 @@ def run_server(
     options = {
         "bind": f"{host}:{port}",
         "workers": workers,
-        "worker_class": "gthread",
+        "worker_class": StudyWorker,
         "threads": threads,
         "preload_app": False,
         # Addresses hold participants' tokens.
@@ -105,7 +107,13 @@ def run_server(
     }
     if on_ready is not None:
         options["when_ready"] = lambda _arbiter: on_ready()
-    StudyServer(options, folder, database_url=url, rehearsal_speed=rehearsal_speed).run()
+    StudyServer(
+        options,
+        folder,
+        database_url=url,
+        rehearsal_speed=rehearsal_speed,
+        accel_prefix=accel_prefix,
+    ).run()
 
 
 def _require_free(host: str, port: int) -> None:

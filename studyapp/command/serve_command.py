@@ -6,20 +6,41 @@ import click
 
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
-from studyapp.serving import run_server
+from studyapp.serving import THREADS, WORKERS, run_server
 
 
 @click.command("serve")
 @study_folder
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
 @click.option("--port", default=8000, show_default=True, type=click.IntRange(1, 65535))
-@click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 64))
+@click.option("--workers", default=WORKERS, show_default=True, type=click.IntRange(1, 64))
+@click.option(
+    "--threads",
+    default=THREADS,
+    show_default=True,
+    type=click.IntRange(1, 512),
+    help="Requests that each worker handles side by side; a slow line keeps one for a whole video.",
+)
+@click.option(
+    "--accel-redirect",
+    metavar="PREFIX",
+    envvar="MOTIONJURY_ACCEL_REDIRECT",
+    help="Leave the videos to nginx, which has the study folder under this internal location.",
+)
 @click.option(
     "--new-version",
     is_flag=True,
     help="Go on with a changed design; earlier answers are kept apart.",
 )
-def command(folder: StudyFolder, host: str, port: int, workers: int, new_version: bool) -> None:
+def command(
+    folder: StudyFolder,
+    host: str,
+    port: int,
+    workers: int,
+    threads: int,
+    accel_redirect: str | None,
+    new_version: bool,
+) -> None:
     """Serve the study FOLDER to participants.
 
     Answers go to responses.db in the folder, or to the database that DATABASE_URL names.
@@ -29,6 +50,8 @@ def command(folder: StudyFolder, host: str, port: int, workers: int, new_version
         host,
         port,
         workers,
+        threads=threads,
+        accel_prefix=accel_redirect,
         new_version=new_version,
         on_ready=lambda: click.echo(
             f"Take part at http://{host}:{port}/ (Ctrl-C stops the server)."

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Final
+from pathlib import Path
+from typing import IO, Final, cast
+from urllib.parse import quote
 
-from flask import Blueprint, abort, send_file
-from flask.typing import ResponseReturnValue
+from flask import Blueprint, Response, abort, request
+from werkzeug.exceptions import RequestedRangeNotSatisfiable
+from werkzeug.wsgi import wrap_file
 
-from studyapp.services.taking_part import content_of
+from studyapp.services.showing import content_of
+from studyapp.web.file_part import FilePart
 from studyapp.web.running import running
 
 pages = Blueprint("media", __name__)
 
 KEPT_SECONDS: Final = 3600
+BLOCK: Final = 1 << 16
 
 
 @pages.get("/media/<token>.mp4")
-def video(token: str) -> ResponseReturnValue:
+def video(token: str) -> Response:
     """Send the video of a trial, whole or the byte range asked for.
 
     The headers are the same for every file: its name and age would tell videos apart.
@@ -26,16 +31,43 @@ def video(token: str) -> ResponseReturnValue:
     found = here.served.videos.get(content) if content is not None else None
     if found is None:
         abort(404)
-    response = send_file(
-        found.file,
-        mimetype="video/mp4",
-        download_name="video.mp4",
-        conditional=True,
-        etag=False,
-        # When the file was made could be found out by asking for what is newer than a date.
-        last_modified=0,
-    )
-    for name in ("Last-Modified", "Content-Disposition", "Expires"):
-        response.headers.pop(name, None)
+    response = _left_to_proxy(found.file) or _sent(found.file)
     response.headers["Cache-Control"] = f"private, max-age={KEPT_SECONDS}"
     return response
+
+
+def _left_to_proxy(file: Path) -> Response | None:
+    """Name `file` to the proxy in front, which sends it in place of this answer.
+
+    None where there is no such proxy, or it cannot reach the file: a link to outside the study.
+    """
+    here = running()
+    if here.accel_prefix is None or not file.is_relative_to(here.folder):
+        return None
+    inner = quote(f"{here.accel_prefix.rstrip('/')}/{file.relative_to(here.folder).as_posix()}")
+    return Response(mimetype="video/mp4", headers={"X-Accel-Redirect": inner})
+
+
+def _sent(file: Path) -> Response:
+    """Send `file`, or the part of it that was asked for."""
+    size = file.stat().st_size
+    # No version of a file is ever named, so a condition on one cannot hold.
+    asked = None if "If-Range" in request.headers else request.range
+    start, stop = 0, size
+    headers = {"Accept-Ranges": "bytes"}
+    if asked is not None:
+        part = asked.range_for_length(size)
+        where = asked.to_content_range_header(size)
+        if part is None or part[1] is None or where is None:
+            raise RequestedRangeNotSatisfiable(size)
+        start, stop = part[0], part[1]
+        headers["Content-Range"] = where
+    headers["Content-Length"] = str(stop - start)
+    return Response(
+        # The server hands such a body to the kernel, which sends it without this process.
+        wrap_file(request.environ, cast(IO[bytes], FilePart(file, start, stop)), BLOCK),
+        206 if asked is not None else 200,
+        headers,
+        mimetype="video/mp4",
+        direct_passthrough=True,
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final, cast
 
 from flask import Flask, current_app
@@ -17,11 +18,21 @@ EXTENSION: Final = "motionjury"
 
 @dataclass(frozen=True, kw_only=True)
 class Running:
-    """The study being served, its database and its clock."""
+    """The study being served, its database and its clock.
+
+    Attributes
+    ----------
+    folder : Path
+        The study folder.
+    accel_prefix : str or None
+        Where a proxy in front finds that folder; None where this server sends the videos itself.
+    """
 
     served: ServedStudy
     database: Database
     clock: Clock
+    folder: Path
+    accel_prefix: str | None = None
 
     @property
     def study(self) -> Study:

@@ -15,7 +15,8 @@ from studyapp.services.database import Database
 from studyapp.services.export import responses_table
 from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.taking_part import ShownTrial, content_of
+from studyapp.services.showing import content_of
+from studyapp.services.taking_part import ShownTrial
 from studyapp.services.versions import open_study
 from studyapp.services.watching import record_watched
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video

@@ -6,7 +6,8 @@ from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.export import responses_table
 from studyapp.services.places import release_stale
 from studyapp.services.refusal import ConflictError, UnknownAddressError
-from studyapp.services.taking_part import content_of, look
+from studyapp.services.showing import content_of
+from studyapp.services.taking_part import look
 from studyapp.services.withdrawing import withdraw
 from tests.studyapp.taking_part_steps import Participant
 
