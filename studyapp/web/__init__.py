@@ -5,13 +5,23 @@ and report what was played. There are no cookies: a random token in the address 
 participant. What programs may rely on:
 
 ==============================  ================================================================
-``GET /``                       consent. The form posts to ``/`` and leads to ``/take/<token>``;
-                                it carries ``visit`` and, where the recruiter gave them in the
-                                address, ``PROLIFIC_PID``, ``STUDY_ID`` and ``SESSION_ID``;
-                                questions about the participant are fields ``form:<question>``.
-``GET /take/<token>``           where the participant stands: instructions, a trial, the end.
+``GET /``                       the first page: eligibility where the study asks for it, whose
+                                form posts to ``/consent`` and leads to the consent page; else
+                                consent at once. The consent form posts to ``/`` and leads to
+                                ``/take/<token>``. Both forms carry ``visit`` and, where the
+                                recruiter gave them in the address, ``PROLIFIC_PID``,
+                                ``STUDY_ID`` and ``SESSION_ID``; questions about the participant
+                                are fields ``form:<question>``, and the consent form carries
+                                those of eligibility unseen.
+``GET /take/<token>``           where the participant stands: sound check, questions,
+                                instructions, a trial, a break, the end.
+``POST /take/<token>/sound-check``  the form ``<form id="sound-check">``: ``digits`` as they are
+                                spoken in the ``src`` of its page's ``<audio>``; after three
+                                others, the page has a form to leave (``/unheard``).
 ``POST /take/<token>/form/<stage>``  more such questions, ``demographics`` or ``closing``.
 ``POST /take/<token>/begin``    the instructions' form.
+``POST /take/<token>/break``    the form ``<form id="break">``: ``position`` alone, of the trial
+                                that comes after the break.
 ``POST /take/<token>/answers``  the trial's form ``<form id="answers">``: a hidden ``trial`` and
                                 for each question one radio group of its name, values -2 (clearly
                                 A) to 2 (clearly B); an answer about one video is named
@@ -26,6 +36,7 @@ participant. What programs may rely on:
                                 0. How they were played may be told beside them: see
                                 `studyapp.web.watch_report`. The answer holds ``missing``, the
                                 seconds still to be played.
+``POST /take/<token>/withdraw``  the form of the page at that address, linked from every other.
 ``GET /media/<video token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its
                                 length as ``data-duration``.
 ``<output id="completion-code">``  on the last page, the completion code.
