@@ -7,6 +7,7 @@ import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 from typing import Any, Final, Self
 
@@ -14,7 +15,7 @@ from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import URL, Connection, Engine, create_engine, event
+from sqlalchemy import URL, Connection, Engine, create_engine, event, func, select
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError
 from sqlalchemy.orm import Session
@@ -24,6 +25,22 @@ from studyapp.definition.folder import StudyFolder
 
 BUSY_SECONDS: Final = 30
 """How long a writer waits for another one before it gives up."""
+
+
+class Turn(IntEnum):
+    """What server processes do one after the other; the numbers are PostgreSQL's lock names."""
+
+    MIGRATION = 8_675_110_001
+    ALLOCATION = 8_675_110_002
+
+
+def take_turn(connection: Connection, turn: Turn) -> None:
+    """Wait until no other process has its `turn`; it lasts until the transaction ends.
+
+    On SQLite a transaction that writes is alone anyway.
+    """
+    if connection.dialect.name == "postgresql":
+        connection.execute(select(func.pg_advisory_xact_lock(int(turn))))
 
 
 def sqlite_url(path: Path) -> str:
@@ -100,7 +117,7 @@ class Database:
             file = _sqlite_file(url)
             if file is not None and not file.exists():
                 return None
-            engine = _engine(url, _forbid_sqlite_changes)
+            engine = _engine(url, _forbid_sqlite_changes, postgresql_readonly=True)
             with engine.connect() as connection:
                 revision = _revision(connection)
             # Only a closed database leaves no working files beside it.
@@ -118,17 +135,26 @@ class Database:
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
-        """Give a session whose transaction excludes other writers and is stored at the end."""
+        """Give a session whose transaction is stored at the end.
+
+        On SQLite it excludes all other writers. On PostgreSQL writers run side by side; they wait
+        for each other where they lock the same row or take the same `Turn`.
+        """
         engine = self.engine.execution_options(writes=True)
         with Session(engine, expire_on_commit=False) as session, session.begin():
-            # Take the lock now, not at the first statement.
+            # On SQLite, take the lock now, not at the first statement.
             session.connection()
             yield session
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
         """Give a session that sees one state of the database and stores nothing."""
-        with Session(self.engine, expire_on_commit=False) as session:
+        engine = self.engine
+        if engine.dialect.name == "postgresql":
+            engine = engine.execution_options(
+                isolation_level="REPEATABLE READ", postgresql_readonly=True
+            )
+        with Session(engine, expire_on_commit=False) as session:
             yield session
 
     def close(self) -> None:
@@ -146,6 +172,7 @@ def migration_config(connection: Connection) -> Config:
 def _migrate(engine: Engine, url: str) -> None:
     """Bring the database to the newest schema; several processes may try at once."""
     with engine.execution_options(writes=True).begin() as connection:
+        take_turn(connection, Turn.MIGRATION)
         revision = _revision(connection)
         if revision is not None:
             _require_known(revision, url)
@@ -193,11 +220,14 @@ def _explained(url: str) -> Iterator[None]:
             "driver it needs",
         ) from error
     except DatabaseError as error:
+        remedy = "Check that the server runs, and the name, password and database in the address"
+        if _address(url).get_backend_name() == "sqlite":
+            remedy = (
+                "Check that the path is right and writable; if the file is damaged, put a backup "
+                "in its place"
+            )
         raise InputError(
-            f"the database cannot be opened: {error.orig}",
-            where=_shown(url),
-            remedy="Check that the path is right and writable; if the file is damaged, put a "
-            "backup in its place",
+            f"the database cannot be opened: {error.orig}", where=_shown(url), remedy=remedy
         ) from error
 
 
@@ -225,11 +255,17 @@ def _sqlite_file(url: str) -> Path | None:
     return Path(address.database)
 
 
-def _engine(url: str, set_up_sqlite: Callable[[sqlite3.Connection, Any], None]) -> Engine:
+def _engine(
+    url: str, set_up_sqlite: Callable[[sqlite3.Connection, Any], None], **options: Any
+) -> Engine:
+    address = _address(url)
     # Among the parameters of a failed statement may be a participant's token.
-    address, hidden = _address(url), {"hide_parameters": True}
+    hidden = {"hide_parameters": True, "execution_options": options}
     if address.get_backend_name() != "sqlite":
-        return create_engine(address, pool_pre_ping=True, **hidden)
+        # Locks are what keeps writers apart, whatever the server's own default is.
+        return create_engine(
+            address, pool_pre_ping=True, isolation_level="READ COMMITTED", **hidden
+        )
     engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **hidden)
     event.listen(engine, "connect", set_up_sqlite)
     event.listen(engine, "begin", _begin_sqlite)

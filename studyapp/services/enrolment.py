@@ -9,7 +9,6 @@ from datetime import datetime
 from typing import Final
 
 from sqlalchemy import ColumnElement, select
-from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
@@ -18,7 +17,7 @@ from studyapp.design.stimulus import Content
 from studyapp.models import Place, StudySession, Trial, TrialStimulus, Video
 from studyapp.services.database import Database
 from studyapp.services.form_answers import entrance_answers
-from studyapp.services.places import least_filled, release_stale
+from studyapp.services.places import least_filled, release_stale, take_allocation_turn
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import present_version
@@ -26,8 +25,6 @@ from studyapp.services.votes import votes_so_far
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""
-
-ATTEMPTS: Final = 5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +42,11 @@ class Arrival:
         The recruiter's names for the study and the sitting; may be empty.
     form : mapping of question name to text
         What was answered under eligibility and consent.
+
+    Raises
+    ------
+    ValueError
+        If neither `visit` nor `recruiter_participant` says who it is.
     """
 
     visit: str | None = None
@@ -52,6 +54,10 @@ class Arrival:
     recruiter_study: str = ""
     recruiter_session: str = ""
     form: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.visit and not self.recruiter_participant:
+            raise ValueError("an arrival without a visit or a recruiter's name is nobody's")
 
 
 def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str:
@@ -66,20 +72,12 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
     UnacceptableError, IneligibleError
         If the answers under eligibility and consent do not let them take part.
     """
-    for _ in range(ATTEMPTS):
-        try:
-            with database.writing() as session:
-                return _enrol(session, served, arrival, clock.now())
-        except IntegrityError:
-            # On PostgreSQL writers run side by side: another process has just taken the same
-            # place or enrolled the same participant. SQLite lets one writer in at a time.
-            continue
-    raise StudyFullError(
-        "Very many people are starting right now.", "Please try again in a minute with this link."
-    )
+    with database.writing() as session:
+        return _enrol(session, served, arrival, clock.now())
 
 
 def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str:
+    take_allocation_turn(session)
     known = session.scalars(select(StudySession).where(_is_same(arrival))).first()
     if known is not None:
         return known.token

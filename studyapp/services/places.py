@@ -5,10 +5,11 @@ from __future__ import annotations
 import secrets
 from datetime import datetime, timedelta
 
-from sqlalchemy import select, update
+from sqlalchemy import Select, func, select, update
 from sqlalchemy.orm import Session
 
 from studyapp.models import Place, StudySession
+from studyapp.services.database import Turn, take_turn
 from studyapp.services.served_study import ServedStudy
 
 ArmKey = tuple[str, str]
@@ -29,12 +30,27 @@ def open_places(session: Session, served: ServedStudy) -> None:
     session.flush()
 
 
+def take_allocation_turn(session: Session) -> None:
+    """Wait until no other process gives places to participants; until stored, nobody else does.
+
+    Whoever waits for this may hold their own study session's row; whoever has it must therefore
+    wait for no study session.
+    """
+    take_turn(session.connection(), Turn.ALLOCATION)
+
+
 def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
-    """Give back the places of unfinished study sessions that have been silent for too long."""
+    """Give back the places of unfinished study sessions that have been silent for too long.
+
+    Those are passed over that another transaction is at work on: they are silent no longer.
+    """
     silent_since = now - timedelta(minutes=served.study.lease_minutes)
-    stale = select(StudySession.id).where(
-        StudySession.completed_at.is_(None), StudySession.last_active_at < silent_since
-    )
+    stale = session.scalars(
+        select(StudySession.id)
+        .join(StudySession.place)
+        .where(StudySession.completed_at.is_(None), StudySession.last_active_at < silent_since)
+        .with_for_update(of=StudySession, skip_locked=True)
+    ).all()
     session.execute(
         update(Place).where(Place.study_session_id.in_(stale)).values(study_session_id=None)
     )
@@ -44,64 +60,73 @@ def least_filled(session: Session, served: ServedStudy) -> Place | None:
     """Return an open place of the arm with the fewest held ones, None if all are full.
 
     Places of completed and of active study sessions count as held, stale ones are given back
-    before. Among equally filled arms chance decides.
+    before. Among equally filled arms chance decides. To be called in the allocation's turn.
     """
-    held = dict.fromkeys(served.arms, 0)
-    taken = select(Place.arm, Place.design, Place.number).where(Place.study_session_id.is_not(None))
-    for name, design, number in session.execute(taken):
-        arm = served.arms.get((name, design))
-        if arm is not None and number < arm.places:
-            held[name, design] += 1
-    while held:
-        fewest = min(held.values())
-        key = secrets.choice([key for key, count in held.items() if count == fewest])
-        place = open_place(session, key, served.arms[key].places)
-        if place is not None:
-            return place
-        del held[key]
-    return None
-
-
-def open_place(
-    session: Session, key: ArmKey, places: int, *, number: int | None = None
-) -> Place | None:
-    """Return the first open one of the `places` places of an arm, None if there is none.
-
-    With `number`, no other place than that one is looked at.
-    """
-    wanted = Place.number < places if number is None else Place.number == number
-    return session.scalars(
-        select(Place)
-        .where(
-            Place.arm == key[0], Place.design == key[1], wanted, Place.study_session_id.is_(None)
-        )
-        .order_by(Place.number)
-        .limit(1)
-        .with_for_update(skip_locked=True)
-    ).first()
+    held = _held(session)
+    wanting = {
+        key: held.get(key, 0) for key, arm in served.arms.items() if held.get(key, 0) < arm.places
+    }
+    if not wanting:
+        return None
+    fewest = min(wanting.values())
+    arm = secrets.choice([key for key, count in wanting.items() if count == fewest])
+    # Fewer are held than there are places, so one with a number below that is open.
+    return _first(session, _open(arm))
 
 
 def regain_place(session: Session, served: ServedStudy, study_session: StudySession) -> None:
     """Give a participant back the place that was lost to a pause, if nobody else has it now.
 
     No other place will do: its trials are other ones. And none where the study has changed
-    since: its pages would no longer fit the trials.
+    since, as its pages would no longer fit the trials, or where it wants no more participants.
     """
     over = study_session.withdrawn_at is not None or study_session.completed_at is not None
-    if over or study_session.place is not None:
-        return
     key = (study_session.arm, study_session.arm_design)
-    if key in served.arms:
-        study_session.place = open_place(
-            session, key, served.arms[key].places, number=study_session.number
-        )
+    if over or study_session.place is not None or key not in served.arms:
+        return
+    take_allocation_turn(session)
+    if _held(session).get(key, 0) < served.arms[key].places:
+        own = _open(key).where(Place.number == study_session.number)
+        study_session.place = _first(session, own)
         session.flush()
+
+
+def _held(session: Session) -> dict[ArmKey, int]:
+    """Return how many places of each arm are held, by whoever has finished or is active."""
+    rows = session.execute(
+        select(Place.arm, Place.design, func.count())
+        .where(Place.study_session_id.is_not(None))
+        .group_by(Place.arm, Place.design)
+    )
+    return {(arm, design): count for arm, design, count in rows}
+
+
+def _open(key: ArmKey) -> Select[Place]:
+    """Select the open places of an arm, the smallest number first."""
+    arm, design = key
+    return (
+        select(Place)
+        .where(Place.arm == arm, Place.design == design, Place.study_session_id.is_(None))
+        .order_by(Place.number)
+    )
+
+
+def _first(session: Session, places: Select[Place]) -> Place | None:
+    return session.scalars(places.limit(1)).first()
 
 
 def release_outdated(session: Session, served: ServedStudy) -> None:
     """Give back the places of unfinished study sessions of arms that are no longer the same."""
-    unfinished = select(StudySession).where(StudySession.completed_at.is_(None))
-    for study_session in session.scalars(unfinished):
-        if (study_session.arm, study_session.arm_design) not in served.arms:
-            study_session.place = None
-    session.flush()
+    unfinished = select(StudySession.id).where(StudySession.completed_at.is_(None))
+    held = select(Place.arm, Place.design).where(Place.study_session_id.is_not(None)).distinct()
+    for arm, design in session.execute(held).all():
+        if (arm, design) not in served.arms:
+            session.execute(
+                update(Place)
+                .where(
+                    Place.arm == arm,
+                    Place.design == design,
+                    Place.study_session_id.in_(unfinished),
+                )
+                .values(study_session_id=None)
+            )

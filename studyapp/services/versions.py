@@ -5,7 +5,6 @@ from __future__ import annotations
 from datetime import datetime
 
 from sqlalchemy import select, update
-from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
@@ -13,7 +12,8 @@ from studyapp.clock import Clock
 from studyapp.definition.versioning import operation_changes, operation_part
 from studyapp.models import AuditLine, Place, StudySession, StudyVersion
 from studyapp.services.database import Database
-from studyapp.services.places import open_places, release_outdated
+from studyapp.services.places import open_places, release_outdated, take_allocation_turn
+from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 
 UNKNOWN_DESIGN = ""
@@ -35,18 +35,29 @@ def open_study(
     InputError
         If somebody has taken part in another design, and `new_version` is not given.
     """
-    try:
-        with database.writing() as session:
-            _open(session, served, clock.now(), new_version=new_version)
-    except IntegrityError:
-        # On PostgreSQL another server process has just done the same.
-        with database.writing() as session:
-            _open(session, served, clock.now(), new_version=new_version)
+    with database.writing() as session:
+        take_allocation_turn(session)
+        _open(session, served, clock.now(), new_version=new_version)
 
 
 def present_version(session: Session, served: ServedStudy) -> StudyVersion:
-    """Return the version that `served` is of; `open_study` has noted it."""
-    return session.scalars(select(StudyVersion).where(StudyVersion.design == served.design)).one()
+    """Return the version that `served` is of; `open_study` has noted it.
+
+    Raises
+    ------
+    StudyFullError
+        If another server process has opened a changed study since, and nobody had come to this
+        one.
+    """
+    known = session.scalars(
+        select(StudyVersion).where(StudyVersion.design == served.design)
+    ).first()
+    if known is None:
+        raise StudyFullError(
+            "The study has just been changed, and this page is of the one before.",
+            "Please try again in a few minutes with the same link.",
+        )
+    return known
 
 
 def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: bool) -> None:

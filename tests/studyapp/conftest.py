@@ -5,16 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
+from uuid import uuid4
 
 import pytest
 from flask import Flask
 
+from studyapp.bench.throwaway_postgresql import (
+    ThrowawayPostgresql,
+    programs,
+    throwaway_postgresql,
+)
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import Participant, SetClock
+
+DatabaseKind = Literal["sqlite", "postgresql"]
+
+TEMPLATE = "newest_schema"
 
 
 @pytest.fixture
@@ -27,9 +38,37 @@ def served(tiny_study: Path) -> ServedStudy:
     return ServedStudy.read(tiny_study)
 
 
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[ThrowawayPostgresql]:
+    """Return a running PostgreSQL server with a database `TEMPLATE` of the newest schema."""
+    if programs() is None:
+        pytest.skip("PostgreSQL (Debian's package) is not installed")
+    with throwaway_postgresql(durable=False) as server:
+        Database.open(server.create_database(TEMPLATE)).close()
+        yield server
+
+
 @pytest.fixture
-def database(tmp_path: Path) -> Iterator[Database]:
-    opened = Database.open(sqlite_url(tmp_path / "responses.db"))
+def postgresql_url(postgresql: ThrowawayPostgresql) -> Iterator[str]:
+    """Return the address of a PostgreSQL database of the newest schema that holds nothing."""
+    name = f"test_{uuid4().hex}"
+    yield postgresql.create_database(name, template=TEMPLATE)
+    postgresql.drop_database(name)
+
+
+@pytest.fixture
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """Return the address of a database: SQLite, or of the kind that the test is repeated for."""
+    kind: DatabaseKind = getattr(request, "param", "sqlite")
+    if kind == "postgresql":
+        url: str = request.getfixturevalue("postgresql_url")
+        return url
+    return sqlite_url(tmp_path / "responses.db")
+
+
+@pytest.fixture
+def database(database_url: str) -> Iterator[Database]:
+    opened = Database.open(database_url)
     yield opened
     opened.close()
 

@@ -2,21 +2,27 @@ from __future__ import annotations
 
 import sqlite3
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 from sqlalchemy import select, text
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError
 
 from motion.errors import InputError
+from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql
 from studyapp.models import Place
-from studyapp.services.database import Database, database_url_of, sqlite_url
+from studyapp.services.database import Database, Turn, database_url_of, sqlite_url, take_turn
+
+SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+POSTGRESQL = pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
 
 
 def place(number: int) -> Place:
     return Place(arm="a-b", design="d", number=number)
 
 
+@SQLITE
 def test_a_new_database_is_in_wal_mode_and_keeps_its_references(database: Database) -> None:
     with database.reading() as session:
         assert session.scalar(text("PRAGMA journal_mode")) == "wal"
@@ -46,6 +52,7 @@ def test_a_failure_stores_nothing(database: Database) -> None:
         assert session.scalars(select(Place)).all() == []
 
 
+@SQLITE
 def test_a_second_writer_waits_for_the_first(database: Database) -> None:
     order: list[str] = []
 
@@ -61,6 +68,60 @@ def test_a_second_writer_waits_for_the_first(database: Database) -> None:
     other.join()
 
     assert order == ["first", "second"]
+
+
+@POSTGRESQL
+def test_writers_run_side_by_side_but_for_those_who_take_the_same_turn(database: Database) -> None:
+    order: list[str] = []
+
+    def write(name: str, turn: Turn | None) -> None:
+        with database.writing() as session:
+            if turn is not None:
+                take_turn(session.connection(), turn)
+            order.append(name)
+
+    with database.writing() as session:
+        take_turn(session.connection(), Turn.ALLOCATION)
+        others = [
+            threading.Thread(target=write, args=(name, turn))
+            for name, turn in [("other", Turn.MIGRATION), ("none", None)]
+        ]
+        for other in others:
+            other.start()
+            other.join(timeout=30)
+        waiting = threading.Thread(target=write, args=("same", Turn.ALLOCATION))
+        waiting.start()
+        waiting.join(timeout=0.3)
+        order.append("first")
+    waiting.join(timeout=30)
+
+    assert order == ["other", "none", "first", "same"]
+
+
+def test_reading_sees_one_state_whatever_is_stored_meanwhile(database: Database) -> None:
+    with database.reading() as session:
+        before = session.scalars(select(Place.number)).all()
+        with database.writing() as other:
+            other.add(place(0))
+
+        assert session.scalars(select(Place.number)).all() == before == []
+    with database.reading() as session:
+        assert session.scalars(select(Place.number)).all() == [0]
+
+
+def test_several_processes_may_make_the_newest_schema_at_once(
+    postgresql: ThrowawayPostgresql,
+) -> None:
+    url = postgresql.create_database("to_be_migrated")
+
+    with ThreadPoolExecutor(4) as pool:
+        opened = list(pool.map(Database.open, [url] * 4))
+
+    for database in opened:
+        with database.reading() as session:
+            assert session.scalars(select(Place)).all() == []
+        database.close()
+    postgresql.drop_database("to_be_migrated")
 
 
 def test_a_database_of_a_newer_schema_is_refused_and_stays_as_it_is(tmp_path: Path) -> None:
@@ -141,8 +202,10 @@ def test_reading_finds_what_was_written_and_leaves_the_file_as_it_is(tmp_path: P
     assert files(tmp_path) == before
 
 
-def test_reading_sees_what_a_running_server_has_just_stored(database: Database) -> None:
-    reader = Database.open_for_reading(database.engine.url.render_as_string())
+def test_reading_sees_what_a_running_server_has_just_stored(
+    database: Database, database_url: str
+) -> None:
+    reader = Database.open_for_reading(database_url)
     assert reader is not None
     with database.writing() as session:
         session.add(place(0))
@@ -152,11 +215,13 @@ def test_reading_sees_what_a_running_server_has_just_stored(database: Database) 
     reader.close()
 
 
-def test_nothing_can_be_stored_in_a_database_opened_for_reading(database: Database) -> None:
-    reader = Database.open_for_reading(database.engine.url.render_as_string())
+def test_nothing_can_be_stored_in_a_database_opened_for_reading(
+    database: Database, database_url: str
+) -> None:
+    reader = Database.open_for_reading(database_url)
     assert reader is not None
 
-    with pytest.raises(OperationalError, match="readonly"), reader.writing() as session:
+    with pytest.raises(DBAPIError, match=r"read.?only"), reader.writing() as session:
         session.add(place(0))
     reader.close()
 
@@ -188,13 +253,13 @@ def test_reading_brings_an_older_schema_to_nothing_newer(
 
 
 def test_a_failed_statement_does_not_show_what_it_was_given(database: Database) -> None:
-    with pytest.raises(OperationalError) as caught, database.reading() as session:
+    with pytest.raises(DBAPIError) as caught, database.reading() as session:
         session.execute(text("SELECT * FROM nowhere WHERE token = :token"), {"token": "s3cret"})
 
     assert "s3cret" not in str(caught.value)
 
 
-POSTGRESQL = "postgresql://host/study"
+ADDRESS = "postgresql://host/study"
 
 
 @pytest.mark.parametrize(
@@ -202,9 +267,9 @@ POSTGRESQL = "postgresql://host/study"
     [
         (None, None, False, "responses.db"),
         (None, None, True, "rehearsal.db"),
-        (POSTGRESQL, None, False, POSTGRESQL),
-        (POSTGRESQL, None, True, "rehearsal.db"),
-        (POSTGRESQL, "sqlite:////given.db", False, "sqlite:////given.db"),
+        (ADDRESS, None, False, ADDRESS),
+        (ADDRESS, None, True, "rehearsal.db"),
+        (ADDRESS, "sqlite:////given.db", False, "sqlite:////given.db"),
         ("", None, False, "responses.db"),
     ],
 )

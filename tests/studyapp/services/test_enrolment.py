@@ -14,6 +14,7 @@ from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from tests.studyapp.added_condition import add_condition
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
@@ -114,18 +115,7 @@ def test_finished_participants_keep_their_places(
 def test_the_emptier_comparison_is_filled_first(
     tiny_study: Path, database: Database, clock: SetClock
 ) -> None:
-    study = tiny_study / "study.toml"
-    study.write_text(
-        study.read_text("utf-8").replace(
-            "[conditions.mismatched]", "[conditions.mismatched]\n[conditions.static]"
-        ),
-        "utf-8",
-    )
-    stimuli = tiny_study / "stimuli.json"
-    text = stimuli.read_text("utf-8")
-    pairs = text[text.index('"pairs": [') + len('"pairs": [') : text.rindex("]")]
-    more = pairs.replace("mismatched", "static")
-    stimuli.write_text(text[: text.rindex("]")] + "," + more + "]}", "utf-8")
+    add_condition(tiny_study)
     served = ServedStudy.read(tiny_study)
     open_study(database, served, clock)
 

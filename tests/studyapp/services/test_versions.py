@@ -14,6 +14,7 @@ from studyapp.services.database import Database
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from tests.studyapp.added_condition import add_condition
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 Change = Callable[..., ServedStudy]
@@ -125,15 +126,11 @@ def test_who_is_in_the_middle_of_what_has_changed_cannot_go_on(
 
 
 def test_an_added_condition_leaves_the_other_comparisons_as_they_are(
-    participant: Participant, tiny_study: Path, change: Change
+    participant: Participant, tiny_study: Path
 ) -> None:
     participant.take_trial()
-    stimuli = tiny_study / "stimuli.json"
-    text = stimuli.read_text("utf-8")
-    pairs = text[text.index('"pairs": [') + len('"pairs": [') : text.rindex("]")]
-    more = pairs.replace("mismatched", "static")
-    stimuli.write_text(text[: text.rindex("]")] + "," + more + "]}", "utf-8")
-    changed = change("[conditions.mismatched]", "[conditions.mismatched]\n[conditions.static]")
+    add_condition(tiny_study)
+    changed = ServedStudy.read(tiny_study)
 
     open_study(participant.database, changed, participant.clock, new_version=True)
 
