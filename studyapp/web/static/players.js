@@ -2,19 +2,25 @@
 
 import { Playback } from "./playback.js";
 import { recall, remember } from "./storage.js";
+import { say } from "./words.js";
+
+const TYPED_INTO = "select, textarea, [type=number], [type=text]";
 
 export function makePlayers(videos, slider) {
+  const playbacks = new Map();
   for (const video of videos) {
     const player = video.closest(".player");
-    new Playback(video, (player ?? document).querySelector(".controls"));
+    playbacks.set(video, new Playback(video, (player ?? document).querySelector(".controls")));
     video.addEventListener("play", () => {
       for (const other of videos) if (other !== video) other.pause();
     });
     for (const name of ["play", "pause", "ended"]) {
       video.addEventListener(name, () => player?.classList.toggle("playing", !video.paused));
     }
+    showLoading(video);
   }
   if (slider) keepVolume(videos, slider);
+  addKey(videos, playbacks);
   loadInOrder(videos);
 }
 
@@ -28,6 +34,33 @@ function keepVolume(videos, slider) {
     setAll();
     remember("volume", slider.value);
   });
+}
+
+// K plays or pauses: the video that has the focus within its player, else the one that was
+// played last, else the first.
+function addKey(videos, playbacks) {
+  let [last] = videos;
+  for (const video of videos) video.addEventListener("play", () => { last = video; });
+  document.addEventListener("keydown", (event) => {
+    const { key, target, ctrlKey, metaKey, altKey, repeat } = event;
+    if (key.toLowerCase() !== "k" || ctrlKey || metaKey || altKey || repeat) return;
+    if (target.matches(TYPED_INTO)) return;
+    const focused = target.closest(".player")?.querySelector("video");
+    playbacks.get(focused ?? last).toggle();
+  });
+}
+
+// Whether there is enough to begin with. Trouble is told elsewhere.
+function showLoading(video) {
+  const state = document.getElementById(`${video.id}-loading`);
+  const show = () => {
+    const ready = video.error || video.readyState >= HTMLMediaElement.HAVE_FUTURE_DATA;
+    state.textContent = ready || video.preload !== "auto" ? "" : say("loading…");
+  };
+  for (const name of ["loadstart", "canplay", "canplaythrough", "error", "waiting", "playing"]) {
+    video.addEventListener(name, show);
+  }
+  show();
 }
 
 // The next one is only asked for when the one before it can play through.

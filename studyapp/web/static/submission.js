@@ -1,9 +1,7 @@
 // Next: says what is missing, or saves and moves on. A click is never lost.
 
+import { post } from "./sending.js";
 import { say } from "./words.js";
-
-const FIRST_WAIT_MS = 1000;
-const LONGEST_WAIT_MS = 15000;
 
 export class Submission {
   constructor(answers, evidence, missing) {
@@ -33,41 +31,27 @@ export class Submission {
       this.answers.focusFirstUnanswered();
       return;
     }
-    this.busy = true;
-    this.button.setAttribute("aria-busy", "true");
-    this.needed.textContent = say("Saving…");
-    this.show(say("saving…"), "");
+    this.begin();
     await this.evidence.report();
     await this.send();
   }
 
+  // From here on nothing else can be sent.
+  begin() {
+    this.busy = true;
+    this.button.setAttribute("aria-busy", "true");
+    this.needed.textContent = say("Saving…");
+    this.show(say("saving…"), "");
+  }
+
   async send() {
-    for (let wait = FIRST_WAIT_MS; ; wait = Math.min(2 * wait, LONGEST_WAIT_MS)) {
-      try {
-        // Not `form.action`: a question of that name would hide it.
-        const answer = await fetch(this.form.getAttribute("action"), {
-          method: "POST",
-          headers: { Accept: "application/json" },
-          body: new URLSearchParams(new FormData(this.form)),
-        });
-        if (answer.ok) {
-          this.answers.forget();
-          this.show(say("saved ✓"), "");
-          location.replace((await answer.json()).next);
-          return;
-        }
-        if (answer.status < 500) {
-          const { problem } = await answer.json();
-          if (answer.status === 422) this.stay(problem);
-          else location.reload();
-          return;
-        }
-      } catch {
-        // Told below; the answers stay on the page and in the draft.
-      }
-      this.showLost();
-      await new Promise((resolve) => setTimeout(resolve, wait));
-    }
+    const { ok, status, next, problem } = await post(this.form, new FormData(this.form), () => this.showLost());
+    if (ok) {
+      this.answers.forget();
+      this.show(say("saved ✓"), "");
+      location.replace(next);
+    } else if (status === 422) this.stay(problem);
+    else location.reload();
   }
 
   stay(problem) {

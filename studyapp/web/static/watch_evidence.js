@@ -1,68 +1,50 @@
-// Which parts of a video were really played. The server decides whether that is enough; here
-// it is measured, reported in numbered batches, and shown before the server has answered.
+// Which parts of a video were really played, and how. The server judges; here it is measured,
+// and shown before the server has answered.
 
-import { forget, recall, remember } from "./storage.js";
+import { length, merged } from "./intervals.js";
+import { WatchReports } from "./watch_reports.js";
 
 const REPORT_EVERY_MS = 2000;
-const RETRY_MS = 2000;
+const FASTEST = 1.05; // up to this rate it is played as recorded
 const SLACK = 0.3; // seconds by which a video's clock may run ahead of the computer's
 
-export function merged(intervals) {
-  const union = [];
-  for (const [from, to] of [...intervals].sort((a, b) => a[0] - b[0])) {
-    const last = union[union.length - 1];
-    if (last && from <= last[1]) last[1] = Math.max(last[1], to);
-    else union.push([from, to]);
-  }
-  return union;
-}
-
-function length(intervals) {
-  return intervals.reduce((sum, [from, to]) => sum + to - from, 0);
-}
-
-function covers(known, intervals) {
-  return length(merged([...known, ...intervals])) - length(known) < 0.001;
-}
-
 export class WatchEvidence extends EventTarget {
-  constructor(video) {
+  constructor(video, stalls) {
     super();
     this.video = video;
     this.label = video.dataset.label;
     this.soundless = "soundless" in video.dataset; // it is meant to be seen without sound
     this.duration = Number(video.dataset.duration);
     this.needed = Number(video.dataset.coverage) * this.duration;
-    this.played = JSON.parse(video.dataset.watched);
-    this.batch = Number(video.dataset.nextBatch);
-    this.keptKey = `unsent ${video.dataset.watchedUrl}`;
-    this.unsent = JSON.parse(recall(this.keptKey) ?? "[]");
-    forget(this.keptKey);
-    this.flying = [];
-    this.last = null; // where the playing video was when last looked at, and when that was
-    this.sending = null;
+    this.reports = new WatchReports(video);
+    this.run = null; // since when it has been playing in the same way
+    this.uncounted = ""; // how it played last, where that did not count
     for (const name of ["play", "playing", "timeupdate"]) {
       video.addEventListener(name, () => this.look());
     }
     video.addEventListener("ended", () => this.close(true));
-    for (const name of ["pause", "seeking", "waiting"]) {
+    for (const name of ["pause", "seeking", "waiting", "emptied"]) {
       video.addEventListener(name, () => this.close(false));
     }
-    video.addEventListener("volumechange", () => {
-      this.close(false);
-      this.look();
-      this.dispatchEvent(new Event("change"));
-    });
+    for (const name of ["volumechange", "ratechange"]) {
+      video.addEventListener(name, () => this.turn());
+    }
+    document.addEventListener("visibilitychange", () => this.turn());
+    stalls.addEventListener("stall", ({ detail }) => this.reports.addStall(detail.seconds));
+    for (const name of ["change", "lost"]) {
+      this.reports.addEventListener(name, () => this.dispatchEvent(new Event(name)));
+    }
     setInterval(() => this.report(), REPORT_EVERY_MS);
     addEventListener("pagehide", () => {
+      stalls.end();
       this.close(false);
-      this.keep();
+      this.reports.keep();
       this.report();
     });
   }
 
   get missing() {
-    const rest = this.needed - length(merged([...this.played, ...this.flying, ...this.unsent]));
+    const rest = this.needed - length(merged(this.reports.watched));
     return rest < 0.001 ? 0 : rest;
   }
 
@@ -70,89 +52,64 @@ export class WatchEvidence extends EventTarget {
     return !this.soundless && (this.video.muted || this.video.volume === 0);
   }
 
-  // A video that nobody can see or hear does not count as watched.
-  open() {
-    if (document.hidden || this.silent) return;
-    this.last = { time: this.video.currentTime, at: performance.now() };
+  // Why playing does not count: "silent", "hidden" or "fast"; nothing where it does.
+  get why() {
+    return this.silent ? "silent" : this.uncounted;
+  }
+
+  // A video that nobody can see or hear, or that runs too fast, does not count as watched.
+  get kind() {
+    if (document.hidden) return "hidden";
+    if (this.silent) return "silent";
+    return this.video.playbackRate > FASTEST ? "fast" : "watched";
   }
 
   look() {
-    if (this.last !== null) this.extend(this.video.currentTime);
+    if (this.run) this.extend(this.video.currentTime);
     else if (!this.video.paused && !this.video.seeking) this.open();
   }
 
-  close(atEnd) {
-    if (this.last !== null && !this.video.seeking) {
-      this.extend(atEnd ? this.duration : this.video.currentTime);
+  // It goes on in another way.
+  turn() {
+    if (this.run) {
+      this.extend(this.video.currentTime);
+      this.open();
     }
-    this.last = null;
-    if (atEnd) this.report();
-  }
-
-  // What was played since the last look: no more than time has passed.
-  extend(time) {
-    const now = { time: Math.min(time, this.duration), at: performance.now() };
-    const played = now.time - this.last.time;
-    if (played > 0 && played <= (now.at - this.last.at) / 1000 + SLACK) {
-      this.add(this.last.time, now.time);
-    }
-    this.last = now;
-  }
-
-  add(from, to) {
-    this.unsent = merged([...this.unsent, [from, to]]);
     this.dispatchEvent(new Event("change"));
   }
 
-  // A page that is left may not learn whether its last report arrived: the next one sends it
-  // again under the same number.
-  keep() {
-    const kept = merged([...this.flying, ...this.unsent]);
-    if (kept.length) remember(this.keptKey, JSON.stringify(kept));
+  open() {
+    const here = { time: this.video.currentTime, at: performance.now() };
+    this.run = { kind: this.kind, rate: this.video.playbackRate, start: here, last: here };
   }
 
-  // Send what is unsent; resolves when nothing is, or when sending failed.
-  async report() {
-    while (this.sending) await this.sending;
-    if (!this.unsent.length) return;
-    this.sending = this.send();
-    await this.sending;
-    this.sending = null;
-  }
-
-  async send() {
-    const intervals = this.unsent;
-    this.unsent = [];
-    this.flying = intervals;
-    const body = JSON.stringify({ batch: this.batch, intervals });
-    for (;;) {
-      try {
-        const answer = await fetch(this.video.dataset.watchedUrl, {
-          method: "POST",
-          headers: { "Content-Type": "application/json", Accept: "application/json" },
-          body,
-          keepalive: true,
-        });
-        if (answer.ok) {
-          const known = await answer.json();
-          this.played = known.intervals;
-          this.batch = known.next_batch;
-          this.flying = [];
-          // Another window has used the number: once more under the next one.
-          if (!covers(this.played, intervals)) this.unsent = merged([...this.unsent, ...intervals]);
-          this.dispatchEvent(new Event("change"));
-          return;
-        }
-        if (answer.status < 500) {
-          // Another window has moved on: show where the participant stands.
-          location.reload();
-          return;
-        }
-      } catch {
-        // The same report is sent again under the same number.
-      }
-      this.dispatchEvent(new Event("lost"));
-      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+  close(atEnd) {
+    if (this.run && !this.video.seeking) {
+      this.extend(atEnd ? this.duration : this.video.currentTime);
     }
+    this.run = null;
+    if (atEnd) this.report();
+  }
+
+  // What was played since the last look.
+  extend(time) {
+    const { run } = this;
+    const now = { time: Math.min(time, this.duration), at: performance.now() };
+    const played = now.time - run.last.time;
+    if (played > 0) {
+      const speed = (now.time - run.start.time) / ((now.at - run.start.at) / 1000 + SLACK);
+      // Whatever the rate is said to be, no more can be played than time has passed.
+      const fast = run.kind === "watched" && speed > FASTEST;
+      const kind = fast ? "fast" : run.kind;
+      const seconds = (now.at - run.last.at) / 1000;
+      this.reports.add(kind, run.last.time, now.time, seconds, fast ? speed : run.rate);
+      this.uncounted = kind === "watched" ? "" : kind;
+    }
+    run.last = now;
+    if (played > 0) this.dispatchEvent(new Event("change"));
+  }
+
+  async report() {
+    await this.reports.report();
   }
 }

@@ -4,9 +4,9 @@ import { WatchEvidence } from "./watch_evidence.js";
 import { listed, say } from "./words.js";
 
 export class WatchedVideos extends EventTarget {
-  constructor(videos) {
+  constructor(videos, stalls) {
     super();
-    this.each = videos.map((video) => new WatchEvidence(video));
+    this.each = videos.map((video) => new WatchEvidence(video, stalls.get(video)));
     for (const evidence of this.each) {
       for (const name of ["change", "lost"]) {
         evidence.addEventListener(name, () => this.dispatchEvent(new Event(name)));
@@ -30,10 +30,17 @@ export class WatchedVideos extends EventTarget {
     return say("watch {videos}", { videos: listed(labels) });
   }
 
+  // What keeps playing from counting; nothing where nothing does.
+  get why() {
+    const reasons = this.unwatched.map(({ why }) => why);
+    if (reasons.includes("silent")) return say("Turn the sound on, please");
+    if (reasons.includes("hidden")) return say("Keep the video in view while it plays, please");
+    if (reasons.includes("fast")) return say("Let the video play at its own speed, please");
+    return "";
+  }
+
   get words() {
-    if (this.missing > 0 && this.unwatched.some((evidence) => evidence.silent)) {
-      return say("Turn the sound on, please");
-    }
+    if (this.why) return this.why;
     const [first] = this.each;
     if (!first.label) {
       if (first.missing <= 0) return say("Watched ✓");

@@ -1,0 +1,126 @@
+// The reports of one video, in order. Each tells of one stretch of playing, all of it alike, and
+// has a number: the server stores a number once, so that whatever may not have arrived is sent
+// again. What a page could not send before it was left, the next one sends.
+
+import { forget, recall, remember } from "./storage.js";
+
+const RETRY_MS = 2000;
+const MOST_INTERVALS = 150; // the server takes 200
+
+export class WatchReports extends EventTarget {
+  constructor(video) {
+    super();
+    this.video = video;
+    this.known = JSON.parse(video.dataset.watched); // what the server counts as watched
+    this.next = Number(video.dataset.nextBatch);
+    this.keptKey = `unsent ${video.dataset.watchedUrl}`;
+    this.queue = JSON.parse(recall(this.keptKey) ?? "[]");
+    forget(this.keptKey);
+    this.sending = null;
+  }
+
+  // The intervals that count, as far as can be told before the server has answered.
+  get watched() {
+    const unsent = this.queue.filter(({ kind }) => kind === "watched");
+    return [...this.known, ...unsent.flatMap(({ intervals }) => intervals)];
+  }
+
+  // What was played from one moment to the next.
+  add(kind, from, to, seconds, rate) {
+    const stretch = this.stretch(kind);
+    const last = stretch.intervals[stretch.intervals.length - 1];
+    if (last?.[1] === from) last[1] = to;
+    else stretch.intervals.push([from, to]);
+    stretch.rate = Math.max(stretch.rate, rate);
+    if (kind === "hidden") stretch.hidden_seconds += seconds;
+    if (kind === "silent") stretch.silent_seconds += seconds;
+  }
+
+  addStall(seconds) {
+    const stretch = this.stretch();
+    stretch.stalls += 1;
+    stretch.stalled_seconds += seconds;
+  }
+
+  // The last report that is not under way yet; a new one where it is of another kind.
+  stretch(kind) {
+    const last = this.queue[this.queue.length - 1];
+    const open = last && last.batch === undefined && last.intervals.length < MOST_INTERVALS;
+    if (open && last.kind === (kind ?? last.kind)) return last;
+    const made = {
+      kind: kind ?? "watched",
+      intervals: [],
+      rate: 0,
+      hidden_seconds: 0,
+      silent_seconds: 0,
+      stalls: 0,
+      stalled_seconds: 0,
+    };
+    this.queue.push(made);
+    return made;
+  }
+
+  keep() {
+    if (this.queue.length) remember(this.keptKey, JSON.stringify(this.queue));
+  }
+
+  // Send what is unsent; resolves when nothing is.
+  async report() {
+    while (this.sending) await this.sending;
+    if (!this.queue.length) return;
+    this.sending = this.sendAll();
+    await this.sending;
+    this.sending = null;
+  }
+
+  async sendAll() {
+    while (this.queue.length) await this.send(this.queue[0]);
+  }
+
+  async send(stretch) {
+    if (stretch.batch === undefined) {
+      const quality = this.video.getVideoPlaybackQuality?.();
+      stretch.frames = quality?.totalVideoFrames ?? null;
+      stretch.dropped_frames = quality?.droppedVideoFrames ?? null;
+      stretch.batch = this.next;
+    }
+    const { kind, rate, ...report } = stretch;
+    const body = JSON.stringify({ ...report, rate: rate || 1 });
+    for (;;) {
+      try {
+        const answer = await fetch(this.video.dataset.watchedUrl, {
+          method: "POST",
+          headers: { "Content-Type": "application/json", Accept: "application/json" },
+          body,
+          keepalive: true,
+        });
+        if (answer.ok) {
+          const known = await answer.json();
+          this.known = known.intervals;
+          this.next = known.next_batch;
+          // Another window has used the number: once more under the next one.
+          if (known.stored) this.queue.shift();
+          else delete stretch.batch;
+          this.dispatchEvent(new Event("change"));
+          return;
+        }
+        if (answer.status === 422) {
+          // It proves nothing: the video has to be played again.
+          this.queue.shift();
+          this.dispatchEvent(new Event("change"));
+          return;
+        }
+        if (answer.status < 500) {
+          // Another window has moved on: show where the participant stands.
+          this.queue = [];
+          location.reload();
+          return;
+        }
+      } catch {
+        // The same report is sent again under the same number.
+      }
+      this.dispatchEvent(new Event("lost"));
+      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+    }
+  }
+}

@@ -1,0 +1,247 @@
+"""What a browser proves to have been watched, and what a participant does when a video fails."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, Route, expect
+from sqlalchemy import select
+
+from studyapp.models import Trial, Video
+from studyapp.services.database import Database, sqlite_url
+from tests.finished_study import write_finished_study, write_short_video
+from tests.functional.browsing import IN_A_BROWSER, launched, serving, watched_page
+
+pytestmark = IN_A_BROWSER
+
+FORCED_RATE = """video => {
+  const rate = Object.getOwnPropertyDescriptor(HTMLMediaElement.prototype, "playbackRate");
+  rate.set.call(video, 4);
+  Object.defineProperty(video, "playbackRate", { get() { return 4; }, set() {} });
+}"""
+"""A browser extension that makes videos faster, and does not let the page change it."""
+
+PRETENDED_HIDDEN = """() => {
+  Object.defineProperty(document, "hidden", { get: () => true });
+  document.dispatchEvent(new Event("visibilitychange"));
+}"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study of two players a trial, with places for all these tests."""
+    folder = tmp_path_factory.mktemp("watching") / "study"
+    folder.mkdir()
+    video = folder.parent / "short.mp4"
+    write_short_video(video, seconds=1.0)
+    write_finished_study(folder, "pairwise", video)
+    definition = folder / "study.toml"
+    text = definition.read_text("utf-8")
+    definition.write_text(text.replace("participants = 3", "participants = 30"), "utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def address(study: Path) -> Iterator[str]:
+    with serving(study) as url:
+        yield url
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched() as chromium:
+        yield chromium
+
+
+@pytest.fixture
+def page(browser: Browser, address: str) -> Iterator[Page]:
+    with watched_page(browser, address) as opened:
+        yield opened
+
+
+@pytest.fixture
+def database(study: Path) -> Iterator[Database]:
+    opened = Database.open(sqlite_url(study / "responses.db"))
+    yield opened
+    opened.close()
+
+
+def take_part(page: Page, address: str) -> None:
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    page.get_by_role("button", name="Begin").click()
+    expect(play_button(page, "A")).to_be_visible()
+
+
+def player(page: Page, label: str) -> Locator:
+    return page.get_by_role("region", name=f"Video {label}")
+
+
+def play_button(page: Page, label: str) -> Locator:
+    return page.get_by_role("button", name=f"Play {label}", exact=True)
+
+
+def reports_of(page: Page) -> list[dict[str, Any]]:
+    """Return a list that fills with what the page reports."""
+    reports: list[dict[str, Any]] = []
+
+    def look_at(request: Any) -> None:
+        if "/watched/" in request.url:
+            reports.append(json.loads(request.post_data))
+
+    page.on("request", look_at)
+    return reports
+
+
+def test_playing_faster_does_not_count_and_says_so(
+    page: Page, address: str, database: Database
+) -> None:
+    take_part(page, address)
+    reports = reports_of(page)
+    video = player(page, "A").locator("video")
+    video.evaluate(FORCED_RATE)
+
+    with page.expect_response("**/watched/**") as answered:
+        play_button(page, "A").click()
+
+    expect(page.locator("#watched")).to_have_text("Let the video play at its own speed, please")
+    expect(page.locator("#needed")).to_contain_text("Still needed: watch A and B")
+    assert {report["rate"] for report in reports} == {4}
+    assert answered.value.json()["intervals"] == []
+    assert answered.value.json()["missing"] > 0.9
+
+
+def test_playing_out_of_view_does_not_count_and_says_so(page: Page, address: str) -> None:
+    take_part(page, address)
+    reports = reports_of(page)
+    page.evaluate(PRETENDED_HIDDEN)
+
+    with page.expect_response("**/watched/**") as answered:
+        play_button(page, "A").click()
+
+    expect(page.locator("#watched")).to_have_text("Keep the video in view while it plays, please")
+    assert sum(report["hidden_seconds"] for report in reports) > 0.5
+    assert answered.value.json()["intervals"] == []
+
+
+def test_frames_are_reported_with_what_was_played(
+    page: Page, address: str, database: Database
+) -> None:
+    take_part(page, address)
+
+    with page.expect_response("**/watched/**") as answered:
+        play_button(page, "A").click()
+
+    assert answered.value.json()["missing"] == 0
+    token = answered.value.url.rsplit("/", 1)[1]
+    with database.reading() as session:
+        video = session.scalars(select(Video).where(Video.token == token)).one()
+        (batch,) = video.watch_batches
+        assert batch.rate == 1
+        assert batch.hidden_seconds == batch.silent_seconds == 0
+        assert batch.frames is not None
+        assert batch.frames > 0
+        assert batch.dropped_frames is not None
+
+
+def test_a_broken_video_is_named_and_the_trial_left(
+    page: Page, address: str, database: Database
+) -> None:
+    page.goto(address)
+    broken: list[str] = []
+
+    def break_one(route: Route) -> None:
+        token = route.request.url.split("/media/")[1].split(".mp4")[0]
+        if token in broken:
+            route.fulfill(status=200, content_type="video/mp4", body="no video")
+        else:
+            route.continue_()
+
+    page.route("**/media/**", break_one)
+    page.get_by_role("button", name="I agree").click()
+    token = page.url.rsplit("/", 1)[1]
+    with database.reading() as session:
+        trial = session.scalars(
+            select(Trial).where(Trial.position == 1, Trial.study_session.has(token=token))
+        ).one()
+        second = trial.videos[1].token
+    broken.append(second)
+    page.get_by_role("button", name="Begin").click()
+
+    trouble = player(page, "B").get_by_role("alert")
+    expect(trouble).to_have_text("This video cannot be played.")
+    expect(player(page, "A").get_by_role("alert")).to_be_hidden()
+    button = player(page, "B").get_by_role("button", name="This video does not play")
+    button.focus()
+    page.keyboard.press("Enter")
+
+    expect(page.locator(".progress")).to_contain_text("Trial 2 of")
+    with database.reading() as session:
+        videos = session.scalars(select(Video).where(Video.trial_id == trial.id)).all()
+        assert {v.token for v in videos if v.unplayable_at is not None} == {second}
+
+
+def test_a_broken_video_that_loads_again_plays(page: Page, address: str) -> None:
+    page.route("**/media/*.mp4", lambda route: route.fulfill(status=200, body="no video"))
+    take_part(page, address)
+    expect(player(page, "A").get_by_role("alert")).to_be_visible()
+    page.unroute("**/media/*.mp4")
+
+    player(page, "A").get_by_role("button", name="Reload this video").click()
+
+    expect(player(page, "A").get_by_role("alert")).to_be_hidden()
+    expect(play_button(page, "A")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.locator("#watched")).to_contain_text("A ✓")
+
+
+def test_a_video_that_gets_no_data_says_so_and_plays_when_it_is_loaded_again(
+    page: Page, address: str, database: Database
+) -> None:
+    unanswered: list[Route] = []
+    page.route("**/media/*.mp4", lambda route: unanswered.append(route))
+    take_part(page, address)
+    reports = reports_of(page)
+
+    play_button(page, "A").click()
+    trouble = player(page, "A").get_by_role("alert")
+    expect(trouble).to_have_text("This video has stopped loading.", timeout=15_000)
+    page.unroute("**/media/*.mp4")
+    player(page, "A").get_by_role("button", name="Reload this video").click()
+    expect(trouble).to_be_hidden()
+    play_button(page, "A").click()
+
+    expect(page.locator("#watched")).to_contain_text("A ✓", timeout=15_000)
+    assert sum(report["stalls"] for report in reports) == 1
+    assert sum(report["stalled_seconds"] for report in reports) > 4
+
+
+def test_a_video_loaded_again_keeps_its_place_and_what_was_watched(
+    page: Page, address: str
+) -> None:
+    take_part(page, address)
+    play_button(page, "A").click()
+    expect(page.locator("#watched")).to_contain_text("A ✓")
+
+    page.locator(".trouble summary").click()
+    page.get_by_role("button", name="Reload A").click()
+    expect(player(page, "A").locator("video")).to_have_attribute("src", re.compile("again=1"))
+
+    expect(page.locator("#watched")).to_contain_text("A ✓")
+    page.reload()
+    expect(page.locator("#watched")).to_contain_text("A ✓")
+
+
+def test_the_key_k_plays_the_video_that_has_the_focus(page: Page, address: str) -> None:
+    take_part(page, address)
+
+    page.keyboard.press("k")
+    expect(page.locator(".playing")).to_have_attribute("aria-label", "Video A")
+    play_button(page, "B").focus()
+    page.keyboard.press("k")
+    expect(page.locator(".playing")).to_have_attribute("aria-label", "Video B")
