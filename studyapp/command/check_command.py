@@ -7,7 +7,8 @@ import click
 from motion.errors import InputError
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.preflight import Severity, check
+from studyapp.stages.finding import Severity
+from studyapp.stages.preflight import check
 
 
 @click.command("check")

@@ -58,9 +58,18 @@ class Video(Section):
 
 
 class Watching(Section):
-    """What counts as having watched: the share of each video that must really have played."""
+    """What counts as having watched, and how much there may be to load for it.
+
+    Attributes
+    ----------
+    coverage : float
+        The share of each video that must really have played.
+    megabytes_per_page : float
+        What one page may load at most: its own videos, and those fetched ahead for the next one.
+    """
 
     coverage: float = Field(0.95, ge=0, le=1, strict=False)
+    megabytes_per_page: float = Field(60, gt=0, le=10_000, strict=False)
 
 
 class Study(Section, ABC):

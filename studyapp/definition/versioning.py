@@ -18,6 +18,7 @@ OPERATION: Final[dict[str, Any]] = {
     "participants": True,
     "participants_per_comparison": True,
     "page": {"organisation", "contact", "minutes", "payment", "phones"},
+    "watching": {"megabytes_per_page"},
 }
 """Keys that may change while the study runs; all others are its design."""
 
@@ -41,7 +42,8 @@ def design_digest(study: Study, segments: Sequence[Segment]) -> str:
     """Return what changes with anything that decides what participants see and are asked."""
     # Keys that say what would be so without them do not count: writing one down, or a new
     # release that knows more of them, is no other design.
-    design = study.model_dump(mode="json", exclude=OPERATION, exclude_defaults=True)
+    keys = study.model_dump(mode="json", exclude=OPERATION, exclude_defaults=True)
+    design = {key: value for key, value in keys.items() if value != {}}
     heard = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
     state = json.dumps([study.protocol, design, heard])
     return hashlib.sha256(state.encode()).hexdigest()
@@ -53,7 +55,8 @@ def arm_digest(study: Study, arm: Arm, segments: Sequence[Segment]) -> str:
 
 
 def _flat(part: dict[str, Any]) -> dict[str, Any]:
-    inner = part.get("page", {})
-    return {k: v for k, v in part.items() if k != "page"} | {
-        f"page.{key}": value for key, value in inner.items()
-    }
+    flat: dict[str, Any] = {}
+    for key, value in part.items():
+        inner = value if isinstance(value, dict) else None
+        flat |= {key: value} if inner is None else {f"{key}.{k}": v for k, v in inner.items()}
+    return flat

@@ -1,14 +1,18 @@
-"""Whether a rendered video is what it should be, found by opening it."""
+"""Whether a video is what it should be, and how it is encoded, found by opening it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from types import MappingProxyType
+from typing import Any, ClassVar, Final, Self
 
 import av
 
 from motion.audio import read_audio
 from motion.errors import InputError
+from renderer.encoder import SOUND_RATE
 from renderer.loudness import integrated_loudness
 
 DURATION_TOLERANCE: Final = 0.1
@@ -43,6 +47,86 @@ def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> str | None:
     except (av.FFmpegError, OSError):
         return "cannot be played: it is damaged or no video"
     return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class VideoFormat:
+    """How a video is encoded, as far as a browser can tell.
+
+    Attributes
+    ----------
+    width, height : int
+        Pixels.
+    frame_rate : float
+        Frames per second.
+    picture : str
+        Codec and profile, and how colours are stored.
+    sound : str
+        Codec, samples per second and channels; empty where there is none.
+    """
+
+    WORDS: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "size": "the size of the picture",
+            "frame_rate": "the number of frames per second",
+            "picture": "how the picture is encoded",
+            "sound": "how the sound is encoded",
+        }
+    )
+    """What must be the same in videos that can stand beside each other."""
+
+    width: int
+    height: int
+    frame_rate: float
+    picture: str
+    sound: str
+
+    @property
+    def size(self) -> str:
+        """Width and height."""
+        return f"{self.width} × {self.height}"
+
+    @property
+    def unplayable(self) -> str | None:
+        """Why not every browser plays it; None where all do."""
+        if not self.picture.startswith("h264") or not self.picture.endswith("420p"):
+            return f"is encoded as {self.picture}, which not every browser plays"
+        if self.sound and not self.sound.startswith("aac"):
+            return f"has its sound as {self.sound}, which not every browser plays"
+        return None
+
+    @classmethod
+    def rendered(cls, size: int, frame_rate: int) -> Self:
+        """Return the format of the videos that are rendered."""
+        return cls(
+            width=size,
+            height=size,
+            frame_rate=frame_rate,
+            picture="h264 High yuv420p",
+            sound=f"aac {SOUND_RATE} Hz mono",
+        )
+
+
+def format_of(video: Path) -> VideoFormat | None:
+    """Return how a video is encoded; None where it cannot be opened or has no picture."""
+    try:
+        with av.open(str(video)) as container:
+            if not container.streams.video:
+                return None
+            picture: Any = container.streams.video[0]
+            heard: Any = next(iter(container.streams.audio), None)
+            sound = ""
+            if heard is not None:
+                sound = f"{heard.codec_context.name} {heard.sample_rate} Hz {heard.layout.name}"
+            return VideoFormat(
+                width=picture.width,
+                height=picture.height,
+                frame_rate=round(float(picture.guessed_rate or 0), 2),
+                picture=f"{picture.codec_context.name} {picture.profile} {picture.pix_fmt}",
+                sound=sound,
+            )
+    except (av.FFmpegError, OSError):
+        return None
 
 
 def loudness_of(video: Path) -> float | None:

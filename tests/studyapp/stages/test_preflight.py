@@ -15,8 +15,9 @@ from motion.formats import read_clip, write_clip
 from renderer.encoder import SOUND_RATE, VideoWriter
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.stages.finding import Finding, Severity
 from studyapp.stages.generation import generate
-from studyapp.stages.preflight import Finding, Severity, check, study_notes
+from studyapp.stages.preflight import check, study_notes
 from studyapp.stages.recordings import Take, import_take
 
 
