@@ -12,14 +12,15 @@ from typing import Final
 import httpx
 
 from motion.errors import InputError
-from studyapp.definition.protocols.pairwise import PairwiseStudy
+from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.pages import Page
-from studyapp.rehearsal.participant import Participant, Visit, answer_trial
+from studyapp.rehearsal.participant import Participant, answer_trial
 from studyapp.rehearsal.probes import Probe, probe_trial
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import Roster
-from studyapp.web.about_participant import FORM_FIELD
+from studyapp.rehearsal.visit import Visit
 
 STAGGER: Final = 0.05
 """Seconds between the first arrivals."""
@@ -49,7 +50,7 @@ class Crowd:
         Bad submissions that were tried.
     """
 
-    study: PairwiseStudy
+    study: Study
     truth: Truth
     eyes: Eyes
     server: str
@@ -97,13 +98,8 @@ class Crowd:
     def _one(self, name: str, *, delay: float, probing: bool) -> None:
         self.stop.wait(delay)
         participant = Participant(
-            entrance=f"/?PROLIFIC_PID={name}&STUDY_ID=rehearsal&SESSION_ID={name}",
-            questions=tuple(question.name for question in self.study.questions),
-            about={
-                f"{FORM_FIELD}{question.name}": question.example
-                for stage in self.study.form.stages()
-                for question in self.study.form.asked(stage)
-            },
+            name=name,
+            study=self.study,
             population=self.truth.population,
             seed=self.truth.seed,
             eyes=self.eyes,
@@ -130,8 +126,7 @@ class Crowd:
                     remedy="Run the command again: it goes on where it was",
                 ) from error
 
-    def _probe(self, visit: Visit, page: Page, answers: dict[str, str]) -> Page:
-        gated = self.study.watching.coverage > 0
-        following, probes = probe_trial(visit, page, answers, self.eyes, gated=gated)
+    def _probe(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
+        following, probes = probe_trial(visit, page, judgement, study=self.study, eyes=self.eyes)
         self.probes.extend(probes)
         return following

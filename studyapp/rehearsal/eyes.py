@@ -1,33 +1,21 @@
-"""The eyes of simulated raters: pages are blinded, so what they show is looked up."""
+"""The eyes and ears of simulated raters: pages are blinded, so what they show is looked up."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import joinedload, selectinload
 
-from studyapp.models import Response, StudySession, Trial, Video
+from studyapp.design.stimulus import Stimulus
+from studyapp.models import FormAnswer, Response, StudySession, Trial, Video
 from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.raters import ShownPair
+from studyapp.rehearsal.players import token_candidates
+from studyapp.rehearsal.sight import SeenTrial, Sight
 from studyapp.services.database import Database
 
-
-@dataclass(frozen=True, kw_only=True)
-class Sight:
-    """What a page shows, and to whom.
-
-    Attributes
-    ----------
-    rater : str
-        Names the rater by its place, whoever holds it: a place's answers are the same in every
-        rehearsal with the same seed.
-    pair : ShownPair
-        What is to be judged.
-    """
-
-    rater: str
-    pair: ShownPair
+StoredAnswer = tuple[int, str, int | None, int, tuple[str, ...]]
+"""Position, question, stimulus, value and reasons."""
 
 
 @dataclass(frozen=True)
@@ -37,49 +25,114 @@ class Eyes:
     database: Database
 
     def look(self, page: Page) -> Sight:
-        """Return what the pair on `page` shows.
+        """Return what the trial on `page` shows.
 
         Raises
         ------
         BrokenPageError
-            If its video's address holds no media token of this rehearsal.
+            If the addresses of its videos hold no media token of this rehearsal, or those of
+            several trials, or a video of the trial is missing.
         """
+        tokens = _tokens(page)
         query = (
             select(Trial)
             .join(Trial.videos)
-            .where(Video.token.in_(page.player().token_candidates))
+            .where(Video.token.in_(tokens))
+            .distinct()
             .options(
                 joinedload(Trial.study_session).joinedload(StudySession.place),
                 selectinload(Trial.stimuli),
+                selectinload(Trial.videos),
             )
         )
         with self.database.reading() as session:
-            trial = session.scalars(query).one_or_none()
-        if trial is None:
+            trials = session.scalars(query).all()
+        if not trials:
             raise BrokenPageError(page, "shows a video that is no trial of this rehearsal")
+        if len(trials) > 1:
+            raise BrokenPageError(page, "shows videos of several trials")
+        (trial,) = trials
+        if {video.token for video in trial.videos} - tokens or len(page.players) != len(
+            trial.videos
+        ):
+            raise BrokenPageError(
+                page, f"shows {len(page.players)} videos that are not the {len(trial.videos)} of it"
+            )
         sitting = trial.study_session
         place = "no place" if sitting.place is None else str(sitting.place.number)
-        left, right = trial.conditions
         return Sight(
             rater=f"{sitting.arm} {place}",
-            pair=ShownPair(
+            trial=SeenTrial(
                 position=trial.position,
+                kind=trial.kind,
+                part=trial.part,
                 segment=trial.segment,
-                left=left,
-                right=right,
+                stimuli=tuple(
+                    Stimulus(condition=shown.condition, segment=shown.segment, speech=shown.speech)
+                    for shown in trial.stimuli
+                    if shown.number > 0
+                ),
+                expected=trial.expected,
                 instructed=trial.instructed,
             ),
         )
 
-    def stored(self, page: Page) -> tuple[tuple[int, str, int], ...]:
-        """Return the answers of the participant who sees `page`: position, question, value."""
-        tokens = page.player().token_candidates
-        sitting = select(Trial.study_session_id).join(Trial.videos).where(Video.token.in_(tokens))
+    def stored(self, page: Page) -> tuple[StoredAnswer, ...]:
+        """Return all answers of the participant who sees `page`."""
+        sitting = (
+            select(Trial.study_session_id).join(Trial.videos).where(Video.token.in_(_tokens(page)))
+        )
         query = (
-            select(Trial.position, Response.question, Response.value)
+            select(
+                Trial.position,
+                Response.question,
+                Response.stimulus,
+                Response.value,
+                Response.reasons,
+            )
             .join(Response.trial)
-            .where(Trial.study_session_id.in_(sitting.scalar_subquery()))
-            .order_by(Trial.position, Response.question)
+            .where(Trial.study_session_id.in_(sitting))
+            .order_by(Trial.position, Response.question, Response.stimulus)
         )
         with self.database.reading() as session:
-            return tuple((row.position, row.question, row.value) for row in session.execute(query))
+            return tuple(
+                (row.position, row.question, row.stimulus, row.value, tuple(row.reasons))
+                for row in session.execute(query)
+            )
+
+    def told(self, name: str) -> tuple[int, int]:
+        """Return how many study sessions and answers about themselves `name` has stored."""
+        sittings = (
+            select(func.count())
+            .select_from(StudySession)
+            .where(StudySession.recruiter_participant == name)
+        )
+        answers = (
+            select(func.count())
+            .select_from(FormAnswer)
+            .join(FormAnswer.study_session)
+            .where(StudySession.recruiter_participant == name)
+        )
+        with self.database.reading() as session:
+            return session.scalar(sittings) or 0, session.scalar(answers) or 0
+
+    def hear(self, page: Page) -> str:
+        """Return the digits that are spoken to the participant whose page `page` is.
+
+        Raises
+        ------
+        BrokenPageError
+            If nothing is spoken to them.
+        """
+        query = select(StudySession.sound_digits).where(
+            StudySession.token.in_(token_candidates(page.address))
+        )
+        with self.database.reading() as session:
+            digits = session.scalar(query)
+        if not digits:
+            raise BrokenPageError(page, "plays sound to a participant for whom there is none")
+        return digits
+
+
+def _tokens(page: Page) -> frozenset[str]:
+    return frozenset(part for player in page.players for part in player.token_candidates)

@@ -4,81 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from threading import Event
 from typing import Final
 
 import httpx
 
+from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.pages import BrokenPageError, Form, Page
+from studyapp.rehearsal.judgement import Judgement, judge
+from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import Rater
+from studyapp.rehearsal.visit import Visit
+from studyapp.web.about_participant import FORM_FIELD
 
 SAME_PAGE_AT_MOST: Final = 3
 """A page that comes back this often, though it was answered, leads nowhere."""
 
+FormFields = Mapping[str, tuple[str, ...]]
+"""What is answered: the values of each field."""
 
-class InterruptedRehearsal(Exception):  # noqa: N818 - it is no error
-    """The rehearsal is to stop; what was answered is kept."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Visit:
-    """What a browser would do for a participant: open, watch and send."""
-
-    client: httpx.Client
-    stop: Event
-    speed: float
-
-    def open(self, address: str) -> Page:
-        """Return the page at `address`, after redirects."""
-        return self._page(self.client.get(address))
-
-    def send(self, form: Form, answers: dict[str, str] | None = None) -> Page:
-        """Send `form` with `answers` and return the page that follows."""
-        data = form.filled(answers)
-        if self.stop.is_set():
-            raise InterruptedRehearsal
-        return self._page(self.client.post(form.action, data=data))
-
-    def watch(self, page: Page) -> None:
-        """Play the pair on `page` to its end on the rehearsal's clock, and report it.
-
-        The report says no more than the truth: the interval that the clock let pass.
-        """
-        player = page.player()
-        opening = self.client.get(player.source, headers={"Range": "bytes=0-1023"})
-        kind = opening.headers.get("content-type", "")
-        if opening.status_code != httpx.codes.PARTIAL_CONTENT or not kind.startswith("video/"):
-            raise BrokenPageError(
-                page,
-                f"has a video that cannot be streamed (status {opening.status_code}, "
-                f"{kind or 'no'} content type)",
-            )
-        if self.stop.wait(player.duration / self.speed):
-            raise InterruptedRehearsal
-        played = {"batch": 0, "intervals": [[0.0, player.duration]]}
-        told = self.client.post(player.watched_address, json=played)
-        if told.is_error:
-            raise BrokenPageError(
-                page, f"does not accept what was watched (status {told.status_code})"
-            )
-
-    def _page(self, response: httpx.Response) -> Page:
-        page = Page(str(response.url), response.text)
-        if response.is_error:
-            raise BrokenPageError(page, f"answered with status {response.status_code}")
-        return page
-
-
-AnswerTrial = Callable[[Visit, Page, dict[str, str]], Page]
+AnswerTrial = Callable[[Visit, Page, Judgement], Page]
 """Answers the trial of a page and returns the page that follows."""
 
+FillForm = Callable[[Visit, Page, FormFields], Page]
+"""Fills in the form of any other page and returns the page that follows."""
 
-def answer_trial(visit: Visit, page: Page, answers: dict[str, str]) -> Page:
-    """Watch the pair on `page`, send `answers`, and return the page that follows."""
+
+def answer_trial(visit: Visit, page: Page, judgement: Judgement) -> Page:
+    """Watch the videos on `page`, send the answers, and return the page that follows."""
     visit.watch(page)
-    return visit.send(page.answer_form(), answers)
+    return visit.send(page, page.answer_form, judgement.fields())
+
+
+def fill_form(visit: Visit, page: Page, answers: FormFields) -> Page:
+    """Send the form of `page` and return the page that follows."""
+    return visit.send(page, page.next_form, answers)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,12 +49,10 @@ class Participant:
 
     Attributes
     ----------
-    entrance : str
-        The link it was given.
-    questions : tuple of str
-        What the study asks in every trial.
-    about : mapping of field name to text
-        What it says of itself wherever a page asks for it.
+    name : str
+        What the recruiter calls it.
+    study : Study
+        What it takes part in.
     population, seed
         Whom it is drawn from; the place it gets decides which rater it is.
     eyes : Eyes
@@ -103,17 +63,33 @@ class Participant:
         Set when the rehearsal is to stop.
     answer_first : callable
         How it answers the first trial it comes to; by default as every other.
+    fill : callable
+        How it fills in the forms of other pages.
     """
 
-    entrance: str
-    questions: tuple[str, ...]
-    about: Mapping[str, str]
+    name: str
+    study: Study
     population: Population
     seed: int
     eyes: Eyes
     speed: float
     stop: Event
     answer_first: AnswerTrial = answer_trial
+    fill: FillForm = fill_form
+
+    @property
+    def entrance(self) -> str:
+        """The link it was given."""
+        return f"/?PROLIFIC_PID={self.name}&STUDY_ID=rehearsal&SESSION_ID={self.name}"
+
+    @cached_property
+    def about(self) -> FormFields:
+        """What it says of itself wherever a page asks for it."""
+        return {
+            f"{FORM_FIELD}{question.name}": (question.example,)
+            for stage in self.study.form.stages()
+            for question in self.study.form.asked(stage)
+        }
 
     def take_part(self, client: httpx.Client) -> str:
         """Go from the link to the end and return the completion code.
@@ -133,25 +109,29 @@ class Participant:
         same = 0
         answer = self.answer_first
         while (code := page.completion_code) is None:
-            step = (page.address, page.answer_form().trial if page.asks else "")
+            step = (page.address, page.answer_form.trial if page.asks else page.next_form.action)
             same = same + 1 if step == before else 1
             if same > SAME_PAGE_AT_MOST:
                 raise BrokenPageError(page, "comes back though it was filled in as it asks")
             before = step
-            if not page.asks:
-                page = visit.send(*self._about(page.next_form()))
-                continue
-            page = answer(visit, page, self._answers(page))
-            answer = answer_trial
+            if page.asks:
+                page = answer(visit, page, self.judge(page))
+                answer = answer_trial
+            else:
+                page = self.fill(visit, page, self.say(visit, page))
         return code
 
-    def _about(self, form: Form) -> tuple[Form, dict[str, str]]:
-        """Return `form` and what this participant answers of what it asks."""
-        asked = {*form.choices, *form.lines}
-        return form, {name: value for name, value in self.about.items() if name in asked}
+    def say(self, visit: Visit, page: Page) -> FormFields:
+        """Return what this participant answers of what the form of `page` asks."""
+        asked = page.next_form.asked
+        known = {name: said for name, said in self.about.items() if name in asked}
+        if not page.sounds:
+            return known
+        visit.listen(page)
+        return known | dict.fromkeys(sorted(asked - set(known)), (self.eyes.hear(page),))
 
-    def _answers(self, page: Page) -> dict[str, str]:
-        """Return this participant's answers to the pair on `page`."""
+    def judge(self, page: Page) -> Judgement:
+        """Return this participant's answers to the trial on `page`."""
         sight = self.eyes.look(page)
         rater = Rater(population=self.population, seed=self.seed, name=sight.rater)
-        return {name: str(rater.answer(sight.pair, name)) for name in self.questions}
+        return judge(self.study, rater, sight.trial)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -23,6 +23,9 @@ FIRST_UNKNOWN: Final = 0.75
 STEP_UNKNOWN: Final = 0.25
 FURTHER_QUESTION: Final = 0.8
 
+BELONGING: Final = 1.5
+"""Logits by which motion suits its own speech better than another, for each logit of quality."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Population:
@@ -30,15 +33,27 @@ class Population:
 
     A rater finds condition ``c`` in segment ``i``, asked question ``q``, as good as
     ``quality[c][q] + taste + fit`` logits: ``taste`` is this rater's own, ``fit`` this segment's,
-    both normal, independent between conditions and questions. What decides an answer is the
-    difference between the two sides of a pair. This is a cumulative link mixed model (logit
-    link, symmetric thresholds, crossed random slopes of participants and items; Agresti 2010,
-    Analysis of Ordinal Categorical Data, ch. 10), run forwards.
+    both normal, independent between conditions and questions. Heard with another segment's
+    speech, a motion is ``belonging[c][q]`` logits worse, give or take as much as raters and
+    segments differ between two conditions. Every answer rests on these utilities:
+
+    - a **preference** on the difference between the two sides, the rater's pull to one side and
+      logistic noise, cut by `weak` and `strong`: a cumulative link mixed model (logit link,
+      symmetric thresholds, crossed random slopes of participants and items; Agresti 2010,
+      Analysis of Ordinal Categorical Data, ch. 10), run forwards;
+    - a **rating** on one utility, the rater's leniency and logistic noise, cut into the
+      categories of the scale: the same model with a random intercept of the rater;
+    - a **ranking** on all utilities with Gumbel noise, in falling order: the model of Plackett
+      and Luce (Luce 1959; Plackett 1975), in which two motions are ordered as a preference
+      without ties would order them.
 
     Attributes
     ----------
     quality : mapping of condition to mapping of question to float
-        Mean latent quality in logits; only differences matter.
+        Mean latent quality in logits; only differences matter between conditions that are
+        compared, while a rating's middle lies at 0.
+    belonging : mapping of condition to mapping of question to float
+        By how many logits a motion suits its own speech better than another's.
     participant_sd, item_sd : float
         Standard deviations, over raters and over segments, of the *difference* between two
         conditions, in logits. One condition's ``taste`` or ``fit`` has this over sqrt(2).
@@ -46,33 +61,47 @@ class Population:
         Mean and standard deviation over raters of their pull towards the right video (B), in
         logits.
     weak, strong : float
-        A difference (with logistic noise) beyond `weak` is answered 'slightly', beyond `strong`
-        'clearly'; ``0 < weak < strong``.
+        A difference (with its noise) beyond `weak` is answered 'slightly', beyond `strong`
+        'clearly'; ``0 < weak < strong``. Where a ranking allows ties, motions within `weak` of
+        the best that has their rank share it.
+    leniency_sd : float
+        Standard deviation over raters of how much better they rate everything, in logits.
+    rating_spread : float
+        Logits that a rating's latent value is divided by, before the logistic function turns it
+        into a place on the scale; above 0.
     inattentive : float
         Share of raters who answer everything at random, catch trials included; in [0, 1].
+    overlooked : float
+        Share of attention checks that an attentive rater answers as if they asked what all other
+        pages ask; in [0, 1].
+    reasons : float
+        Chance of each reason offered beside an answer to be ticked; in [0, 1].
     """
 
     quality: dict[str, dict[str, float]]
+    belonging: dict[str, dict[str, float]] = field(default_factory=dict)
     participant_sd: float = 0.6
     item_sd: float = 0.45
     side_bias: float = -0.15
     side_bias_sd: float = 0.15
     weak: float = 0.45
     strong: float = 2.0
+    leniency_sd: float = 0.5
+    rating_spread: float = 1.8
     inattentive: float = 0.08
+    overlooked: float = 0.02
+    reasons: float = 0.3
 
     def __post_init__(self) -> None:
         if not 0 < self.weak < self.strong:
             raise ValueError(f"thresholds {self.weak}, {self.strong} are not 0 < weak < strong")
-        if min(self.participant_sd, self.item_sd, self.side_bias_sd) < 0:
+        if min(self.participant_sd, self.item_sd, self.side_bias_sd, self.leniency_sd) < 0:
             raise ValueError("a standard deviation is negative")
-        if not 0 <= self.inattentive <= 1:
-            raise ValueError(f"inattentive {self.inattentive} is no share")
-
-    @property
-    def thresholds(self) -> tuple[float, float, float, float]:
-        """Borders between the five answers, from 'clearly A' to 'clearly B', in logits."""
-        return (-self.strong, -self.weak, self.weak, self.strong)
+        if self.rating_spread <= 0:
+            raise ValueError(f"rating_spread {self.rating_spread} is not above 0")
+        for name in ("inattentive", "overlooked", "reasons"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise ValueError(f"{name} {getattr(self, name)} is no share")
 
     @property
     def taste_sd(self) -> float:
@@ -90,9 +119,11 @@ def default_population(study: Study) -> Population:
 
     A condition is as good as `QUALITY` says for its name, or else for its generator. Any other
     condition is taken for a system of unknown merit: in the file's order these get .75, .5,
-    .25, 0, 0, ... logits. The catch condition is always as bad as ``broken``. The first question
-    tells the conditions apart in full, each further one .8 times as well as the one before, so
-    that questions differ in their truth.
+    .25, 0, 0, ... logits. The catch condition is always as bad as ``broken``. What is better than
+    the mismatched motion, whose quality is 0, suits its own speech `BELONGING` times as much
+    better; the others suit any speech alike. The first question tells the conditions apart in
+    full, each further one .8 times as well as the one before, so that questions differ in their
+    truth.
     """
     general = _general_qualities(study)
     weights = {
@@ -104,7 +135,13 @@ def default_population(study: Study) -> Population:
     }
     # A flaw that catch trials rest on is equally plain whatever the question.
     quality[study.catch.condition] = dict.fromkeys(weights, QUALITY["broken"])
-    return Population(quality=quality)
+    belonging = {
+        condition: {
+            question: BELONGING * max(0.0, value) for question, value in by_question.items()
+        }
+        for condition, by_question in quality.items()
+    }
+    return Population(quality=quality, belonging=belonging)
 
 
 def _general_qualities(study: Study) -> dict[str, float]:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
+from studyapp.definition.study import Study
+from studyapp.design.asking import AnswerKey
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.forms import FormData
+from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.participant import Visit
+from studyapp.rehearsal.sight import SeenTrial
+from studyapp.rehearsal.visit import Visit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,8 +31,53 @@ class Probe:
     status: int
 
 
+@dataclass(frozen=True, kw_only=True)
+class Prober:
+    """Sends what should be refused, and looks whether it was.
+
+    Attributes
+    ----------
+    visit : Visit
+        The participant's own visit.
+    page : Page
+        The page whose form is misused.
+    target : str
+        Where that form is sent to.
+    stored : callable
+        Returns everything that is stored of the participant.
+    """
+
+    visit: Visit
+    page: Page
+    target: str
+    stored: Callable[[], object]
+
+    def refused(self, name: str, data: FormData) -> Probe:
+        """Send `data`, which must be refused with a client error and change nothing.
+
+        Raises
+        ------
+        BrokenPageError
+            If it was not refused, or stored.
+        """
+        return self._tried(name, data, harmless=False)
+
+    def harmless(self, name: str, data: FormData) -> Probe:
+        """Send `data`, which must be taken kindly and change nothing."""
+        return self._tried(name, data, harmless=True)
+
+    def _tried(self, name: str, data: FormData, *, harmless: bool) -> Probe:
+        before = self.stored()
+        response = self.visit.client.post(self.target, data=data)
+        if self.stored() != before:
+            raise BrokenPageError(self.page, f"was sent {name}, and stored it")
+        if not (response.is_success if harmless else response.is_client_error):
+            raise BrokenPageError(self.page, f"was sent {name}, answered {response.status_code}")
+        return Probe(name=name, status=response.status_code)
+
+
 def probe_trial(
-    visit: Visit, page: Page, answers: dict[str, str], eyes: Eyes, *, gated: bool
+    visit: Visit, page: Page, judgement: Judgement, *, study: Study, eyes: Eyes
 ) -> tuple[Page, tuple[Probe, ...]]:
     """Answer the trial of `page` well in the end, but try bad submissions before and after.
 
@@ -37,12 +87,12 @@ def probe_trial(
         The participant's own visit.
     page : Page
         The page of a trial that is to be answered next, nothing of it watched yet.
-    answers : mapping of question to value
+    judgement : Judgement
         Good answers; each bad submission spoils something about them.
+    study : Study
+        Knows what goes together.
     eyes : Eyes
         Tells what is stored.
-    gated : bool
-        Whether the study takes answers only once the videos were watched.
 
     Returns
     -------
@@ -56,32 +106,62 @@ def probe_trial(
     BrokenPageError
         If a bad submission was not refused, or changed what is stored.
     """
-    form = page.answer_form()
-    good = form.filled(answers)
-    question, value = next(iter(answers.items()))
-
-    def tried(name: str, data: Mapping[str, str], *, harmless: bool = False) -> Probe:
-        before = eyes.stored(page)
-        response = visit.client.post(form.action, data=dict(data))
-        if eyes.stored(page) != before:
-            raise BrokenPageError(page, f"was sent {name}, and stored it")
-        if not (response.is_success if harmless else response.is_client_error):
-            raise BrokenPageError(page, f"was sent {name}, answered {response.status_code}")
-        return Probe(name=name, status=response.status_code)
-
-    unwatched = [tried("answers before the videos were watched", good)] if gated else []
+    form = page.answer_form
+    good = page.filled(form, judgement.fields())
+    trial = eyes.look(page).trial
+    prober = Prober(
+        visit=visit, page=page, target=page.target(form), stored=lambda: eyes.stored(page)
+    )
+    early = (
+        [prober.refused("answers before the videos were watched", good)]
+        if study.watching.coverage > 0
+        else []
+    )
     visit.watch(page)
-    without = {name: value for name, value in good.items() if name != question}
-    refused = [
-        tried("a value that is out of range", {**good, question: "3"}),
-        tried("a value that is no number", {**good, question: "A"}),
-        tried("a question without an answer", without),
-        tried("somebody else's trial", {**good, "trial": "0" * len(form.trial)}),
+    refused = [prober.refused(name, data) for name, data in _spoilt(study, trial, judgement, good)]
+    following = visit.send(page, form, judgement.fields())
+    other = {**good, **_as_data(_other_answers(judgement))}
+    late = [
+        prober.harmless("the same answers twice", good),
+        prober.refused("other answers to an answered trial", other),
     ]
-    following = visit.send(form, answers)
-    other = "0" if value != "0" else "1"
-    repeated = [
-        tried("the same answers twice", good, harmless=True),
-        tried("other answers to an answered trial", {**good, question: other}),
-    ]
-    return following, (*unwatched, *refused, *repeated)
+    return following, (*early, *refused, *late)
+
+
+def _spoilt(
+    study: Study, trial: SeenTrial, judgement: Judgement, good: FormData
+) -> Iterator[tuple[str, FormData]]:
+    """Yield what is wrong, and `good` spoilt so."""
+    first = judgement.asks[0]
+    yield "a value that is out of range", {**good, first.field: [str(max(first.values) + 1)]}
+    yield "a value that is no number", {**good, first.field: ["A"]}
+    yield "two values for one question", {**good, first.field: [str(v) for v in first.values[:2]]}
+    for ask in {ask.question: ask for ask in judgement.asks}.values():
+        without = {name: values for name, values in good.items() if name != ask.field}
+        yield f"question {ask.question!r} without an answer", without
+    yield "an answer that nobody asked for", {**good, f"{first.question}:99": ["1"]}
+    reasoned = next((ask for ask in judgement.asks if ask.reasons), first)
+    yield "a reason that is not offered", {**good, reasoned.reasons_field: ["no reason"]}
+    second = dict.fromkeys(judgement.values, 2)
+    if study.problem(trial, second):
+        data = _as_data(replace(judgement, values=second))
+        yield "ranks that make no order", {**good, **data}
+    yield "somebody else's trial", {**good, "trial": ["0" * len(good["trial"][0])]}
+
+
+def _other_answers(judgement: Judgement) -> Judgement:
+    """Return answers that are as good as those of `judgement`, and not the same."""
+    up: dict[AnswerKey, int] = {}
+    down: dict[AnswerKey, int] = {}
+    for question in dict.fromkeys(ask.question for ask in judgement.asks):
+        asks = [ask for ask in judgement.asks if ask.question == question]
+        values = asks[0].values
+        # Where these are ranks, both ways they make a whole order.
+        rising = [values[index % len(values)] for index in range(max(2, len(asks)))]
+        up.update({ask.key: value for ask, value in zip(asks, rising, strict=False)})
+        down.update({ask.key: value for ask, value in zip(asks, rising[::-1], strict=False)})
+    return replace(judgement, values=down if dict(judgement.values) == up else up)
+
+
+def _as_data(judgement: Judgement) -> FormData:
+    return {name: list(values) for name, values in judgement.fields().items()}

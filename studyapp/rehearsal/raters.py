@@ -1,4 +1,4 @@
-"""A simulated rater: what it sees in a pair, and what it answers."""
+"""A simulated rater: how good each motion is to it, and what it answers."""
 
 from __future__ import annotations
 
@@ -6,36 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from studyapp.rehearsal.chance import stream
+from studyapp.rehearsal.scales import preference_thresholds, ranks, rating_thresholds, step
 
 if TYPE_CHECKING:
+    from studyapp.design.asking import Ask
+    from studyapp.design.stimulus import Stimulus
     from studyapp.rehearsal.population import Population
-
-CLEAREST = 2
-"""Answers run from -2, clearly A (left), to 2, clearly B (right)."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ShownPair:
-    """What the rater's eyes tell it of one presentation.
-
-    Attributes
-    ----------
-    position : int
-        Which presentation of the study session it is.
-    left, right : str
-        The conditions under A and B.
-    instructed : int or None
-        The answer that the page asks for, on an attention check.
-    """
-
-    position: int
-    segment: str
-    left: str
-    right: str
-    instructed: int | None = None
+    from studyapp.rehearsal.sight import SeenTrial
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,29 +46,94 @@ class Rater:
         draw = stream(self.seed, "side", self.name).standard_normal()
         return self.population.side_bias + self.population.side_bias_sd * float(draw)
 
-    def utility(self, condition: str, segment: str, question: str) -> float:
-        """Return how good `condition` is to this rater in `segment`, in logits."""
+    @cached_property
+    def leniency(self) -> float:
+        """How much better than others it rates everything, in logits."""
+        draw = stream(self.seed, "leniency", self.name).standard_normal()
+        return self.population.leniency_sd * float(draw)
+
+    def utility(self, stimulus: Stimulus, question: str) -> float:
+        """Return how good `stimulus` is to this rater, in logits."""
+        condition, segment = stimulus.condition, stimulus.segment
         draw = stream(self.seed, "taste", self.name, condition, question).standard_normal()
-        return (
+        own = (
             self.population.quality[condition][question]
             + self.population.taste_sd * float(draw)
             + segment_fit(self.population, self.seed, condition, segment, question)
         )
+        if stimulus.speech in (None, segment):
+            return own
+        return own - self._cost_of_wrong_speech(condition, segment, question)
 
-    def answer(self, shown: ShownPair, question: str) -> int:
-        """Return its answer to `question`, from -2 (clearly left) to 2 (clearly right)."""
-        noise = stream(self.seed, "answer", self.name, shown.position, question)
+    def obeys(self, trial: SeenTrial) -> bool:
+        """Tell whether it does what the page of `trial` asks, on an attention check."""
+        if trial.instructed is None or not self.attentive:
+            return False
+        draw = stream(self.seed, "overlooked", self.name, trial.position).random()
+        return bool(draw >= self.population.overlooked)
+
+    def prefer(self, trial: SeenTrial, ask: Ask) -> int:
+        """Return its preference between the two stimuli of `trial`."""
+        noise = stream(self.seed, "answer", self.name, trial.position, ask.question)
         if not self.attentive:
-            return int(noise.integers(-CLEAREST, CLEAREST, endpoint=True))
-        if shown.instructed is not None:
-            return shown.instructed
+            return ask.values[int(noise.integers(len(ask.values)))]
+        left, right = trial.stimuli
         latent = (
-            self.utility(shown.right, shown.segment, question)
-            - self.utility(shown.left, shown.segment, question)
+            self.utility(right, ask.question)
+            - self.utility(left, ask.question)
             + self.side_bias
             + noise.logistic()
         )
-        return int(np.searchsorted(self.population.thresholds, latent)) - CLEAREST
+        return step(ask.values, preference_thresholds(self.population, len(ask.values)), latent)
+
+    def rate(self, trial: SeenTrial, ask: Ask) -> int:
+        """Return its rating of the stimulus that `ask` is about."""
+        number = ask.stimulus or 1
+        noise = stream(self.seed, "answer", self.name, trial.position, ask.question, number)
+        if not self.attentive:
+            return ask.values[int(noise.integers(len(ask.values)))]
+        stimulus = trial.stimuli[number - 1]
+        latent = self.utility(stimulus, ask.question) + self.leniency + noise.logistic()
+        return step(ask.values, rating_thresholds(self.population, len(ask.values)), latent)
+
+    def rank(
+        self, trial: SeenTrial, question: str, *, ties: bool, first: int | None = None
+    ) -> tuple[int, ...]:
+        """Return the ranks it gives to the stimuli of `trial`, number 1 first.
+
+        Parameters
+        ----------
+        ties : bool
+            Whether stimuli may share a rank.
+        first : int, optional
+            Number of the stimulus that is to be put first, whatever it is like.
+        """
+        noise = stream(self.seed, "answer", self.name, trial.position, question)
+        count = len(trial.stimuli)
+        if not self.attentive:
+            return tuple(int(rank) + 1 for rank in noise.permutation(count))
+        felt = [
+            self.utility(stimulus, question) + float(draw)
+            for stimulus, draw in zip(trial.stimuli, noise.gumbel(size=count), strict=True)
+        ]
+        if first is not None:
+            felt[first - 1] = float("inf")
+        return ranks(felt, tie_within=self.population.weak if ties else None)
+
+    def reasons(self, trial: SeenTrial, ask: Ask) -> tuple[str, ...]:
+        """Return the reasons it ticks beside an answer."""
+        draws = stream(self.seed, "reasons", self.name, trial.position, ask.field)
+        ticked = draws.random(len(ask.reasons)) < self.population.reasons
+        return tuple(name for name, tick in zip(ask.reasons, ticked, strict=True) if tick)
+
+    def _cost_of_wrong_speech(self, condition: str, segment: str, question: str) -> float:
+        """Return how much worse this rater finds a motion with another segment's speech."""
+        draw = stream(self.seed, "belonging", self.name, condition, question).standard_normal()
+        return (
+            self.population.belonging[condition][question]
+            + self.population.participant_sd * float(draw)
+            + speech_fit(self.population, self.seed, condition, segment, question)
+        )
 
 
 def segment_fit(
@@ -102,3 +145,14 @@ def segment_fit(
     """
     draw = stream(seed, "fit", condition, segment, question).standard_normal()
     return population.fit_sd * float(draw)
+
+
+def speech_fit(
+    population: Population, seed: int, condition: str, segment: str, question: str
+) -> float:
+    """Return how much more than usual another speech spoils a motion, in logits.
+
+    The same for every rater of a rehearsal, as the other speech of a segment is.
+    """
+    draw = stream(seed, "other speech", condition, segment, question).standard_normal()
+    return population.item_sd * float(draw)

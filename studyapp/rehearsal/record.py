@@ -12,17 +12,26 @@ from motion.files import write_text
 from studyapp.definition.validation import explain
 from studyapp.rehearsal.population import Population
 
+Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 
-class ExpectedShare(BaseModel):
-    """The true win share of one comparison on one question, towards the reference.
+
+class Expected(BaseModel):
+    """What the attentive raters of a rehearsal answer on average to one question.
 
     Attributes
     ----------
-    share : float
-        Wins of the reference plus half the ties among attentive raters, in [0, 1], averaged over
-        all raters *and all segments* such a population could meet. This is what the report's
-        interval, clustered by participant and by segment, is an interval for.
-    share_on_these_segments : float
+    part : str
+        The set, block or task that asks it; empty where the study has no parts.
+    measure : {'win_share', 'own_speech', 'mean_rating', 'mean_rank'}
+        Wins plus half the ties of the first condition of a comparison, in [0, 1]; the same of a
+        motion with its own speech against itself with another, in [0, 1]; the mean rating, on the
+        question's scale; the mean rank, 1 the best.
+    about : str
+        The comparison (``first-second``) of a win share, else the condition.
+    value : float
+        Averaged over all raters *and all segments* such a population could meet. This is what
+        the report's interval, clustered by participant and by segment, is an interval for.
+    value_on_these_segments : float
         The same over all raters, but for the very segments of this study, whose luck (how well
         each condition happens to do in each) is fixed once the seed is. A count over very many
         participants tends to this one.
@@ -30,10 +39,12 @@ class ExpectedShare(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    comparison: str
+    part: str = ""
     question: str
-    share: float
-    share_on_these_segments: float
+    measure: Measure
+    about: str
+    value: float
+    value_on_these_segments: float
 
 
 class Truth(BaseModel):
@@ -47,17 +58,17 @@ class Truth(BaseModel):
         Digest of the study that was rehearsed: its definition, segments and videos.
     population : Population
         Whom the participants were drawn from.
-    expected : tuple of ExpectedShare
-        What they prefer, for every comparison and question.
+    expected : tuple of Expected
+        What they prefer: one for everything that each question measures.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    format: Literal[1] = 1
+    format: Literal[2] = 2
     seed: int
     study: str
     population: Population
-    expected: tuple[ExpectedShare, ...]
+    expected: tuple[Expected, ...]
 
 
 def write_truth(path: Path, truth: Truth) -> None:

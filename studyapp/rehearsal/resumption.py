@@ -13,12 +13,12 @@ from sqlalchemy import select
 from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.protocols.pairwise import PairwiseStudy, pairwise
 from studyapp.definition.stimuli import Stimuli, read_stimuli
+from studyapp.definition.study import Study
 from studyapp.models import StudySession
 from studyapp.rehearsal.population import Population, default_population
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
-from studyapp.rehearsal.truth import expected_shares
+from studyapp.rehearsal.truth import expectations
 from studyapp.services.database import Database
 
 _SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
@@ -61,7 +61,7 @@ def prepare(
     note : str
         What became of an earlier rehearsal, for people; empty where there was none.
     """
-    study = pairwise(folder.study(), folder.definition)
+    study = folder.study()
     segments = tuple(folder.segments_of(study))
     stimuli = read_stimuli(folder.stimuli)
     population = population or default_population(study)
@@ -69,9 +69,7 @@ def prepare(
         seed=seed,
         study=_digest(study, segments, stimuli),
         population=population,
-        expected=expected_shares(
-            study, [segment.name for segment in segments], population=population, seed=seed
-        ),
+        expected=expectations(study, segments, population=population, seed=seed),
     )
     note = ""
     if folder.rehearsal.exists():
@@ -85,10 +83,10 @@ def prepare(
     return truth, note
 
 
-def _digest(study: PairwiseStudy, segments: Sequence[Segment], stimuli: Stimuli) -> str:
+def _digest(study: Study, segments: Sequence[Segment], stimuli: Stimuli) -> str:
     """Return what changes with anything that decides trials, pages or videos of the study."""
-    pairs = sorted(pair.key for pair in stimuli.pairs)
-    state = json.dumps([study.model_dump(), [asdict(segment) for segment in segments], pairs])
+    videos = sorted(made.key for made in (*stimuli.clips, *stimuli.pairs, *stimuli.copies))
+    state = json.dumps([study.model_dump(), [asdict(segment) for segment in segments], videos])
     return hashlib.sha256(state.encode()).hexdigest()
 
 

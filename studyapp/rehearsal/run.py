@@ -10,9 +10,10 @@ from typing import Final
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.protocols.pairwise import PairwiseStudy, pairwise
+from studyapp.definition.study import Study
 from studyapp.rehearsal.crowd import Crowd
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.findings import Findings, findings
 from studyapp.rehearsal.lock import only_rehearsal
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.probes import Probe
@@ -43,6 +44,8 @@ class RehearsalResult:
         Bad submissions that were tried in this run; they changed nothing.
     truth : Truth
         What the participants were given to prefer.
+    findings : Findings
+        What their answers say.
     note : str
         What became of an earlier rehearsal in the same folder; empty where there was none.
     seconds : float
@@ -53,6 +56,7 @@ class RehearsalResult:
     kept: int
     probes: tuple[Probe, ...]
     truth: Truth
+    findings: Findings
     note: str
     seconds: float
 
@@ -77,7 +81,8 @@ def rehearse(
     folder : StudyFolder
         A study whose videos are rendered.
     participants : int, optional
-        Per comparison; as many as the study asks for by default, and no more than those.
+        Of each arm: of each comparison with the reference, or of the study where everybody is
+        asked about all conditions. As many as the study asks for by default, and no more.
     seed : int
         Decides the participants, what they prefer and every answer.
     population : Population, optional
@@ -97,8 +102,8 @@ def rehearse(
         refused.
     """
     started = time.monotonic()
-    study = pairwise(ServedStudy.read(folder.root).study, folder.definition)
-    count = _checked_count(folder, study, participants) * len(study.others)
+    study = ServedStudy.read(folder.root).study
+    count = _checked_count(folder, study, participants)
     with only_rehearsal(folder), ExitStack() as opened:
         truth, note = prepare(folder, seed=seed, population=population)
         database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
@@ -116,11 +121,13 @@ def rehearse(
                     roster, workers=workers, on_done=lambda done: show(there + done, count)
                 )
                 probes = tuple(crowd.probes)
+        found = findings(database, study, truth.expected)
     return RehearsalResult(
         completed=len(roster.finished) + len(roster.remaining),
         kept=len(roster.finished),
         probes=probes,
         truth=truth,
+        findings=found,
         note=note,
         seconds=time.monotonic() - started,
     )
@@ -130,14 +137,17 @@ def _show_nothing(_done: int, _total: int) -> None:
     """Take no notice of progress."""
 
 
-def _checked_count(folder: StudyFolder, study: PairwiseStudy, participants: int | None) -> int:
-    places = study.participants_per_comparison
+def _checked_count(folder: StudyFolder, study: Study, participants: int | None) -> int:
+    """Return how many participants come in all, `participants` of them to each arm."""
+    arms = study.arms
     if participants is None:
-        return places
+        return sum(arm.places for arm in arms)
+    places = min(arm.places for arm in arms)
     if not 1 <= participants <= places:
+        each = " of each comparison" if len(arms) > 1 else ""
         raise InputError(
-            f"{participants} participants per comparison do not fit into {places} places",
+            f"{participants} participants do not fit into the {places} places{each}",
             where=folder.definition,
-            remedy="Ask for fewer, or raise participants_per_comparison",
+            remedy="Ask for fewer, or raise the number of participants there",
         )
-    return participants
+    return participants * len(arms)

@@ -3,78 +3,195 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
-from numpy.polynomial.hermite_e import hermegauss
-from scipy.special import expit
 
+from motion.segment import Segment
+from studyapp.definition.protocols.mismatch import FIT, REALISM, MismatchStudy
 from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
+from studyapp.definition.protocols.ranking import RankingStudy
+from studyapp.definition.protocols.rating import RatingStudy
+from studyapp.definition.study import Study
+from studyapp.rehearsal.integrals import mean_rank, mean_rating, win_share
 from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import segment_fit
-from studyapp.rehearsal.record import ExpectedShare
+from studyapp.rehearsal.raters import segment_fit, speech_fit
+from studyapp.rehearsal.record import Expected, Measure
 
-NODES, WEIGHTS = hermegauss(61)
+Average = Callable[[np.ndarray, float], float]
+"""What raters answer on average, given utilities or gaps (k,) and their standard deviation."""
 
 
-def expected_shares(
-    study: PairwiseStudy, segments: Sequence[str], *, population: Population, seed: int
-) -> tuple[ExpectedShare, ...]:
-    """Return what a rehearsal of `study` with the named `segments` should find."""
-    expected = []
-    for other in study.others:
+def expectations(
+    study: Study, segments: Sequence[Segment], *, population: Population, seed: int
+) -> tuple[Expected, ...]:
+    """Return what a rehearsal of `study` with `segments` should find.
+
+    Nothing is expected of rankings with ties: how many there are depends on all motions at once.
+    """
+    match study:
+        case PairwiseStudy():
+            found = _of_pairs(study, _Items(population, seed, segments))
+        case RatingStudy():
+            found = _of_ratings(study, _Items(population, seed, segments))
+        case RankingStudy():
+            found = _of_rankings(study, _Items(population, seed, segments))
+        case MismatchStudy():
+            found = _of_mismatch(study, _Items(population, seed, segments))
+        case _:
+            raise TypeError(f"a rehearsal knows no {type(study).__name__}")
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Items:
+    """Segments, and how each condition happens to do in each of them."""
+
+    population: Population
+    seed: int
+    segments: Sequence[Segment]
+
+    def quality(self, condition: str, question: str) -> float:
+        """Return a condition's mean utility in logits."""
+        return self.population.quality[condition][question]
+
+    def luck(self, condition: str, question: str) -> np.ndarray:
+        """Return what each segment adds to it (S,)."""
+        return np.array(
+            [
+                segment_fit(self.population, self.seed, condition, segment.name, question)
+                for segment in self.segments
+            ]
+        )
+
+    def speech_luck(self, condition: str, question: str) -> np.ndarray:
+        """Return what each segment adds to the cost of another speech (S,)."""
+        return np.array(
+            [
+                speech_fit(self.population, self.seed, condition, segment.name, question)
+                for segment in self.segments
+            ]
+        )
+
+
+def _of_pairs(study: PairwiseStudy, items: _Items) -> Iterator[Expected]:
+    for arm in study.arms:
+        for pair in combinations(arm.conditions, 2):
+            for question in study.questions:
+                yield _pair(items, pair, question.name)
+
+
+def _of_mismatch(study: MismatchStudy, items: _Items) -> Iterator[Expected]:
+    for question in study.questions:
+        ties = question.levels > 2
+        if study.fit and question.belongs_to(FIT):
+            for condition in study.conditions:
+                yield _own_speech(items, condition, question.name, ties=ties)
+        if study.realism and question.belongs_to(REALISM):
+            for pair in combinations(study.conditions, 2):
+                yield _pair(items, pair, question.name, part=REALISM, ties=ties)
+
+
+def _of_ratings(study: RatingStudy, items: _Items) -> Iterator[Expected]:
+    for part in study.sets:
         for question in study.questions:
-            name = question.name
-            gap = population.quality[study.reference][name] - population.quality[other][name]
-            luck = np.array(
-                [
-                    segment_fit(population, seed, study.reference, segment, name)
-                    - segment_fit(population, seed, other, segment, name)
-                    for segment in segments
-                ]
-            )
-            people = population.participant_sd
-            expected.append(
-                ExpectedShare(
-                    comparison=comparison_name(study.reference, other),
-                    question=name,
-                    share=win_share(population, gap, math.hypot(people, population.item_sd)),
-                    share_on_these_segments=float(
-                        np.mean([win_share(population, gap + each, people) for each in luck])
-                    ),
-                )
-            )
-    return tuple(expected)
+            for condition in part.conditions if question.belongs_to(part.name) else ():
+                yield _rating(items, condition, question.name, question.values, part=part.name)
 
 
-def win_share(population: Population, gap: float, slope_sd: float) -> float:
-    """Return the expected wins plus half the ties of the better side of a pair.
+def _of_rankings(study: RankingStudy, items: _Items) -> Iterator[Expected]:
+    for block in study.blocks if not study.ties else ():
+        shown = _Items(items.population, items.seed, block.segments(items.segments))
+        for question in study.questions:
+            for condition in block.conditions if question.belongs_to(block.name) else ():
+                others = [other for other in block.conditions if other != condition]
+                yield _rank(shown, condition, others, question.name, part=block.name)
 
-    Each side is taken to be the left one half the time. An answer rests on
-    ``s * (gap + slope) + bias + noise`` with ``s = 1`` where the first condition is on the right;
-    as slope and bias are normal and independent, their sum is one normal, integrated over by
-    Gauss-Hermite quadrature.
+
+def _pair(
+    items: _Items, pair: tuple[str, str], question: str, *, part: str = "", ties: bool = True
+) -> Expected:
+    first, second = pair
+    population = items.population
+    value, on_these = _averages(
+        lambda gap, spread: win_share(population, float(gap[0]), spread, ties=ties),
+        gaps=np.array([items.quality(first, question) - items.quality(second, question)]),
+        luck=(items.luck(first, question) - items.luck(second, question))[:, None],
+        people_sd=population.participant_sd,
+        item_sd=population.item_sd,
+    )
+    return _expected("win_share", comparison_name(*pair), part, question, value, on_these)
+
+
+def _own_speech(items: _Items, condition: str, question: str, *, ties: bool) -> Expected:
+    population = items.population
+    value, on_these = _averages(
+        lambda gap, spread: win_share(population, float(gap[0]), spread, ties=ties),
+        gaps=np.array([population.belonging[condition][question]]),
+        luck=items.speech_luck(condition, question)[:, None],
+        people_sd=population.participant_sd,
+        item_sd=population.item_sd,
+    )
+    return _expected("own_speech", condition, FIT, question, value, on_these)
+
+
+def _rating(
+    items: _Items, condition: str, question: str, values: Sequence[int], *, part: str
+) -> Expected:
+    population = items.population
+    value, on_these = _averages(
+        lambda utility, spread: mean_rating(population, float(utility[0]), spread, values),
+        gaps=np.array([items.quality(condition, question)]),
+        luck=items.luck(condition, question)[:, None],
+        people_sd=math.hypot(population.taste_sd, population.leniency_sd),
+        item_sd=population.fit_sd,
+    )
+    return _expected("mean_rating", condition, part, question, value, on_these)
+
+
+def _rank(
+    items: _Items, condition: str, others: Sequence[str], question: str, *, part: str
+) -> Expected:
+    own, own_luck = items.quality(condition, question), items.luck(condition, question)
+    value, on_these = _averages(
+        lambda gaps, spread: mean_rank(gaps.tolist(), spread),
+        gaps=np.array([own - items.quality(other, question) for other in others]),
+        luck=np.stack([own_luck - items.luck(other, question) for other in others], axis=1),
+        people_sd=items.population.participant_sd,
+        item_sd=items.population.item_sd,
+    )
+    return _expected("mean_rank", condition, part, question, value, on_these)
+
+
+def _averages(
+    average: Average, *, gaps: np.ndarray, luck: np.ndarray, people_sd: float, item_sd: float
+) -> tuple[float, float]:
+    """Return the average over all segments there could be, and over those of the study.
 
     Parameters
     ----------
-    population : Population
-        Gives thresholds and side bias.
-    gap : float
-        Mean difference in quality, first condition minus second, in logits.
-    slope_sd : float
-        Standard deviation of that difference over what the share averages over, in logits.
-
-    Returns
-    -------
-    float
-        Share of the first condition in [0, 1]; .5 where `gap` is 0.
+    gaps : ndarray (k,)
+        Mean utilities, or differences between them, in logits.
+    luck : ndarray (S, k)
+        What the study's own segments add to them.
+    people_sd, item_sd : float
+        Standard deviations over raters and over segments.
     """
-    spread = math.hypot(slope_sd, population.side_bias_sd) * NODES
-    total = 0.0
-    for side in (1.0, -1.0):
-        latent = side * gap + population.side_bias + spread
-        right = expit(latent - population.weak)
-        tie = expit(population.weak - latent) - expit(-population.weak - latent)
-        share_of_right = float(WEIGHTS @ (right + tie / 2) / WEIGHTS.sum())
-        total += share_of_right if side > 0 else 1 - share_of_right
-    return total / 2
+    over_all = average(gaps, math.hypot(people_sd, item_sd))
+    on_these = [average(gaps + each, people_sd) for each in luck]
+    return over_all, float(np.mean(on_these)) if on_these else over_all
+
+
+def _expected(
+    measure: Measure, about: str, part: str, question: str, value: float, on_these: float
+) -> Expected:
+    return Expected(
+        part=part,
+        question=question,
+        measure=measure,
+        about=about,
+        value=value,
+        value_on_these_segments=on_these,
+    )

@@ -59,8 +59,8 @@ def report(folder: StudyFolder) -> Path:
 def _known_shares(folder: StudyFolder) -> dict[tuple[str, str], KnownShare]:
     """Return what the rehearsal's participants were given to prefer."""
     return {
-        (known.comparison, known.question): KnownShare(
-            share=known.share, on_these_segments=known.share_on_these_segments
+        (known.about, known.question): KnownShare(
+            share=known.value, on_these_segments=known.value_on_these_segments
         )
         for known in read_truth(folder.rehearsal_truth).expected
     }

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
+from threading import Event
 
 import pytest
+from flask import Flask
 
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.stimuli import Stimuli, read_stimuli, write_stimuli
+from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.population import Population, default_population
+from studyapp.services.database import Database, sqlite_url
+from studyapp.web.app import create_app
+from studyapp.web.running import EXTENSION
 from tests.studyapp.made_study import make_study
+from tests.studyapp.rehearsal.steps import SPEED
 
 
 @pytest.fixture(scope="session")
@@ -63,3 +73,30 @@ def rendered(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory
 def folder(rendered: Path, tmp_path: Path) -> StudyFolder:
     """A copy of the rendered study of one's own."""
     return StudyFolder(Path(shutil.copytree(rendered, tmp_path / "rehearsed")))
+
+
+@pytest.fixture
+def app(folder: StudyFolder) -> Iterator[Flask]:
+    """The real application, as a rehearsal runs it."""
+    made = create_app(folder.root, rehearsal_speed=SPEED)
+    with closing(made.extensions[EXTENSION].database):
+        yield made
+
+
+@pytest.fixture
+def eyes(folder: StudyFolder, app: Flask) -> Iterator[Eyes]:
+    with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
+        yield Eyes(database)
+
+
+@pytest.fixture
+def participant(folder: StudyFolder, eyes: Eyes) -> Participant:
+    return Participant(
+        name="p1",
+        study=folder.study(),
+        population=default_population(folder.study()),
+        seed=1,
+        eyes=eyes,
+        speed=SPEED,
+        stop=Event(),
+    )

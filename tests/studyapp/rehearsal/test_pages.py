@@ -30,40 +30,44 @@ def trial(html: str = TRIAL) -> Page:
     return Page("http://study.test/p/trial", html)
 
 
+def fill(page: Page, value: str) -> dict[str, list[str]]:
+    return page.filled(page.answer_form, {"rhythm": (value,)})
+
+
 def test_a_form_is_filled_with_what_the_page_sent_along() -> None:
-    form = trial().answer_form()
-    assert form.action == "http://study.test/answer"
-    assert form.filled({"rhythm": "-1"}) == {
-        "trial": "abc",
-        "csrf_token": "xyz",
-        "rhythm": "-1",
-        "go": "next",
+    page = trial()
+    assert page.target(page.answer_form) == "http://study.test/answer"
+    assert fill(page, "-1") == {
+        "trial": ["abc"],
+        "csrf_token": ["xyz"],
+        "rhythm": ["-1"],
+        "go": ["next"],
     }
 
 
 def test_a_player_is_read_with_its_addresses() -> None:
-    player = trial().player()
+    (player,) = trial().players
     assert player.source == "http://study.test/media/t0ken.mp4"
     assert player.watched_address == "http://study.test/watched/7"
     assert player.duration == 5.2
     assert "t0ken" in player.token_candidates
 
 
+def test_all_players_of_a_page_are_read_in_their_order() -> None:
+    second = '<video data-duration="2" data-watched-url="/watched/8"><source src="/b.mp4"></video>'
+    players = trial(TRIAL + second).players
+    assert [player.source.rpartition("/")[2] for player in players] == ["t0ken.mp4", "b.mp4"]
+
+
 def test_a_form_without_an_action_is_sent_back_to_its_own_page() -> None:
     page = Page("http://study.test/consent", "<form method=post><button>I agree</button></form>")
-    assert page.next_form().action == "http://study.test/consent"
-
-
-def test_boxes_that_must_be_ticked_are_ticked_and_others_are_not() -> None:
-    html = """<form method="post"><input type="checkbox" name="agree" required>
-      <input type="checkbox" name="newsletter"><input type="submit" value="Go"></form>"""
-    assert Page("http://study.test/", html).next_form().filled() == {"agree": "on"}
+    assert page.target(page.next_form) == "http://study.test/consent"
 
 
 def test_a_form_sent_by_get_leads_nowhere() -> None:
     page = Page("http://study.test/", "<form><button>Go</button></form>")
     with pytest.raises(BrokenPageError, match="no form that leads on"):
-        page.next_form()
+        _ = page.next_form
 
 
 @pytest.mark.parametrize(
@@ -77,9 +81,8 @@ def test_a_form_sent_by_get_leads_nowhere() -> None:
     ],
 )
 def test_a_form_that_lacks_what_an_answer_needs_is_named(lost: str, named: str) -> None:
-    page = trial(TRIAL.replace(lost, ""))
     with pytest.raises(BrokenPageError, match=named) as caught:
-        page.answer_form().filled({"rhythm": "-1"})
+        fill(trial(TRIAL.replace(lost, "")), "-1")
     assert "Trial 7 of 30" in str(caught.value)
     assert "/p/trial" in str(caught.value)
 
@@ -87,7 +90,7 @@ def test_a_form_that_lacks_what_an_answer_needs_is_named(lost: str, named: str) 
 @pytest.mark.parametrize(
     ("lost", "named"),
     [
-        ('id="pair"', "no video with the id 'pair'"),
+        ("video", "has no video"),
         ('src="/media/t0ken.mp4"', "without src"),
         ('data-duration="5.2"', "without data-duration"),
         ('data-watched-url="/watched/7"', "without data-watched-url"),
@@ -95,18 +98,15 @@ def test_a_form_that_lacks_what_an_answer_needs_is_named(lost: str, named: str) 
 )
 def test_a_video_that_cannot_be_watched_is_named(lost: str, named: str) -> None:
     with pytest.raises(BrokenPageError, match=named):
-        trial(TRIAL.replace(lost, "")).player()
+        _ = trial(TRIAL.replace(lost, "")).players
 
 
-def test_a_question_the_study_does_not_know_is_named() -> None:
-    with pytest.raises(BrokenPageError, match="asks rhythm"):
-        trial().answer_form().filled({})
-
-
-def test_a_disabled_button_does_not_count() -> None:
-    page = trial(TRIAL.replace("<button form", "<button disabled form"))
-    with pytest.raises(BrokenPageError, match="no button"):
-        page.answer_form().filled({"rhythm": "0"})
+def test_sounds_are_told_from_the_sound_of_videos() -> None:
+    html = """<audio controls src="/sound/x.wav"></audio>
+      <audio><source src="/sound/y.wav"></audio>
+      <video><source src="/media/v.mp4"></video>"""
+    sounds = Page("http://study.test/take/t", html).sounds
+    assert sounds == ("http://study.test/sound/x.wav", "http://study.test/sound/y.wav")
 
 
 def test_a_completion_code_is_read_from_its_place_alone() -> None:

@@ -9,8 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from studyapp.design.asking import Ask
+from studyapp.design.preference import PREFERENCES
+from studyapp.design.stimulus import Stimulus
 from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater, ShownPair
+from studyapp.rehearsal.raters import Rater
+from studyapp.rehearsal.sight import SeenTrial
 
 CONDITIONS = ("a", "b", "flaw")
 FAIR = Population(
@@ -21,13 +25,23 @@ FAIR = Population(
 )
 
 
-def shown(position: int = 0, left: str = "a", right: str = "b") -> ShownPair:
-    return ShownPair(position=position, segment=f"s{position % 4}", left=left, right=right)
+PREFERENCE = Ask(question="q", values=PREFERENCES[5])
+
+
+def shown(position: int = 0, left: str = "a", right: str = "b") -> SeenTrial:
+    segment = f"s{position % 4}"
+    return SeenTrial(
+        position=position,
+        segment=segment,
+        stimuli=(Stimulus.own(left, segment), Stimulus.own(right, segment)),
+    )
 
 
 def answers(population: Population, raters: int, trials: int = 4, **sides: str) -> list[int]:
     return [
-        Rater(population=population, seed=5, name=str(index)).answer(shown(trial, **sides), "q")
+        Rater(population=population, seed=5, name=str(index)).prefer(
+            shown(trial, **sides), PREFERENCE
+        )
         for index, trial in product(range(raters), range(trials))
     ]
 
@@ -46,9 +60,9 @@ def test_an_answer_depends_on_nothing_but_seed_rater_and_presentation(
     pair = shown(position, left, right)
     first = Rater(population=FAIR, seed=seed, name=name)
     again = Rater(population=FAIR, seed=seed, name=name)
-    again.answer(shown(position + 1, right, left), "q")
-    assert first.answer(pair, "q") == again.answer(pair, "q")
-    assert first.answer(pair, "q") in range(-2, 3)
+    again.prefer(shown(position + 1, right, left), PREFERENCE)
+    assert first.prefer(pair, PREFERENCE) == again.prefer(pair, PREFERENCE)
+    assert first.prefer(pair, PREFERENCE) in range(-2, 3)
 
 
 @settings(max_examples=50)
@@ -57,8 +71,8 @@ def test_a_better_right_side_never_moves_an_answer_to_the_left(
     seed: int, raising: float, position: int
 ) -> None:
     better = replace(FAIR, quality={"a": {"q": 0.0}, "b": {"q": raising}})
-    before = Rater(population=FAIR, seed=seed, name="r").answer(shown(position), "q")
-    after = Rater(population=better, seed=seed, name="r").answer(shown(position), "q")
+    before = Rater(population=FAIR, seed=seed, name="r").prefer(shown(position), PREFERENCE)
+    after = Rater(population=better, seed=seed, name="r").prefer(shown(position), PREFERENCE)
     assert after >= before
 
 
@@ -89,13 +103,6 @@ def test_an_inattentive_rater_answers_at_random_even_where_a_flaw_is_visible() -
     assert all(count == pytest.approx(400, rel=0.2) for count in counts.values())
 
 
-@pytest.mark.parametrize("wanted", [-2, -1, 1, 2])
-def test_an_attentive_rater_does_what_an_attention_check_asks(wanted: int) -> None:
-    check = replace(shown(left="flaw", right="a"), instructed=wanted)
-
-    assert Rater(population=FAIR, seed=5, name="r").answer(check, "q") == wanted
-
-
 def test_the_stated_share_of_raters_is_inattentive() -> None:
     population = replace(FAIR, inattentive=0.3)
     inattentive = [
@@ -109,7 +116,9 @@ def test_raters_and_segments_differ_by_the_stated_standard_deviations() -> None:
 
     def gap(rater: str, segment: str) -> float:
         person = Rater(population=population, seed=1, name=rater)
-        return person.utility("a", segment, "q") - person.utility("b", segment, "q")
+        return person.utility(Stimulus.own("a", segment), "q") - person.utility(
+            Stimulus.own("b", segment), "q"
+        )
 
     over_raters = np.std([gap(str(index), "s") for index in range(3000)])
     over_segments = np.std([gap("r", str(index)) for index in range(3000)])

@@ -8,7 +8,8 @@ from motion.errors import InputError
 from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
-from studyapp.rehearsal.truth import expected_shares
+from studyapp.rehearsal.truth import expectations
+from tests.studyapp.made_study import make_segments
 
 
 def test_the_truth_survives_its_file(
@@ -18,12 +19,14 @@ def test_the_truth_survives_its_file(
         seed=1,
         study="0123",
         population=population,
-        expected=expected_shares(study, ["s1", "s2"], population=population, seed=1),
+        expected=expectations(
+            study, make_segments(["anger", "fear"]), population=population, seed=1
+        ),
     )
     write_truth(tmp_path / "rehearsal.json", truth)
     again = read_truth(tmp_path / "rehearsal.json")
     assert again == truth
-    shares = {(entry.comparison, entry.question): entry.share for entry in again.expected}
+    shares = {(entry.about, entry.question): entry.value for entry in again.expected}
     assert shares["rule_based-static", "rhythm"] == pytest.approx(0.77, abs=0.03)
 
 

@@ -13,9 +13,11 @@ from analysis.preferences.win_share import Preference, compare
 from analysis.responses import responses_frame
 from motion.segment import EMOTIONS, Segment
 from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
+from studyapp.rehearsal.judgement import judge
 from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater, ShownPair
-from studyapp.rehearsal.truth import expected_shares
+from studyapp.rehearsal.raters import Rater
+from studyapp.rehearsal.sight import SeenTrial
+from studyapp.rehearsal.truth import expectations
 from tests.studyapp.made_study import pair_plan
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
@@ -33,12 +35,11 @@ def simulated(study: PairwiseStudy, population: Population, seed: int) -> pd.Dat
         for number in range(study.participants_per_comparison):
             rater = Rater(population=population, seed=seed, name=f"{comparison} {number}")
             for trial in pair_plan(study, SEGMENTS, other=other, number=number):
-                pair = ShownPair(
-                    position=trial.position,
-                    segment=trial.segment.name,
-                    left=trial.conditions[0],
-                    right=trial.conditions[1],
+                seen = SeenTrial(
+                    position=trial.position, segment=trial.segment.name, stimuli=trial.stimuli
                 )
+                given = judge(study, rater, seen).values
+                left, right = trial.conditions
                 catch = trial.kind == "catch"
                 rows.extend(
                     {
@@ -52,9 +53,9 @@ def simulated(study: PairwiseStudy, population: Population, seed: int) -> pd.Dat
                         "kind": trial.kind,
                         "position": trial.position,
                         "question": question.name,
-                        "left_condition": pair.left,
-                        "right_condition": pair.right,
-                        "value": rater.answer(pair, question.name),
+                        "left_condition": left,
+                        "right_condition": right,
+                        "value": given[question.name, None],
                         "expected": {None: "", 1: "left", 2: "right"}[trial.expected],
                         "seconds": 1.0,
                         "watched": 1.0,
@@ -80,15 +81,15 @@ def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
 ) -> None:
     held = []
     for seed in range(30):
-        truth = expected_shares(study, [s.name for s in SEGMENTS], population=population, seed=seed)
+        truth = expectations(study, SEGMENTS, population=population, seed=seed)
         _, found = analysed(study, simulated(study, population, seed))
         for entry, preference in zip(truth, found, strict=True):
-            assert (entry.comparison, entry.question) == (
+            assert (entry.about, entry.question) == (
                 preference.comparison,
                 preference.question,
             )
             share = preference.win_share
-            held.append(share.low <= entry.share <= share.high)
+            held.append(share.low <= entry.value <= share.high)
     assert 0.92 <= np.mean(held) <= 0.99
 
 

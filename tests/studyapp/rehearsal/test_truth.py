@@ -10,12 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studyapp.definition.protocols.pairwise import PairwiseStudy
+from studyapp.design.asking import Ask
+from studyapp.design.preference import PREFERENCES
+from studyapp.design.stimulus import Stimulus
+from studyapp.rehearsal.integrals import win_share
 from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater, ShownPair
-from studyapp.rehearsal.record import ExpectedShare
-from studyapp.rehearsal.truth import expected_shares, win_share
+from studyapp.rehearsal.raters import Rater
+from studyapp.rehearsal.record import Expected
+from studyapp.rehearsal.sight import SeenTrial
+from studyapp.rehearsal.truth import expectations
+from tests.studyapp.made_study import make_segments
 
-SEGMENTS = tuple(f"s{index}" for index in range(6))
+SEGMENTS = make_segments(["anger"] * 6)
 
 
 def counted_share(
@@ -28,16 +34,21 @@ def counted_share(
         for position, segment in enumerate(SEGMENTS):
             on_the_right = (name + position) % 2 == 1
             left, right = (other, "rule_based") if on_the_right else ("rule_based", other)
-            pair = ShownPair(position=position, segment=segment, left=left, right=right)
-            answer = rater.answer(pair, question) * (1 if on_the_right else -1)
+            pair = SeenTrial(
+                position=position,
+                segment=segment.name,
+                stimuli=(Stimulus.own(left, segment.name), Stimulus.own(right, segment.name)),
+            )
+            ask = Ask(question=question, values=PREFERENCES[5])
+            answer = rater.prefer(pair, ask) * (1 if on_the_right else -1)
             scores.append((np.sign(answer) + 1) / 2)
     return float(np.mean(scores))
 
 
-def expected(truth: Sequence[ExpectedShare], other: str, question: str) -> tuple[float, float]:
+def expected(truth: Sequence[Expected], other: str, question: str) -> tuple[float, float]:
     for entry in truth:
-        if (entry.comparison, entry.question) == (f"rule_based-{other}", question):
-            return entry.share, entry.share_on_these_segments
+        if (entry.about, entry.question) == (f"rule_based-{other}", question):
+            return entry.value, entry.value_on_these_segments
     raise AssertionError("no such comparison")
 
 
@@ -50,7 +61,7 @@ def attentive(population: Population) -> Population:
 def test_very_many_raters_agree_with_the_share_on_these_segments(
     study: PairwiseStudy, attentive: Population, other: str
 ) -> None:
-    truth = expected_shares(study, SEGMENTS, population=attentive, seed=4)
+    truth = expectations(study, SEGMENTS, population=attentive, seed=4)
     counted = counted_share(attentive, seed=4, raters=range(3000), other=other, question="rhythm")
     assert counted == pytest.approx(expected(truth, other, "rhythm")[1], abs=0.012)
 
@@ -62,7 +73,7 @@ def test_very_many_studies_agree_with_the_share_over_all_segments(
         counted_share(attentive, seed=seed, raters=range(6), other="static", question="emotion")
         for seed in range(500)
     ]
-    truth = expected_shares(study, SEGMENTS, population=attentive, seed=0)
+    truth = expectations(study, SEGMENTS, population=attentive, seed=0)
     error = np.std(counted) / math.sqrt(len(counted))
     assert abs(np.mean(counted) - expected(truth, "static", "emotion")[0]) < 3 * error
 
@@ -73,7 +84,7 @@ def test_luck_of_the_segments_averages_out_over_studies(
     both = np.array(
         [
             expected(
-                expected_shares(study, SEGMENTS, population=attentive, seed=seed),
+                expectations(study, SEGMENTS, population=attentive, seed=seed),
                 "mismatched",
                 "rhythm",
             )
@@ -121,8 +132,8 @@ def test_a_known_share_is_reproduced_by_hand() -> None:
 def test_every_comparison_and_question_has_its_truth(
     study: PairwiseStudy, population: Population
 ) -> None:
-    truth = expected_shares(study, SEGMENTS, population=population, seed=1)
-    assert {(entry.comparison, entry.question) for entry in truth} == {
+    truth = expectations(study, SEGMENTS, population=population, seed=1)
+    assert {(entry.about, entry.question) for entry in truth} == {
         (f"rule_based-{other}", question)
         for other in ("mismatched", "static", "brought")
         for question in ("rhythm", "emotion")

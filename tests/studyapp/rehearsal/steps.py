@@ -1,0 +1,47 @@
+"""Simulated participants in the real application, without a server in between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from threading import Event
+
+import httpx
+from flask import Flask
+
+from studyapp.rehearsal.pages import Page
+from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.visit import Visit
+
+SPEED = 200.0
+
+
+class SpoiltTransport(httpx.WSGITransport):
+    """Changes pages on their way to the participant."""
+
+    def __init__(self, app: Flask, spoil: Callable[[str], str]) -> None:
+        super().__init__(app)
+        self.spoil = spoil
+
+    def handle_request(self, request: httpx.Request) -> httpx.Response:
+        response = super().handle_request(request)
+        if not response.headers.get("content-type", "").startswith("text/html"):
+            return response
+        html = self.spoil(response.read().decode())
+        headers = {k: v for k, v in response.headers.items() if k.lower() != "content-length"}
+        return httpx.Response(response.status_code, headers=headers, text=html)
+
+
+def browser(app: Flask, spoil: Callable[[str], str] = str) -> httpx.Client:
+    """Return a browser whose pages `spoil` may change."""
+    return httpx.Client(
+        transport=SpoiltTransport(app, spoil), base_url="http://study.test", follow_redirects=True
+    )
+
+
+def at_first_trial(client: httpx.Client, participant: Participant) -> tuple[Visit, Page]:
+    """Lead `participant` to the first trial."""
+    visit = Visit(client=client, stop=Event(), speed=SPEED)
+    page = visit.open(participant.entrance)
+    while not page.asks:
+        page = participant.fill(visit, page, participant.say(visit, page))
+    return visit, page

@@ -1,0 +1,143 @@
+"""Simulated answers to trials as every protocol plans them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+
+from motion.segment import Segment
+from studyapp.definition.reading import parse_text
+from studyapp.definition.study import Study
+from studyapp.rehearsal.judgement import Judgement, judge
+from studyapp.rehearsal.population import Population, default_population
+from studyapp.rehearsal.raters import Rater
+from studyapp.rehearsal.sight import SeenTrial
+from tests.finished_study import COMMON, PROTOCOLS
+from tests.studyapp.made_study import make_segments
+
+SEGMENTS = make_segments(["anger", "fear", "sadness"])
+ATTENTIVE = {"inattentive": 0.0, "overlooked": 0.0}
+CAREFUL: dict[str, str] = {
+    "with ties": 'protocol = "ranking"\nparticipants = 3\nties = true\nattention = { trials = 1 }',
+    "without ties": 'protocol = "ranking"\nparticipants = 3\nattention = { trials = 1 }',
+}
+RANKING = """
+[[blocks]]
+name = "all"
+conditions = ["ours", "theirs", "real"]
+trials = 3
+
+[[questions]]
+name = "realism"
+title = "Realism"
+text = "Which looks most real?"
+"""
+
+
+def declared(keys: str, tables: str) -> Study:
+    return parse_text(f"{keys}\n{COMMON}\n{tables}", where="study.toml")
+
+
+def studies() -> Iterator[tuple[str, Study]]:
+    for protocol, text in PROTOCOLS.items():
+        yield protocol, declared(*text.split("\n\n", 1))
+    for name, keys in CAREFUL.items():
+        yield f"ranking {name}", declared(keys, RANKING)
+
+
+STUDIES = dict(studies())
+each_study = pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES.keys())
+
+
+def judged(
+    study: Study, segments: tuple[Segment, ...] = SEGMENTS, **people: float
+) -> Iterator[tuple[Rater, SeenTrial, Judgement]]:
+    """Yield what forty raters answer to all trials of their places."""
+    population: Population = replace(default_population(study), **people)  # type: ignore[arg-type]
+    for number in range(40):
+        rater = Rater(population=population, seed=6, name=str(number))
+        for planned in study.plan(study.arms[0], number % study.arms[0].places, segments):
+            trial = SeenTrial(
+                position=planned.position,
+                kind=planned.kind,
+                part=planned.part,
+                segment=planned.segment.name,
+                stimuli=planned.stimuli,
+                expected=planned.expected,
+                instructed=planned.instructed,
+            )
+            yield rater, trial, judge(study, rater, trial)
+
+
+@each_study
+@pytest.mark.parametrize("inattentive", [0.0, 1.0])
+def test_every_answer_is_one_that_the_study_takes(study: Study, inattentive: float) -> None:
+    for _, trial, judgement in judged(study, inattentive=inattentive):
+        asks = study.asks(trial)
+        assert set(judgement.values) == {ask.key for ask in asks}
+        assert all(judgement.values[ask.key] in ask.values for ask in asks)
+        assert not study.problem(trial, judgement.values)
+        assert set(judgement.fields()) >= {ask.field for ask in asks}
+
+
+@each_study
+def test_the_same_rater_answers_the_same_trial_alike(study: Study) -> None:
+    first = [judgement.fields() for _, _, judgement in judged(study)]
+    assert first == [judgement.fields() for _, _, judgement in judged(study)]
+
+
+@each_study
+def test_attentive_raters_do_what_attention_checks_ask(study: Study) -> None:
+    checks = [
+        study.failed(trial, judgement.values)
+        for _, trial, judgement in judged(study, **ATTENTIVE)
+        if trial.instructed is not None
+    ]
+    assert not any(checks)
+
+
+@each_study
+def test_a_check_that_is_overlooked_is_answered_as_any_other_page(study: Study) -> None:
+    checked = [
+        (judgement.values, judge(study, rater, replace(trial, instructed=None)).values)
+        for rater, trial, judgement in judged(study, inattentive=0.0, overlooked=1.0)
+        if trial.instructed is not None
+    ]
+    assert all(answered == ordinary for answered, ordinary in checked)
+
+
+@pytest.mark.parametrize("protocol", ["pairwise", "rating", "mismatch", "ranking with ties"])
+def test_inattentive_raters_fail_some_attention_checks(protocol: str) -> None:
+    study = STUDIES[protocol]
+    failed = [
+        study.failed(trial, judgement.values)
+        for _, trial, judgement in judged(study, inattentive=1.0)
+        if trial.instructed is not None
+    ]
+    assert sum(failed) > len(failed) / 3
+
+
+def test_reasons_are_ticked_as_often_as_the_population_says() -> None:
+    ticked = [
+        len(judgement.reasons[ask.key]) / len(ask.reasons)
+        for _, _, judgement in judged(STUDIES["rating"], reasons=0.4)
+        for ask in judgement.asks
+        if ask.reasons
+    ]
+    assert sum(ticked) / len(ticked) == pytest.approx(0.4, abs=0.05)
+
+
+def test_motion_is_preferred_with_its_own_speech_where_it_belongs_to_it() -> None:
+    study = STUDIES["mismatch"]
+    wins: dict[bool, list[bool]] = {True: [], False: []}
+    people = default_population(study)
+    strong = {name: {"better": 4.0 if name == "ours" else 0.0} for name in people.quality}
+    for _, trial, judgement in judged(study, belonging=strong, **ATTENTIVE):  # type: ignore[arg-type]
+        if trial.part == "fit":
+            own = next(n for n, s in enumerate(trial.stimuli) if s.speech == s.segment)
+            value = judgement.values["better", None]
+            wins[trial.conditions[0] == "ours"].append(value == (1 if own else -1))
+    assert sum(wins[True]) > 0.8 * len(wins[True])
+    assert sum(wins[False]) < 0.6 * len(wins[False])
