@@ -171,7 +171,7 @@ def _asked(
 
 
 def ranks(values: Sequence[int]) -> Labels:
-    """Return the ranks `values` with their words: 1st, 2nd, …"""
+    """Return the ranks `values` with their words, 1st for 1."""
     words = {1: _("1st"), 2: _("2nd"), 3: _("3rd")}
     return tuple((rank, words.get(rank) or _("%(rank)sth", rank=rank)) for rank in values)
 

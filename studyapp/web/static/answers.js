@@ -1,11 +1,12 @@
 // The questions: keys 1-5, and a draft that outlives a reload.
 
+import { addRankings, inOrder } from "./ranking.js";
 import { addSlider } from "./slider.js";
 import { forget, recall, remember } from "./storage.js";
 
 function answered(question) {
-  const ranks = [...question.querySelectorAll("select")];
-  if (ranks.length) return ranks.every((rank) => rank.value);
+  const ranks = question.querySelector(".ranks");
+  if (ranks) return inOrder(ranks);
   const number = question.querySelector("[type=number]");
   if (number) return number.value !== "" && number.validity.valid;
   return question.querySelector("[type=radio]:checked") !== null;
@@ -19,6 +20,7 @@ export class Answers extends EventTarget {
     this.draftKey = `draft ${form.elements.trial.value}`;
     this.restore();
     for (const slider of form.querySelectorAll(".slider")) addSlider(slider);
+    addRankings(form);
     form.addEventListener("change", () => {
       remember(this.draftKey, JSON.stringify(this.given()));
       this.dispatchEvent(new Event("change"));
@@ -55,7 +57,7 @@ export class Answers extends EventTarget {
 
   // 1-5 answer the question that has the focus, else the first unanswered one.
   key(event) {
-    if (event.target.matches("[type=number], select") || event.ctrlKey || event.metaKey || event.altKey || !/^[1-5]$/.test(event.key)) return;
+    if (event.target.matches("[type=number], select, .card") || event.ctrlKey || event.metaKey || event.altKey || !/^[1-5]$/.test(event.key)) return;
     const focused = document.activeElement?.closest(".question");
     const question = focused ?? this.open()[0];
     const choice = question?.querySelectorAll("[type=radio]")[Number(event.key) - 1];
@@ -65,7 +67,9 @@ export class Answers extends EventTarget {
   }
 
   focusFirstUnanswered() {
-    const controls = [...(this.open()[0]?.querySelectorAll("[type=radio], [type=range], select") ?? [])];
-    controls.find((control) => /^(radio|range)$/.test(control.type) || !control.value)?.focus();
+    const wanted = "[type=radio], [type=range], .tray .card, select";
+    const controls = [...(this.open()[0]?.querySelectorAll(wanted) ?? [])];
+    const seen = controls.filter((control) => control.getClientRects().length);
+    (seen.find((control) => !control.matches("select") || !control.value) ?? seen[0])?.focus();
   }
 }

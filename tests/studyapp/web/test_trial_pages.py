@@ -122,10 +122,9 @@ def test_players_are_labelled_in_order(arrive: Arrive, protocol: str, labels: st
     assert [words(label) for label in page.soup.select(".player .label")] == list(labels)
     for player, label in zip(page.soup.select(".player"), labels, strict=True):
         assert player["aria-label"] == f"Video {label}"
-        assert [words(button) for button in player.select("button")] == [
-            f"▶ Play {label}",
-            f"↺ Replay {label}",
-        ]
+        play, replay = player.select(".controls button")
+        assert (words(play), words(replay)) == (f"▶ Play {label}", "↺ Replay")
+        assert replay["aria-label"] == f"Replay {label}"
 
 
 def test_under_each_motion_stand_its_questions_with_all_labels(arrive: Arrive) -> None:
@@ -234,15 +233,21 @@ def test_a_ranking_shows_its_reference_apart_and_asks_for_a_rank_of_each(arrive:
     page = arrive("ranking").page()
 
     assert [video["data-label"] for video in page.soup.select("video")] == ["Reference", "A", "B"]
-    assert words(page.one(".apart > p")) == (
-        "The reference is there to compare with. It is not ranked."
-    )
+    assert words(page.one(".apart > p")) == "To compare with; it is not ranked."
     ranks = page.soup.select("#answers select")
     assert [rank["name"] for rank in ranks] == ["realism:1", "realism:2"]
-    assert [rank["aria-label"] for rank in ranks] == ["Rank of video A", "Rank of video B"]
+    assert [rank["aria-label"] for rank in ranks] == [
+        "Question 1: rank of video A",
+        "Question 1: rank of video B",
+    ]
     assert [[option["value"] for option in rank.select("option")] for rank in ranks] == [
         ["", "1", "2"]
     ] * 2
+    assert [words(option) for option in ranks[0].select("option")] == [
+        "choose …",
+        "1st – best",
+        "2nd – last",
+    ]
     assert page.soup.select("[selected]") == []
 
 
