@@ -46,7 +46,7 @@ def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> Wei
         Bytes of each video; those that are not there count nothing.
     """
     pages = [sum(sizes.get(content, 0) for content in _shown(trial)) for trial in plan]
-    with_next = [here + after for here, after in zip(pages, [*pages[1:], 0], strict=True)]
+    with_next = [here + after for here, after in zip(pages, [*pages[1:], 0], strict=False)]
     return Weight(heaviest=max(with_next, default=0), total=sum(pages))
 
 

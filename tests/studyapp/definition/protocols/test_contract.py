@@ -207,6 +207,7 @@ def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str
     page = {"consent": "You agree.", "contact": "lab@example.org", "payment": "5 EUR"}
     assert digest(open=False, lease_minutes=10, name="other", page=page) == same
     assert digest(attention={"trials": 0}) == same
+    assert digest(watching={"megabytes_per_page": 5}) == same
     changed = [
         digest(seed=2),
         digest(freeze=["face"]),
