@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check format bench bench-render soak pictures clean
+.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-render soak pictures clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -40,6 +40,9 @@ check: $(VENV)/.installed  ## Check format, lint, types and layers.
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+messages: $(VENV)/.installed  ## Bring the translations up to date with the pages' texts.
+	$(BIN)/python -m studyapp.web.catalogues.updating
 
 format: $(VENV)/.installed  ## Format the code.
 	$(BIN)/ruff check --fix --select I .

@@ -1,0 +1,99 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from flask import Flask, render_template_string
+
+from studyapp.design.message import Message
+from studyapp.services.refusal import UnacceptableError
+from studyapp.web.app import create_app
+from studyapp.web.errors import told
+from studyapp.web.language import _, language_of, ngettext, say, speak
+from studyapp.web.running import running
+from tests.studyapp.web.page_reader import PageReader
+
+NEXT = {"en": "Next", "de": "Weiter", "ja": "次へ"}
+
+
+def speaking(code: str) -> Flask:
+    app = Flask("test")
+    speak(app, language_of(code))
+    return app
+
+
+@pytest.mark.parametrize("code", NEXT)
+def test_texts_in_code_and_templates_are_said_in_the_language(code: str) -> None:
+    with speaking(code).app_context():
+        assert _("Next") == say(Message("Next")) == NEXT[code]
+        assert render_template_string("{{ _('Next') }}") == NEXT[code]
+
+
+@pytest.mark.parametrize(
+    ("code", "one", "many"),
+    [("en", "1 minute", "2 minutes"), ("de", "1 Minute", "2 Minuten"), ("ja", "1分", "2分")],
+)
+def test_a_count_takes_the_form_of_its_language(code: str, one: str, many: str) -> None:
+    with speaking(code).app_context():
+        forms = [ngettext("%(num)s minute", "%(num)s minutes", count) for count in (1, 2)]
+
+    assert forms == [one, many]
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("en", "Questions 1, 2 about B and 3 are not answered yet. Please wait."),
+        ("de", "Die Fragen 1, 2 zu B und 3 sind noch nicht beantwortet. Please wait."),
+        ("ja", "質問1、2（B）、3にまだ回答していません。Please wait."),
+    ],
+)
+def test_a_refusal_is_said_whole_with_its_list(code: str, said: str) -> None:
+    about = Message("{number} about {letter}", number=2, letter="B")
+    refusal = UnacceptableError(
+        "Questions {numbers} are not answered yet.", "Please wait.", numbers=(1, about, 3)
+    )
+
+    with speaking(code).app_context():
+        assert told(refusal) == said
+
+
+def test_what_stands_in_a_place_is_escaped_and_marks_in_a_text_are_not() -> None:
+    with speaking("de").app_context():
+        page = render_template_string(
+            "{{ _('Questions or trouble? %(contact)s', contact='<b>') }}"
+            "{{ _('<strong>Answer the question</strong> under them.') }}"
+        )
+
+    assert page == (
+        "Fragen oder Probleme? &lt;b&gt;<strong>Beantworten Sie die Frage</strong> darunter."
+    )
+
+
+def test_scripts_get_their_texts_and_no_others() -> None:
+    texts = language_of("de").script_texts
+
+    assert texts["Pause"] == "Anhalten"
+    assert texts["{count} answer"] == {"one": "{count} Antwort", "other": "{count} Antworten"}
+    assert language_of("ja").script_texts["{count} answer"] == {"other": "回答{count}件"}
+    assert "This page does not exist." not in texts
+    assert language_of("en").script_texts == {}
+
+
+@pytest.mark.parametrize("code", NEXT)
+def test_a_study_is_served_in_the_language_of_its_file(tiny_study: Path, code: str) -> None:
+    definition = tiny_study / "study.toml"
+    text = definition.read_text("utf-8")
+    definition.write_text(text.replace("[page]", f'[page]\nlanguage = "{code}"'), "utf-8")
+    app = create_app(tiny_study)
+
+    page = PageReader(app.test_client().get("/").text)
+    missing = app.test_client().get("/nowhere", headers={"Accept": "application/json"})
+
+    with app.app_context():
+        running().database.close()
+        assert _("This page does not exist.") in missing.json["problem"]
+    assert page.value("html", "lang") == code
+    assert page.value("html", "dir") == "ltr"
+    assert json.loads(page.value("#words", "content")) == language_of(code).script_texts
