@@ -2,9 +2,11 @@
 // The channel's name is made from the participant's address by the server, and leads nowhere.
 
 const dialog = document.getElementById("elsewhere");
+let gaveWay = false;
 let leaving = false;
 
 function giveWay() {
+  gaveWay = true;
   for (const media of document.querySelectorAll("video, audio")) media.pause();
   if (!dialog.open) dialog.showModal();
 }
@@ -29,8 +31,12 @@ dialog.querySelector("button").addEventListener("click", () => {
   leaving = true;
   location.replace(dialog.dataset.address);
 });
-// Neither Escape nor a key meant for the answers does anything behind it.
 dialog.addEventListener("close", () => {
   if (!leaving) dialog.showModal();
 });
-dialog.addEventListener("keydown", (event) => event.stopPropagation());
+// Neither Escape nor a key that is meant for the answers does anything behind it.
+addEventListener("keydown", (event) => {
+  if (!gaveWay) return;
+  event.stopPropagation();
+  if (event.key === "Escape") event.preventDefault();
+}, { capture: true });

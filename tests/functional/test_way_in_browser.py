@@ -1,0 +1,291 @@
+"""A participant's way around the trials in a real browser."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+from sqlalchemy import select
+
+from studyapp.models import FormAnswer, Response, StudySession, Trial, WatchBatch
+from studyapp.services.database import Database, sqlite_url
+from tests.functional.browsing import (
+    IN_A_BROWSER,
+    LAPTOP,
+    launched,
+    photograph,
+    screenshots_folder,
+    serving,
+    watched_page,
+)
+
+pytestmark = IN_A_BROWSER
+
+WAY = """
+[[form.eligibility]]
+name = "adult"
+text = "Are you 18 years old or older?"
+choices = ["yes", "no"]
+eligible = ["yes"]
+
+[[form.consent]]
+name = "read"
+text = "I have read what the study is about."
+choices = ["yes"]
+eligible = ["yes"]
+
+[[form.demographics]]
+name = "age"
+text = "How old are you?"
+kind = "number"
+low = 18
+
+[[form.demographics]]
+name = "work"
+text = "What do you work on?"
+kind = "text"
+required = false
+
+[[form.demographics]]
+name = "often"
+text = "How often do you watch animated films?"
+kind = "scale"
+low = 1
+high = 7
+choices = ["never", "every day"]
+
+[[form.closing]]
+name = "comment"
+text = "Is there anything you want to tell us?"
+kind = "text"
+required = false
+"""
+PHONE = {"width": 390, "height": 844}
+
+
+@pytest.fixture(scope="module")
+def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study with everything around its trials, and a break after two of its six."""
+    folder = tmp_path_factory.mktemp("way") / "study"
+    shutil.copytree(tiny_study_template, folder)
+    definition = folder / "study.toml"
+    text = definition.read_text("utf-8").replace(
+        "[page]\n", "[page]\nsound_check = true\nbreak_every = 2\n"
+    )
+    definition.write_text(text + WAY, "utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def address(study: Path) -> Iterator[str]:
+    with serving(study) as url:
+        yield url
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched() as chromium:
+        yield chromium
+
+
+@pytest.fixture
+def page(browser: Browser, address: str) -> Iterator[Page]:
+    with watched_page(browser, address) as opened:
+        yield opened
+
+
+@pytest.fixture
+def database(study: Path) -> Iterator[Database]:
+    opened = Database.open(sqlite_url(study / "responses.db"))
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def screenshots(tmp_path: Path) -> Path:
+    return screenshots_folder(tmp_path)
+
+
+def heading(page: Page, words: str) -> None:
+    expect(page.get_by_role("heading", level=1)).to_have_text(words)
+
+
+def press(page: Page, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def study_session(page: Page, database: Database) -> StudySession:
+    token = page.url.split("/take/")[1].split("/")[0]
+    with database.reading() as session:
+        return session.scalars(select(StudySession).where(StudySession.token == token)).one()
+
+
+def enter(page: Page, address: str) -> None:
+    page.goto(address)
+    page.get_by_label("yes").check()
+    press(page, "Next")
+    page.get_by_label("yes").check()
+    press(page, "I agree – start")
+    heading(page, "Can you hear this?")
+
+
+def hear(page: Page, database: Database) -> None:
+    digits = study_session(page, database).sound_digits
+    page.get_by_label("The digits you hear").fill(digits)
+    page.keyboard.press("Enter")
+    heading(page, "A few questions about you")
+
+
+def begin(page: Page) -> None:
+    page.get_by_label("How old are you?").fill("31")
+    page.get_by_label("7 – every day").check()
+    press(page, "Next")
+    press(page, "Begin with the first pair")
+
+
+def take_trial(page: Page, number: int) -> None:
+    expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 6")
+    press(page, "Play both")
+    for question in ("rhythm", "emotion"):
+        page.locator(f"[data-question={question}]").get_by_text("slightly A", exact=True).click()
+    expect(page.locator("#needed")).to_have_class(re.compile("complete"), timeout=15_000)
+    page.locator("#next").click()
+
+
+def test_the_whole_way_from_eligibility_to_the_code(
+    page: Page, address: str, database: Database, screenshots: Path
+) -> None:
+    page.goto(f"{address}/?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1")
+    photograph(page, screenshots, "way-1-eligibility")
+    page.get_by_label("yes").check()
+    press(page, "Next")
+    expect(page.get_by_role("button", name="I agree")).to_be_visible()
+    photograph(page, screenshots, "way-2-consent")
+    page.get_by_label("yes").check()
+    press(page, "I agree – start")
+
+    heading(page, "Can you hear this?")
+    page.locator("audio").evaluate("audio => audio.play()")
+    expect(page.locator("audio")).to_have_js_property("ended", True)
+    hear(page, database)
+
+    photograph(page, screenshots, "way-4-questions")
+    begin(page)
+    for number in (1, 2):
+        take_trial(page, number)
+    heading(page, "Time for a break")
+    photograph(page, screenshots, "way-5-break")
+    page.reload()
+    press(page, "Go on")
+    for number in (3, 4):
+        take_trial(page, number)
+    heading(page, "Time for a break")
+    page.go_back()
+    heading(page, "Time for a break")
+    press(page, "Go on")
+    for number in (5, 6):
+        take_trial(page, number)
+    heading(page, "A few last questions")
+    photograph(page, screenshots, "way-6-closing")
+    page.get_by_label("Is there anything").fill("Good videos.")
+    press(page, "Next")
+
+    code = page.locator("#completion-code").inner_text()
+    done = study_session(page, database)
+    assert (done.completion_code, done.recruiter_participant) == (code, "p1")
+    assert (done.sound_tries, done.rested_at_position) == (0, 5)
+
+
+def test_who_cannot_hear_the_sound_is_helped_and_may_leave(
+    browser: Browser, address: str, screenshots: Path
+) -> None:
+    page = browser.new_page(viewport=LAPTOP)
+    enter(page, address)
+    for _ in range(3):
+        expect(page.get_by_role("button", name="I cannot hear it")).to_have_count(0)
+        page.get_by_label("The digits you hear").fill("12345")
+        with page.expect_navigation():
+            press(page, "Next")
+        expect(page.get_by_role("alert")).to_contain_text("not the digits that were spoken")
+    photograph(page, screenshots, "way-3-sound-check")
+
+    page.get_by_role("button", name="I cannot hear it").click()
+
+    heading(page, "You have left the study")
+    photograph(page, screenshots, "way-3-left")
+    page.close()
+
+
+def test_of_two_windows_the_older_gives_way(
+    page: Page, address: str, database: Database, screenshots: Path
+) -> None:
+    enter(page, address)
+    hear(page, database)
+    begin(page)
+    press(page, "Play both")
+    second = page.context.new_page()
+    second.goto(page.url)
+
+    told = page.get_by_role("dialog")
+    expect(told).to_contain_text("open in another window")
+    assert page.locator("video").evaluate("video => video.paused")
+    page.bring_to_front()
+    photograph(page, screenshots, "way-7-another-window")
+    for _ in range(2):
+        page.keyboard.press("Escape")
+    page.keyboard.press("1")
+    expect(told).to_be_visible()
+    expect(page.locator(":checked")).to_have_count(0)
+    expect(second.get_by_role("dialog")).to_have_count(0)
+
+    press(page, "Go on here")
+    expect(second.get_by_role("dialog")).to_be_visible()
+    take_trial(page, 1)
+    expect(page.locator(".progress")).to_contain_text("Trial 2 of 6")
+
+
+def test_a_phone_is_asked_to_come_back_as_a_computer(
+    browser: Browser, address: str, screenshots: Path
+) -> None:
+    link = f"{address}/?PROLIFIC_PID=p2"
+    context = browser.new_context(viewport=PHONE, screen=PHONE, has_touch=True, is_mobile=True)
+    context.grant_permissions(["clipboard-read", "clipboard-write"])
+    phone = context.new_page()
+    phone.goto(link)
+
+    heading(phone, "Please open this link on a computer")
+    expect(phone.get_by_role("button", name="Next")).to_have_count(0)
+    press(phone, "Copy the link")
+    expect(phone.get_by_role("status")).to_have_text("Copied ✓")
+    assert phone.evaluate("navigator.clipboard.readText()") == link
+    phone.screenshot(path=screenshots / "way-8-phone.png")
+    context.close()
+
+
+def test_withdrawing_deletes_what_was_answered(
+    page: Page, address: str, database: Database, screenshots: Path
+) -> None:
+    enter(page, address)
+    hear(page, database)
+    begin(page)
+    take_trial(page, 1)
+    expect(page.locator(".progress")).to_contain_text("Trial 2 of 6")
+    mine = study_session(page, database).id
+    with database.reading() as session:
+        before = [len(session.scalars(select(t)).all()) for t in (Response, WatchBatch, FormAnswer)]
+
+    page.get_by_role("link", name="withdraw").click()
+    heading(page, "Withdraw from the study?")
+    photograph(page, screenshots, "way-9-withdraw")
+    press(page, "Yes, withdraw")
+    heading(page, "You have withdrawn")
+
+    with database.reading() as session:
+        after = [len(session.scalars(select(t)).all()) for t in (Response, WatchBatch, FormAnswer)]
+        assert session.scalars(select(Trial).where(Trial.study_session_id == mine)).all() == []
+    assert all(then < earlier for then, earlier in zip(after, before, strict=True))
+    assert study_session(page, database).withdrawn_at is not None
