@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
-from uuid import uuid4
 
 import pytest
 from flask import Flask
@@ -16,6 +15,7 @@ from studyapp.bench.throwaway_postgresql import (
     programs,
     throwaway_postgresql,
 )
+from studyapp.models import Base
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
@@ -24,8 +24,6 @@ from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 DatabaseKind = Literal["sqlite", "postgresql"]
-
-TEMPLATE = "newest_schema"
 
 
 @pytest.fixture
@@ -40,20 +38,40 @@ def served(tiny_study: Path) -> ServedStudy:
 
 @pytest.fixture(scope="session")
 def postgresql() -> Iterator[ThrowawayPostgresql]:
-    """Return a running PostgreSQL server with a database `TEMPLATE` of the newest schema."""
+    """Return a running PostgreSQL server, or skip the test."""
     if programs() is None:
         pytest.skip("PostgreSQL (Debian's package) is not installed")
     with throwaway_postgresql(durable=False) as server:
-        Database.open(server.create_database(TEMPLATE)).close()
         yield server
 
 
+@pytest.fixture(scope="session")
+def emptying(postgresql: ThrowawayPostgresql) -> Iterator[Callable[[], None]]:
+    """Return a function that takes everything out of the server's database but its schema.
+
+    That takes a tenth of the time of making a new database.
+    """
+    database = Database.open(postgresql.url)
+    names = [table.name for table in reversed(Base.metadata.sorted_tables)]
+    statements = "".join(
+        f"DELETE FROM {name}; ALTER SEQUENCE {name}_id_seq RESTART;"  # noqa: S608
+        for name in names
+    )
+
+    def empty() -> None:
+        with database.engine.begin() as connection:
+            connection.exec_driver_sql("SET LOCAL lock_timeout = '20s'")
+            connection.exec_driver_sql(statements)
+
+    yield empty
+    database.close()
+
+
 @pytest.fixture
-def postgresql_url(postgresql: ThrowawayPostgresql) -> Iterator[str]:
+def postgresql_url(postgresql: ThrowawayPostgresql, emptying: Callable[[], None]) -> str:
     """Return the address of a PostgreSQL database of the newest schema that holds nothing."""
-    name = f"test_{uuid4().hex}"
-    yield postgresql.create_database(name, template=TEMPLATE)
-    postgresql.drop_database(name)
+    emptying()
+    return postgresql.url
 
 
 @pytest.fixture
