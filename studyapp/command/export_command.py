@@ -20,7 +20,11 @@ from studyapp.stages.answers import export
 )
 @click.option("--rehearsal", is_flag=True, help="Export the simulated participants instead.")
 def command(folder: StudyFolder, out: Path | None, rehearsal: bool) -> None:
-    """Write the responses of the study FOLDER as tidy CSV, one row per answered question."""
+    """Write the responses of the study FOLDER as tidy CSV, one row per answered question.
+
+    Tables beside it hold what participants said about themselves (_form), how each video was
+    watched (_watching) and which requests were refused (_refusals).
+    """
     default = "rehearsal_responses.csv" if rehearsal else "responses.csv"
     path = out or folder.root / default
     count = export(folder, path, rehearsal=rehearsal)

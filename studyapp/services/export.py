@@ -12,7 +12,7 @@ from analysis.responses import COLUMNS
 from studyapp.models import FormAnswer, StudySession, Trial, TrialStimulus, Video
 from studyapp.services.database import Database
 from studyapp.services.sitting import state_of
-from studyapp.services.watching import watched_share
+from studyapp.services.watch_evidence import watched_share
 
 PAIR_COLUMNS: Final = (
     "comparison",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 import pandas as pd
 
@@ -21,8 +21,16 @@ from studyapp.services.export import (
     responses_table,
     study_sessions_table,
 )
+from studyapp.services.watching_export import refusals_table, watching_table
 
 Source = Literal["participants", "rehearsal"]
+
+BESIDE: Final[Mapping[str, Callable[[Database], pd.DataFrame]]] = {
+    "form": form_answers_table,
+    "watching": watching_table,
+    "refusals": refusals_table,
+}
+"""What is exported beside the responses, each under its own name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,17 +66,21 @@ class Answers:
 def export(folder: StudyFolder, path: Path, *, rehearsal: bool) -> int:
     """Write the real responses, or the rehearsal's, as tidy CSV and return their number.
 
-    What participants said about themselves goes to ``<name>_form.csv`` beside it, where the study
-    asks for anything.
+    Beside it go ``<name>_form.csv``, what participants said about themselves;
+    ``<name>_watching.csv``, how each video was watched; and ``<name>_refusals.csv``, requests
+    that were refused. One that would be empty is only written over an earlier one.
     """
+    table = pd.DataFrame(columns=list(EXPORT_COLUMNS))
+    beside: dict[str, pd.DataFrame] = {}
     with _opened(folder, "rehearsal" if rehearsal else "participants") as database:
-        if database is None:
-            table, form = pd.DataFrame(columns=list(EXPORT_COLUMNS)), pd.DataFrame()
-        else:
-            table, form = responses_table(database), form_answers_table(database)
+        if database is not None:
+            table = responses_table(database)
+            beside = {name: read(database) for name, read in BESIDE.items()}
     _write(path, table)
-    if not form.empty:
-        _write(path.with_name(f"{path.stem}_form.csv"), form)
+    for name, other in beside.items():
+        file = path.with_name(f"{path.stem}_{name}.csv")
+        if not other.empty or file.exists():
+            _write(file, other)
     return len(table)
 
 

@@ -11,6 +11,7 @@ from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.taking_part import ShownTrial, Situation, begin, look
+from studyapp.services.watch_evidence import AS_RECORDED, Playback
 from studyapp.services.watching import record_watched
 
 ANSWERS = {"rhythm": "1", "emotion": "-2"}
@@ -55,7 +56,12 @@ class Participant:
         assert shown is not None
         return shown
 
-    def watch(self, *intervals: tuple[float, float], batch: int = 0) -> float:
+    def watch(
+        self,
+        *intervals: tuple[float, float],
+        batch: int = 0,
+        playback: Playback = AS_RECORDED,
+    ) -> float:
         known = record_watched(
             self.database,
             self.served,
@@ -64,6 +70,7 @@ class Participant:
             batch=batch,
             intervals=intervals,
             clock=self.clock,
+            playback=playback,
         )
         return known.missing
 

@@ -1,10 +1,6 @@
 from __future__ import annotations
 
-import itertools
-
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from sqlalchemy import select
 
 from studyapp.models import WatchBatch
@@ -12,29 +8,88 @@ from studyapp.services.refusal import (
     ConflictError,
     NotTheirsError,
     RefusalError,
+    TooMuchWatchedError,
     UnacceptableError,
 )
-from studyapp.services.watch_evidence import length, merged
+from studyapp.services.watch_evidence import Playback, Watched
 from studyapp.services.watching import record_watched
 from studyapp.services.withdrawing import withdraw
 from tests.studyapp.taking_part_steps import Participant
 
-INTERVALS = st.lists(
-    st.tuples(st.integers(0, 40), st.integers(0, 40)).map(lambda pair: (min(pair), max(pair)))
-)
+UNCOUNTED = {
+    "fast": Playback(rate=1.5),
+    "hidden": Playback(hidden_seconds=2.0),
+    "silent": Playback(silent_seconds=2.0),
+}
 
 
-@given(INTERVALS)
-def test_merging_covers_exactly_what_the_intervals_cover(
-    intervals: list[tuple[int, int]],
+def report_again(participant: Participant, *intervals: tuple[float, float]) -> Watched:
+    """Send the first report of the present video once more."""
+    return record_watched(
+        participant.database,
+        participant.served,
+        participant.token,
+        participant.trial().videos[0].token,
+        batch=0,
+        intervals=intervals,
+        clock=participant.clock,
+    )
+
+
+@pytest.mark.parametrize("how", UNCOUNTED)
+def test_what_was_played_fast_hidden_or_silent_is_kept_but_does_not_count(
+    participant: Participant, how: str
 ) -> None:
-    covered = {second for start, end in intervals for second in range(start, end)}
+    first = participant.trial().token
+    participant.clock.advance(seconds=10)
 
-    union = merged(intervals)
+    assert participant.watch((0.0, 2.0), playback=UNCOUNTED[how]) == pytest.approx(1.9)
 
-    assert {second for start, end in union for second in range(int(start), int(end))} == covered
-    assert length(union) == len(covered)
-    assert all(b[0] > a[1] for a, b in itertools.pairwise(union))
+    with pytest.raises(UnacceptableError, match="About 2 s"):
+        participant.answer(first)
+    with participant.database.reading() as session:
+        (batch,) = session.scalars(select(WatchBatch))
+        assert batch.intervals == [[0.0, 2.0]]
+    assert participant.watch((0.0, 2.0), batch=1) == 0
+
+
+def test_a_little_faster_or_slower_than_recorded_counts(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=10)
+
+    assert participant.watch((0.0, 1.0), playback=Playback(rate=1.04)) == pytest.approx(0.9)
+    assert participant.watch((1.0, 2.0), batch=1, playback=Playback(rate=0.5)) == 0
+
+
+@pytest.mark.parametrize(
+    "playback",
+    [
+        Playback(hidden_seconds=50.0),
+        Playback(silent_seconds=50.0),
+        Playback(stalled_seconds=50.0),
+    ],
+)
+def test_no_more_can_be_hidden_silent_or_stalled_than_time_has_passed(
+    participant: Participant, playback: Playback
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=10)
+
+    with pytest.raises(TooMuchWatchedError):
+        participant.watch((0.0, 1.0), playback=playback)
+
+
+def test_stalls_and_pictures_are_stored_as_they_were_measured(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=20)
+    measured = Playback(stalls=2, stalled_seconds=7.5, frames=50, dropped_frames=3)
+
+    participant.watch((0.0, 1.0), playback=measured)
+
+    with participant.database.reading() as session:
+        (batch,) = session.scalars(select(WatchBatch))
+        assert (batch.stalls, batch.stalled_seconds) == (2, 7.5)
+        assert (batch.frames, batch.dropped_frames) == (50, 3)
 
 
 def test_playing_the_same_part_twice_is_no_more_than_once(participant: Participant) -> None:
@@ -80,6 +135,8 @@ def test_another_report_under_the_same_number_is_not_stored_and_the_answer_shows
     participant.watch((0.0, 1.0))
 
     assert participant.watch((1.0, 2.0)) == pytest.approx(0.9)
+    assert not report_again(participant, (1.0, 2.0)).stored
+    assert report_again(participant, (0.0, 1.0)).stored
     assert participant.trial().videos[0].watched.intervals == ((0.0, 1.0),)
     assert participant.trial().videos[0].watched.next_batch == 1
 

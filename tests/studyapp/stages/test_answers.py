@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from analysis.responses import read_responses
@@ -66,6 +67,30 @@ def test_export_writes_either_the_real_answers_or_the_rehearsals(
     assert read_responses(tmp_path / "real.csv").empty
     assert export(folder, tmp_path / "rehearsed.csv", rehearsal=True) == 2
     assert len(read_responses(tmp_path / "rehearsed.csv")) == 2
+
+
+def test_the_export_says_beside_the_answers_how_the_videos_were_watched(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    answer_once(folder, folder.responses)
+
+    export(folder, tmp_path / "real.csv", rehearsal=False)
+
+    watching = pd.read_csv(tmp_path / "real_watching.csv")
+    assert watching["watched"].tolist() == [1.0]
+    assert {path.name for path in tmp_path.glob("*.csv")} == {"real.csv", "real_watching.csv"}
+
+
+def test_a_table_that_became_empty_is_not_left_as_it_was(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    answer_once(folder, folder.responses)
+    earlier = tmp_path / "real_refusals.csv"
+    earlier.write_text("study_session\n1\n", "utf-8")
+
+    export(folder, tmp_path / "real.csv", rehearsal=False)
+
+    assert pd.read_csv(earlier).empty
 
 
 def test_the_answers_of_an_unfinished_study_session_do_not_count_as_completed(
