@@ -1,0 +1,169 @@
+"""Every page of every study says everything in the language of the study.
+
+A made-up language puts brackets around each text that it is asked for. What stands outside them
+would be English for everybody.
+"""
+
+from __future__ import annotations
+
+import gettext
+import re
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flask import Flask
+
+from studyapp.definition.study import Study
+from studyapp.web.app import create_app
+from studyapp.web.language import Language, language_of, speak
+from studyapp.web.running import attach, running
+from tests.functional.shown_studies import NAMES, write_shown_study
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.test_templates import SPOKEN_ATTRIBUTES
+from tests.studyapp.web.walking import Walker
+
+PLAYER = re.compile(r"\b[A-F]\b")
+
+
+class Brackets(gettext.NullTranslations):
+    """Translations into a language whose words are the English ones in brackets."""
+
+    def gettext(self, message: str) -> str:
+        return f"⟦{message}⟧"
+
+    def ngettext(self, msgid1: str, msgid2: str, n: int) -> str:
+        return f"⟦{msgid1 if n == 1 else msgid2}⟧"
+
+
+BRACKETED = replace(language_of("en"), texts=Brackets())
+
+
+def outside(text: str) -> str:
+    """Return what of `text` stands outside brackets."""
+    left, depth = [], 0
+    for letter in text:
+        depth += {"⟦": 1, "⟧": -1}.get(letter, 0)
+        if depth == 0 and letter != "⟧":
+            left.append(letter)
+    assert depth == 0, text
+    return "".join(left)
+
+
+def own_words(value: Any) -> Iterator[str]:
+    """Yield every text of a study's definition, without the places in it."""
+    if isinstance(value, str):
+        yield from value.split("{emotion}")
+    elif isinstance(value, dict):
+        for each in value.values():
+            yield from own_words(each)
+    elif isinstance(value, list | tuple):
+        for each in value:
+            yield from own_words(each)
+
+
+def left_in_english(page: PageReader, study: Study) -> str:
+    """Return the words of a page that are neither bracketed nor the study's own."""
+    for code in page.soup.select("#completion-code, meta, title"):
+        code.clear()
+    parts = [outside(page.soup.get_text(" "))]
+    for tag in page.soup.find_all(True):
+        parts += [outside(str(tag[name])) for name in SPOKEN_ATTRIBUTES if tag.get(name)]
+    text = " ".join(" ".join(parts).split())
+    for words in sorted(set(own_words(study.model_dump())), key=len, reverse=True):
+        text = text.replace(" ".join(words.split()), " ")
+    return " ".join(re.findall(r"[^\W\d_]+", PLAYER.sub("", text)))
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("studies")
+
+
+@pytest.fixture
+def folder(folders: Path, request: pytest.FixtureRequest) -> Path:
+    """Return the folder of a study, made once for all languages."""
+    folder = folders / request.param
+    if not folder.exists():
+        write_shown_study(folder, request.param)
+        definition = folder / "study.toml"
+        text = definition.read_text("utf-8")
+        if "sound_check" not in text:
+            definition.write_text(text.replace("[page]", "[page]\nsound_check = true"), "utf-8")
+    return folder
+
+
+@pytest.fixture
+def walker(folder: Path, tmp_path: Path, clock: SetClock) -> Iterator[Walker]:
+    app = create_app(folder, database_url=f"sqlite:///{tmp_path / 'responses.db'}")
+    with app.app_context():
+        here = running()
+    attach(app, replace(here, clock=clock))
+    with closing(here.database):
+        yield Walker(app, clock)
+
+
+def study_of(app: Flask) -> Study:
+    with app.app_context():
+        return running().study
+
+
+@pytest.mark.parametrize("folder", NAMES, indirect=True)
+def test_no_page_of_a_study_says_anything_that_is_not_translated(walker: Walker) -> None:
+    speak(walker.app, BRACKETED)
+    study = study_of(walker.app)
+
+    for page in walker.pages():
+        assert left_in_english(page, study) == "", page.heading
+
+
+@pytest.mark.parametrize("folder", ["players"], indirect=True)
+def test_neither_does_a_page_beside_the_way(walker: Walker, clock: SetClock) -> None:
+    speak(walker.app, BRACKETED)
+    study = study_of(walker.app)
+    pages = walker.pages()
+    while not walker.address:
+        next(pages)
+    beside = [
+        walker.client.get(f"{walker.address}/withdraw"),
+        walker.client.get("/nowhere"),
+        walker.client.get("/take/nobody"),
+        walker.client.put("/"),
+        walker.client.post("/", data={"visit": "too short"}),
+        walker.client.post("/", data={"visit": "x" * 70_000}),
+        walker.client.post(f"{walker.address}/answers", data={"trial": "none"}),
+        walker.client.post(f"{walker.address}/form/closing", data={}),
+    ]
+    withdrawal = PageReader(beside[0].text)
+    beside += [
+        walker.client.post(withdrawal.action, follow_redirects=True),
+        walker.client.post(f"{walker.address}/answers", data={"trial": "none"}),
+    ]
+
+    for answer in beside:
+        assert left_in_english(PageReader(answer.text), study) == "", answer.status
+
+
+@pytest.mark.parametrize("code", ["de", "ja"])
+@pytest.mark.parametrize("folder", ["composed", "players", "ties"], indirect=True)
+def test_a_whole_study_can_be_taken_in_every_language(walker: Walker, code: str) -> None:
+    language: Language = language_of(code)
+    speak(walker.app, language)
+
+    *_, last = walker.pages()
+
+    assert last.heading == language.texts.gettext("Thank you – you have finished")
+
+
+def test_what_is_not_bracketed_is_seen(tiny_study: Path) -> None:
+    app = create_app(tiny_study)
+    study = study_of(app)
+    with app.app_context():
+        running().database.close()
+    page = PageReader(f'<p title="⟦Help⟧ me">⟦say ⟦it⟧⟧ now, {study.title} A</p>')
+
+    assert left_in_english(page, study) == "now me"
