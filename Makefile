@@ -14,7 +14,7 @@ setup: $(VENV)/.installed  ## Install everything that running the project needs.
 	@$(BIN)/python -m renderer.body_asset
 
 setup-browser: setup
-	@scripts/debian-packages chromium fonts-dejavu-core
+	@scripts/debian-packages chromium fonts-dejavu-core fonts-ipafont-gothic
 
 setup-database: setup
 	@scripts/debian-packages postgresql
