@@ -1,0 +1,116 @@
+"""A walk that comes to every page of a study, without watching what it shows."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+
+from flask import Flask
+from playwright.sync_api import Page, expect
+from sqlalchemy import select
+from werkzeug.serving import make_server
+
+from studyapp.models import StudySession
+from studyapp.web.app import create_app
+from studyapp.web.running import running
+
+KINDS = {
+    "#answers": "trial",
+    "#eligibility": "eligibility",
+    "#start": "consent",
+    "#sound-check": "sound-check",
+    "#break": "break",
+    "[action$='/begin']": "instructions",
+    "[action*='/form/']": "form",
+    "#completion-code": "completed",
+}
+"""What a page is, by something that only it holds; a new kind of page is one line here."""
+
+
+@contextmanager
+def shown(study: Path) -> Iterator[tuple[str, Flask]]:
+    """Serve the study from a thread; give its address and the application."""
+    app = create_app(study)
+    server = make_server("127.0.0.1", 0, app, threaded=True)
+    serving = threading.Thread(target=server.serve_forever)
+    serving.start()
+    try:
+        yield f"http://127.0.0.1:{server.port}", app
+    finally:
+        server.shutdown()
+        serving.join()
+        server.server_close()
+        with app.app_context():
+            running().database.close()
+
+
+def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
+    """Go from the first page to the completion code; give a name for each state of each page."""
+    page.goto(address)
+    for number in count(1):
+        kind = kind_of(page)
+        name = f"{number:02}-{kind}"
+        if kind == "trial":
+            expect(page.locator(".play").first).to_be_visible()
+            yield name
+            answer(page)
+            yield f"{name}-answered"
+            leave_trial(page)
+        else:
+            yield name
+            if kind == "completed":
+                return
+            fill(page, app)
+            page.locator("form:visible button.primary").click()
+
+
+def kind_of(page: Page) -> str:
+    """Return what the page is."""
+    expect(page.locator(", ".join(KINDS)).first).to_be_attached()
+    return next(kind for selector, kind in KINDS.items() if page.locator(selector).count())
+
+
+def answer(page: Page) -> None:
+    """Answer every question in the way of its widget."""
+    for question in page.locator("#answers .question").all():
+        cards = question.locator(".card")
+        line = question.get_by_role("slider")
+        if cards.count():
+            for _card in range(cards.count()):
+                question.locator(".tray .card").last.click()
+        elif line.count():
+            line.press("PageUp")
+            line.press("PageUp")
+        else:
+            question.locator(".scale label").nth(1).click()
+
+
+def leave_trial(page: Page) -> None:
+    """Say that a video does not play: the way on that needs no watching."""
+    trial = page.locator("#answers [name=trial]").get_attribute("value")
+    page.locator(".trouble summary").click()
+    page.locator(".trouble [form=unplayable]").first.click()
+    expect(page.locator(f"#answers [name=trial][value='{trial}']")).to_have_count(0)
+
+
+def fill(page: Page, app: Flask) -> None:
+    """Fill in what a page asks about the participant."""
+    for field in page.locator("form:visible .question").all():
+        choices = field.locator("[type=radio]")
+        if choices.count():
+            choices.first.check()
+        else:
+            field.locator("input").fill("30")
+    if page.locator("#digits").count():
+        page.locator("#digits").fill(spoken_digits(page, app))
+
+
+def spoken_digits(page: Page, app: Flask) -> str:
+    """Return the digits that the participant whose page this is hears."""
+    token = page.url.rsplit("/", 1)[1]
+    found = select(StudySession.sound_digits).where(StudySession.token == token)
+    with app.app_context(), running().database.reading() as session:
+        return session.scalars(found).one()
