@@ -1,0 +1,1 @@
+"""Ordered answers: the cumulative link mixed model with crossed random effects."""

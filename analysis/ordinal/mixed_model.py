@@ -1,0 +1,243 @@
+"""The cumulative link mixed model: fitting it, and saying where it cannot be trusted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy import stats
+
+from analysis.ordinal.crossed import Layout
+from analysis.ordinal.laplace import Answers, Likelihood
+from analysis.ordinal.links import Link
+from analysis.ordinal.maximum import BOUNDARY, free_parameters, maximum
+from analysis.ordinal.thresholds import Structure, Thresholds
+from motion.errors import InputError
+
+Floats = NDArray[np.float64]
+
+LARGEST_EFFECT: Final = 12.0
+"""A fixed effect beyond it means that the answers are separated by its covariate."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomEffect:
+    """A grouping of the answers whose groups differ at random.
+
+    Attributes
+    ----------
+    name : str
+        Names it in the result.
+    groups : ndarray, shape (N,)
+        Label of each answer's group.
+    multiplier : ndarray, shape (N,), or None
+        What the group's effect is multiplied with in each answer (a random slope); None for 1
+        (a random intercept).
+    """
+
+    name: str
+    groups: NDArray[np.generic]
+    multiplier: Floats | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrdinalFit:
+    """A fitted cumulative link mixed model.
+
+    Attributes
+    ----------
+    estimates, standard_errors : mapping of covariate to float
+        Fixed effects on the latent scale; the error is NaN where the model did not converge.
+    covariance : DataFrame
+        Of the fixed effects.
+    thresholds, threshold_errors : tuple of float
+        In order; the errors are NaN where the model did not converge.
+    deviations : mapping of random effect to float
+        Standard deviations.
+    log_likelihood : float
+        By Laplace's approximation.
+    parameters, answers : int
+        How many were estimated, from how many answers.
+    groups : mapping of random effect to int
+        How many groups each has.
+    converged : bool
+        Whether a maximum was reached.
+    boundary : tuple of str
+        Random effects whose standard deviation is zero: the model is the one without them.
+    link, structure : str
+        See `fit`.
+    remark : str
+        Why the result must not be used, or what limits it; empty where nothing does.
+    """
+
+    estimates: Mapping[str, float]
+    standard_errors: Mapping[str, float]
+    covariance: pd.DataFrame
+    thresholds: tuple[float, ...]
+    threshold_errors: tuple[float, ...]
+    deviations: Mapping[str, float]
+    log_likelihood: float
+    parameters: int
+    answers: int
+    groups: Mapping[str, int]
+    converged: bool
+    boundary: tuple[str, ...]
+    link: Link
+    structure: Structure
+    remark: str
+
+    def wald_p(self, name: str) -> float:
+        """Return the two-sided p of the fixed effect `name` by its standard error."""
+        error = self.standard_errors[name]
+        if not error > 0:
+            return math.nan
+        return float(2 * stats.norm.sf(abs(self.estimates[name]) / error))
+
+
+def fit(
+    answers: Sequence[int] | NDArray[np.integer],
+    covariates: Mapping[str, Sequence[float] | Floats],
+    random: Sequence[RandomEffect] = (),
+    *,
+    link: Link = "logit",
+    structure: Structure = "flexible",
+) -> OrdinalFit:
+    """Fit a cumulative link mixed model by Laplace's approximation.
+
+    P(answer <= k) = F(threshold_k - eta), eta = covariates' effects + one random effect for each
+    grouping, normal and independent (Agresti 2010; Christensen, `ordinal` for R).
+
+    Parameters
+    ----------
+    answers : sequence of int, shape (N,)
+        Ordered categories; those that nobody chose do not count.
+    covariates : mapping of name to sequence, shape (N,)
+        Fixed effects, without an intercept.
+    random : sequence of RandomEffect
+        Crossed random effects.
+    link : {'logit', 'probit'}
+        Distribution of the noise.
+    structure : {'flexible', 'symmetric', 'symmetric around zero'}
+        See `Thresholds`.
+
+    Raises
+    ------
+    InputError
+        If there are no answers, all are alike, or the covariates say the same twice.
+    """
+    categories, codes = np.unique(np.asarray(answers), return_inverse=True)
+    if len(categories) < 2:
+        raise InputError(
+            "an ordinal model needs two different answers"
+            if len(codes)
+            else "an ordinal model needs answers",
+            remedy="Collect more answers",
+        )
+    fixed = np.column_stack(
+        [np.asarray(values, np.float64) for values in covariates.values()]
+        or [np.empty((len(codes), 0))]
+    )
+    _require_separate(fixed, list(covariates))
+    ordered = sorted(random, key=lambda effect: -len(np.unique(effect.groups)))
+    data = Answers(
+        codes=codes.astype(np.intp),
+        thresholds=Thresholds(len(categories), structure),
+        fixed=fixed,
+        layout=_layout(ordered),
+        multipliers=tuple(
+            np.ones(len(codes)) if effect.multiplier is None else effect.multiplier
+            for effect in ordered
+        ),
+        link=link,
+    )
+    return _result(data, list(covariates), ordered, *maximum(data))
+
+
+def likelihood_ratio(full: OrdinalFit, reduced: OrdinalFit) -> tuple[float, int, float]:
+    """Compare two nested fits: the statistic, its degrees of freedom and the p value."""
+    statistic = max(0.0, 2 * (full.log_likelihood - reduced.log_likelihood))
+    freedom = full.parameters - reduced.parameters
+    if freedom < 1 or full.answers != reduced.answers:
+        raise ValueError("the models are not nested")
+    return statistic, freedom, float(stats.chi2.sf(statistic, freedom))
+
+
+def _require_separate(fixed: Floats, names: Sequence[str]) -> None:
+    design = np.column_stack([np.ones(len(fixed)), fixed])
+    if np.linalg.matrix_rank(design) < design.shape[1]:
+        raise InputError(
+            f"the covariates {', '.join(names)} determine one another",
+            remedy="Leave one of them out; the thresholds stand for the intercept",
+        )
+
+
+def _layout(random: Sequence[RandomEffect]) -> Layout | None:
+    if not random:
+        return None
+    codes = [np.unique(effect.groups, return_inverse=True)[1] for effect in random]
+    return Layout(
+        tuple(code.astype(np.intp) for code in codes), tuple(int(c.max()) + 1 for c in codes)
+    )
+
+
+def _result(
+    answers: Answers,
+    names: Sequence[str],
+    random: Sequence[RandomEffect],
+    parameters: Floats,
+    found: Likelihood,
+    curvature: Floats,
+    converged: bool,
+) -> OrdinalFit:
+    own, effects, deviations = answers.split(parameters)
+    free = free_parameters(answers, parameters)
+    covariance = np.full((len(parameters), len(parameters)), math.nan)
+    if converged:
+        covariance[np.ix_(free, free)] = np.linalg.inv(curvature[np.ix_(free, free)])
+    jacobian = answers.thresholds.jacobian(own)
+    first = len(own)
+    of_thresholds = jacobian @ covariance[:first, :first] @ jacobian.T
+    of_effects = covariance[first : first + len(names), first : first + len(names)]
+    sizes = answers.layout.sizes if answers.layout is not None else ()
+    zero = tuple(
+        effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) < BOUNDARY
+    )
+    separated = [name for name, b in zip(names, effects, strict=True) if abs(b) > LARGEST_EFFECT]
+    return OrdinalFit(
+        estimates=dict(zip(names, effects.tolist(), strict=True)),
+        standard_errors=dict(zip(names, np.sqrt(np.diagonal(of_effects)).tolist(), strict=True)),
+        covariance=pd.DataFrame(of_effects, index=list(names), columns=list(names)),
+        thresholds=tuple(answers.thresholds.values(own).tolist()),
+        threshold_errors=tuple(np.sqrt(np.diagonal(of_thresholds)).tolist()),
+        deviations={e.name: abs(float(s)) for e, s in zip(random, deviations, strict=True)},
+        log_likelihood=found.value,
+        parameters=answers.count,
+        answers=len(answers.codes),
+        groups={e.name: size for e, size in zip(random, sizes, strict=True)},
+        converged=converged and not separated,
+        boundary=zero,
+        link=answers.link,
+        structure=answers.thresholds.structure,
+        remark=_remark(converged, separated, zero),
+    )
+
+
+def _remark(converged: bool, separated: Sequence[str], zero: Sequence[str]) -> str:
+    if separated:
+        return (
+            f"The answers are separated by {', '.join(separated)}: the effect has no finite "
+            "estimate, and its standard error means nothing."
+        )
+    if not converged:
+        return "The model did not converge: its estimates must not be used."
+    if zero:
+        return (
+            f"The variance between groups of {', '.join(zero)} is at its boundary, zero: the "
+            "model is the one without it."
+        )
+    return ""

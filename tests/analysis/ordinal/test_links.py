@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from analysis.ordinal.links import Link, interval
+
+LAWS = {"logit": stats.logistic, "probit": stats.norm}
+ENDS = (
+    np.array([-np.inf, -3.0, -0.2, 1.0, 4.0]),
+    np.array([-1.0, -2.5, 0.3, 2.0, np.inf]),
+)
+STEP = 1e-5
+
+
+@pytest.mark.parametrize("link", ["logit", "probit"])
+def test_the_probability_is_that_of_the_interval(link: Link) -> None:
+    lower, upper = ENDS
+
+    found = interval(lower, upper, link)
+
+    np.testing.assert_allclose(
+        np.exp(found.log_probability), LAWS[link].cdf(upper) - LAWS[link].cdf(lower), rtol=1e-12
+    )
+
+
+@pytest.mark.parametrize("link", ["logit", "probit"])
+@pytest.mark.parametrize("end", ["upper", "lower"])
+def test_derivatives_are_those_of_the_probability(link: Link, end: str) -> None:
+    lower, upper = ENDS
+    shift = (0.0, STEP) if end == "upper" else (STEP, 0.0)
+    ahead = interval(lower + shift[0], upper + shift[1], link)
+    behind = interval(lower - shift[0], upper - shift[1], link)
+    here = interval(lower, upper, link)
+    probability = np.exp(here.log_probability)
+
+    def differences(name: str) -> np.ndarray:
+        values = [
+            getattr(found, name) * (np.exp(found.log_probability) if name != "log" else 1)
+            for found in (ahead, behind)
+        ]
+        return (values[0] - values[1]) / (2 * STEP * probability)
+
+    slope = (ahead.log_probability - behind.log_probability) / (2 * STEP)
+    np.testing.assert_allclose(getattr(here, end), slope, atol=1e-7)
+    np.testing.assert_allclose(getattr(here, f"{end}1"), differences(end), atol=1e-6)
+    np.testing.assert_allclose(getattr(here, f"{end}2"), differences(f"{end}1"), atol=1e-6)
+
+
+@pytest.mark.parametrize("link", ["logit", "probit"])
+@pytest.mark.parametrize("far", [-30.0, 30.0])
+def test_far_intervals_keep_their_digits(link: Link, far: float) -> None:
+    law = LAWS[link]
+    ends = np.array([far]), np.array([far + 1])
+    mirrored = sorted((-abs(far), -abs(far) + np.sign(-far)))
+
+    found = interval(*ends, link)
+
+    expected = np.log(law.cdf(mirrored[1]) - law.cdf(mirrored[0]))
+    np.testing.assert_allclose(found.log_probability, expected, rtol=1e-9)

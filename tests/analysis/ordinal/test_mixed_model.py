@@ -1,0 +1,152 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
+from motion.errors import InputError
+from tests.analysis.ordinal.made_answers import made_answers
+
+REFERENCE = Path(__file__).parents[4] / "shared" / "reference" / "stats"
+
+with_reference = pytest.mark.skipif(
+    not REFERENCE.exists(), reason="the reference results are not here"
+)
+
+
+@with_reference
+def test_it_agrees_with_ordinal_for_r() -> None:
+    ratings = pd.read_csv(REFERENCE / "ratings.csv").dropna()
+    expected = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))["clmm"]
+    covariates = {
+        method: (ratings["method"] == method).to_numpy(float) for method in ("GT", "NoAC", "NoDisc")
+    }
+    random = [
+        RandomEffect(name=name, groups=ratings[name].to_numpy()) for name in ("participant", "item")
+    ]
+
+    found = fit(ratings["rating"].to_numpy(int), covariates, random)
+    without = fit(ratings["rating"].to_numpy(int), {}, random)
+
+    assert found.converged
+    assert not found.remark
+    for name in covariates:
+        assert found.estimates[name] == pytest.approx(expected["beta"][f"method{name}"], abs=1e-4)
+        assert found.standard_errors[name] == pytest.approx(
+            expected["se"][f"method{name}"], rel=1e-3
+        )
+        assert found.wald_p(name) == pytest.approx(expected["p"][f"method{name}"], rel=1e-2)
+    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-4)
+    assert found.thresholds == pytest.approx(list(expected["theta"].values()), abs=1e-3)
+    assert found.deviations["participant"] == pytest.approx(expected["sd_participant"], abs=1e-3)
+    assert found.deviations["item"] == pytest.approx(expected["sd_item"], abs=1e-3)
+    statistic, freedom, _ = likelihood_ratio(found, without)
+    assert (statistic, freedom) == (pytest.approx(expected["lrt_chisq_method"], abs=1e-3), 3)
+
+
+@with_reference
+@pytest.mark.parametrize("link", ["logit", "probit"])
+def test_without_random_effects_it_agrees_with_clm(link: str) -> None:
+    ratings = pd.read_csv(REFERENCE / "ratings.csv").dropna()
+    reference = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))
+    expected = reference[f"clm_no_random_{link}"]
+    covariates = {
+        method: (ratings["method"] == method).to_numpy(float) for method in ("GT", "NoAC", "NoDisc")
+    }
+
+    found = fit(ratings["rating"].to_numpy(int), covariates, link=link)  # type: ignore[arg-type]
+
+    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-6)
+    for name in covariates:
+        assert found.estimates[name] == pytest.approx(expected["beta"][f"method{name}"], abs=1e-5)
+
+
+def test_it_finds_what_was_put_in() -> None:
+    made = made_answers(participants=60, items=60)
+
+    found = fit(made.values, {"side": made.side}, made.slopes)
+
+    assert abs(found.estimates["side"] - 0.4) < 3 * found.standard_errors["side"]
+    assert found.deviations["participant"] == pytest.approx(0.6, abs=0.2)
+    assert found.deviations["item"] == pytest.approx(0.45, abs=0.2)
+
+
+def test_the_order_of_answers_and_of_random_effects_does_not_matter() -> None:
+    made = made_answers()
+    order = np.random.default_rng(4).permutation(len(made.values))
+    shuffled = [
+        RandomEffect(name=e.name, groups=e.groups[order], multiplier=made.side[order])
+        for e in reversed(made.slopes)
+    ]
+
+    first = fit(made.values, {"side": made.side}, made.slopes)
+    second = fit(made.values[order], {"side": made.side[order]}, shuffled)
+
+    assert second.log_likelihood == pytest.approx(first.log_likelihood, abs=1e-6)
+    assert second.estimates["side"] == pytest.approx(first.estimates["side"], abs=1e-4)
+    assert second.deviations == pytest.approx(first.deviations, abs=1e-3)
+
+
+def test_swapping_the_sides_turns_the_sign_only() -> None:
+    made = made_answers()
+
+    found = fit(made.values, {"side": made.side}, made.slopes)
+    swapped = fit(4 - made.values, {"side": made.side}, made.slopes)
+
+    assert swapped.estimates["side"] == pytest.approx(-found.estimates["side"], abs=1e-4)
+    assert swapped.thresholds == pytest.approx([-t for t in found.thresholds[::-1]], abs=1e-3)
+
+
+def test_symmetric_thresholds_are_a_special_case() -> None:
+    made = made_answers()
+    flexible, symmetric, zero = (
+        fit(made.values, {"side": made.side}, made.slopes, structure=structure)
+        for structure in ("flexible", "symmetric", "symmetric around zero")
+    )
+
+    assert flexible.log_likelihood >= symmetric.log_likelihood >= zero.log_likelihood
+    assert likelihood_ratio(flexible, symmetric)[1] == 1
+    assert likelihood_ratio(symmetric, zero)[1] == 1
+    assert zero.thresholds[0] == pytest.approx(-zero.thresholds[3])
+
+
+def test_a_variance_at_its_boundary_is_said() -> None:
+    made = made_answers()
+    # Two items about which everybody answers alike differ less than chance would make them.
+    alike = RandomEffect(
+        name="item", groups=np.repeat([0, 1], len(made.side)), multiplier=np.tile(made.side, 2)
+    )
+
+    found = fit(np.tile(made.values, 2), {"side": np.tile(made.side, 2)}, [alike])
+
+    assert found.boundary == ("item",)
+    assert found.converged
+    assert "boundary" in found.remark
+    assert found.standard_errors["side"] > 0
+
+
+def test_separated_answers_are_said_and_have_no_p() -> None:
+    made = made_answers()
+    answers = np.where(made.side > 0, 4, made.values % 2)
+
+    found = fit(answers, {"side": made.side}, made.slopes)
+
+    assert not found.converged
+    assert "separated by side" in found.remark
+
+
+@pytest.mark.parametrize("answers", [[], [2, 2, 2]])
+def test_nothing_to_fit_is_said(answers: list[int]) -> None:
+    with pytest.raises(InputError, match="ordinal model needs"):
+        fit(answers, {})
+
+
+def test_covariates_that_say_the_same_are_refused() -> None:
+    made = made_answers()
+
+    with pytest.raises(InputError, match="determine one another"):
+        fit(made.values, {"side": made.side, "again": -2 * made.side})
