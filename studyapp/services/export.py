@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import pandas as pd
-from sqlalchemy import select
+from sqlalchemy import ColumnElement, select
 from sqlalchemy.orm import selectinload
 
 from analysis.responses import COLUMNS
@@ -54,11 +54,11 @@ STUDY_SESSION_COLUMNS: Final = (
 FORM_COLUMNS: Final = ("study_session", "stage", "question", "value")
 
 
-def responses_table(database: Database) -> pd.DataFrame:
+def responses_table(database: Database, *, withdrawn: bool = False) -> pd.DataFrame:
     """Return every stored answer, one row per answered question and stimulus.
 
     Answers of all kinds of trial and of unfinished study sessions are included; those of
-    participants who withdrew are not.
+    participants who withdrew are not. With `withdrawn`, only theirs are, as far as they were kept.
 
     Of a trial that shows two stimuli, `left_…` and `right_…` say what was A and B, and
     `comparison` names the pair: `reference` is the one the study puts first. Of a catch trial,
@@ -75,7 +75,7 @@ def responses_table(database: Database) -> pd.DataFrame:
     with database.reading() as session:
         for study_session in session.scalars(
             select(StudySession)
-            .where(StudySession.withdrawn_at.is_(None))
+            .where(_chosen(withdrawn))
             .order_by(StudySession.id)
             .options(
                 selectinload(StudySession.version),
@@ -197,13 +197,19 @@ def study_sessions_table(database: Database) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(STUDY_SESSION_COLUMNS))
 
 
-def form_answers_table(database: Database) -> pd.DataFrame:
+def _chosen(withdrawn: bool) -> ColumnElement[bool]:
+    if withdrawn:
+        return StudySession.withdrawn_at.is_not(None)
+    return StudySession.withdrawn_at.is_(None)
+
+
+def form_answers_table(database: Database, *, withdrawn: bool = False) -> pd.DataFrame:
     """Return what participants said about themselves, one row per answered question.
 
     Returns
     -------
     DataFrame
-        Columns `FORM_COLUMNS`; who withdrew is left out.
+        Columns `FORM_COLUMNS`; who withdrew is left out. With `withdrawn`, nobody else is in it.
     """
     with database.reading() as session:
         rows = [
@@ -211,7 +217,7 @@ def form_answers_table(database: Database) -> pd.DataFrame:
             for answer in session.scalars(
                 select(FormAnswer)
                 .join(FormAnswer.study_session)
-                .where(StudySession.withdrawn_at.is_(None))
+                .where(_chosen(withdrawn))
                 .order_by(FormAnswer.study_session_id, FormAnswer.id)
             )
         ]

@@ -63,19 +63,28 @@ class Answers:
         return frozenset(table.loc[table["state"] == "completed", "study_session"])
 
 
-def export(folder: StudyFolder, path: Path, *, rehearsal: bool) -> int:
+def export(
+    folder: StudyFolder, path: Path, *, rehearsal: bool = False, withdrawn: bool = False
+) -> int:
     """Write the real responses, or the rehearsal's, as tidy CSV and return their number.
 
     Beside it go ``<name>_form.csv``, what participants said about themselves;
     ``<name>_watching.csv``, how each video was watched; and ``<name>_refusals.csv``, requests
     that were refused. One that would be empty is only written over an earlier one.
+
+    With `withdrawn`, what was kept of participants who withdrew is written instead: their answers,
+    and what they said about themselves.
     """
     table = pd.DataFrame(columns=list(EXPORT_COLUMNS))
     beside: dict[str, pd.DataFrame] = {}
     with _opened(folder, "rehearsal" if rehearsal else "participants") as database:
         if database is not None:
-            table = responses_table(database)
-            beside = {name: read(database) for name, read in BESIDE.items()}
+            table = responses_table(database, withdrawn=withdrawn)
+            beside = (
+                {"form": form_answers_table(database, withdrawn=True)}
+                if withdrawn
+                else {name: read(database) for name, read in BESIDE.items()}
+            )
     _write(path, table)
     for name, other in beside.items():
         file = path.with_name(f"{path.stem}_{name}.csv")

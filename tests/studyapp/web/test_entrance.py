@@ -1,0 +1,185 @@
+"""The pages before enrolment: eligibility, consent, and phones that are sent away."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from flask import Flask
+from flask.testing import FlaskClient
+from sqlalchemy import select
+from werkzeug.test import TestResponse
+
+from studyapp.models import Place, StudySession
+from studyapp.web.app import create_app
+from studyapp.web.running import running
+from tests.studyapp.services.test_form_answers import FORM
+from tests.studyapp.web.page_reader import PageReader
+
+CONSENT = """
+[[form.consent]]
+name = "read"
+text = "I have read this."
+choices = ["yes"]
+"""
+ANDROID = "Mozilla/5.0 (Linux; Android 14; Pixel 8) Chrome/126.0 Mobile Safari/537.36"
+
+
+def app_of(folder: Path, *changes: tuple[str, str], more: str = "") -> Iterator[Flask]:
+    path = folder / "study.toml"
+    text = path.read_text("utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text + more, "utf-8")
+    app = create_app(folder)
+    yield app
+    with app.app_context():
+        running().database.close()
+
+
+@pytest.fixture
+def asking(tiny_study: Path) -> Iterator[Flask]:
+    """Return the application of a study that asks at the entrance."""
+    yield from app_of(tiny_study, more=FORM + CONSENT)
+
+
+def sent(client: FlaskClient, page: PageReader, **given: str) -> TestResponse:
+    """Send the form of `page` with what it carries along, and answers by their question."""
+    hidden = {str(i["name"]): str(i["value"]) for i in page.soup.select("[type=hidden]")}
+    answers = {f"form:{name}": value for name, value in given.items()}
+    return client.post(page.action, data=hidden | answers)
+
+
+def nobody_is_stored(app: Flask) -> bool:
+    with app.app_context(), running().database.reading() as session:
+        taken = session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all()
+        return not taken and not session.scalars(select(StudySession)).all()
+
+
+def test_eligibility_comes_before_consent_and_neither_stores_anything(asking: Flask) -> None:
+    client = asking.test_client()
+    first = PageReader(client.get("/?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1").text)
+    assert "You will watch" not in first.text
+
+    answer = sent(client, first, adult="yes")
+    second = PageReader(answer.text)
+
+    assert answer.status_code == 200
+    assert "You will watch" in second.text
+    assert second.value("[name=PROLIFIC_PID]", "value") == "p1"
+    assert second.value("[name='form:adult']", "value") == "yes"
+    assert nobody_is_stored(asking)
+
+    assert sent(client, second, read="yes").status_code == 303
+    with asking.app_context(), running().database.reading() as session:
+        known = session.scalars(select(StudySession)).one()
+        names = (known.recruiter_participant, known.recruiter_study, known.recruiter_session)
+        assert names == ("p1", "s1", "x1")
+        assert [answer.question for answer in known.form_answers] == ["adult", "read"]
+
+
+def test_who_is_screened_out_is_told_kindly_and_stored_nowhere(asking: Flask) -> None:
+    client = asking.test_client()
+    first = PageReader(client.get("/?PROLIFIC_PID=p1").text)
+
+    answer = sent(client, first, adult="no")
+
+    page = PageReader(answer.text)
+    assert answer.status_code == 403
+    assert "looks for other participants" in page.heading
+    assert "recruiting site" in page.text
+    assert nobody_is_stored(asking)
+
+
+def test_eligibility_is_judged_again_at_the_start(asking: Flask) -> None:
+    client = asking.test_client()
+    consent = PageReader(sent(client, PageReader(client.get("/").text), adult="yes").text)
+
+    assert sent(client, consent, read="yes", adult="no").status_code == 403
+    answer = sent(client, consent, read="yes", adult="")
+    assert answer.status_code == 422
+    assert "Are you 18 or older?" in answer.text
+    assert nobody_is_stored(asking)
+
+
+def test_what_is_missing_is_said_beside_its_question(asking: Flask) -> None:
+    client = asking.test_client()
+
+    answer = sent(client, PageReader(client.get("/").text))
+
+    page = PageReader(answer.text)
+    assert answer.status_code == 422
+    group = page.one("[role=radiogroup]")
+    assert group["aria-invalid"] == "true"
+    described = page.one(f"#{str(group['aria-describedby']).strip()}")
+    assert "not answered" in described.get_text()
+
+
+def test_a_consent_that_is_incomplete_keeps_what_was_said_before(asking: Flask) -> None:
+    client = asking.test_client()
+    consent = PageReader(sent(client, PageReader(client.get("/").text), adult="yes").text)
+
+    answer = sent(client, consent)
+
+    assert answer.status_code == 422
+    assert PageReader(answer.text).value("[name='form:adult']", "value") == "yes"
+
+
+def test_the_address_of_the_consent_page_begins_anew(asking: Flask) -> None:
+    assert "Are you 18 or older?" in asking.test_client().get("/consent").text
+
+
+def test_every_field_about_the_participant_has_a_name(asking: Flask) -> None:
+    client = asking.test_client()
+    consent = PageReader(sent(client, PageReader(client.get("/").text), adult="yes").text)
+    page = PageReader(client.get(sent(client, consent, read="yes").location).text)
+
+    for field in page.soup.select("main input:not([type=hidden]):not([type=radio])"):
+        label = page.one(f"label[for='{field['id']}']").get_text()
+        assert ("*" in label) is field.has_attr("required")
+    for group in page.soup.select("[role=radiogroup]"):
+        assert page.one(f"#{group['aria-labelledby']}").get_text(strip=True)
+
+
+@pytest.mark.parametrize(
+    ("headers", "guessed"),
+    [
+        ({"User-Agent": ANDROID}, True),
+        ({"User-Agent": "Mozilla/5.0 (Windows NT 10.0) Chrome/126.0"}, False),
+        ({"User-Agent": ANDROID, "Sec-CH-UA-Mobile": "?0"}, False),
+        ({"Sec-CH-UA-Mobile": "?1"}, True),
+    ],
+)
+def test_a_phone_is_guessed_from_what_it_calls_itself_until_the_script_has_measured(
+    app: Flask, headers: dict[str, str], guessed: bool
+) -> None:
+    page = PageReader(app.test_client().get("/", headers=headers).text)
+
+    assert page.one("#phone").has_attr("hidden") is not guessed
+    assert page.one("#entrance").has_attr("hidden") is guessed
+
+
+def test_a_study_for_phones_too_asks_nobody_to_leave(tiny_study: Path) -> None:
+    for app in app_of(tiny_study, ("[page]\n", '[page]\nphones = "usable"\n')):
+        page = PageReader(app.test_client().get("/", headers={"User-Agent": ANDROID}).text)
+
+        assert page.soup.select("#phone") == []
+        assert not page.one("#entrance").has_attr("hidden")
+        assert "a computer" not in page.text
+
+
+@pytest.mark.parametrize(("rule", "words"), [("deleted", "deleted"), ("kept", "kept, but not")])
+def test_consent_and_withdrawal_say_the_same_of_the_answers(
+    tiny_study: Path, rule: str, words: str
+) -> None:
+    for app in app_of(tiny_study, ("[page]\n", f'[page]\nwithdrawn = "{rule}"\n')):
+        client = app.test_client()
+        consent = PageReader(client.get("/").text)
+        address = sent(client, consent).location
+
+        asked = client.get(f"{address}/withdraw").text
+        done = client.post(f"{address}/withdraw", follow_redirects=True).text
+
+        assert all(words in page for page in (consent.text, asked, done))
