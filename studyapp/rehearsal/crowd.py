@@ -6,6 +6,7 @@ import ssl
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from functools import partial
 from threading import Event
 from typing import Final
 
@@ -14,9 +15,11 @@ import httpx
 from motion.errors import InputError
 from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.form_probes import probe_form
+from studyapp.rehearsal.forms import FormFields
 from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.pages import Page
-from studyapp.rehearsal.participant import Participant, answer_trial
+from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
 from studyapp.rehearsal.probes import Probe, probe_trial
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import Roster
@@ -61,7 +64,7 @@ class Crowd:
     def take_part(self, roster: Roster, *, workers: int, on_done: Callable[[int], None]) -> None:
         """Let the rest of `roster` come, `workers` at a time; the first error stops everybody.
 
-        The first who is new tries bad submissions at the first trial.
+        The first who is new tries bad submissions at the first trial and around the trials.
 
         Parameters
         ----------
@@ -106,6 +109,7 @@ class Crowd:
             speed=self.speed,
             stop=self.stop,
             answer_first=self._probe if probing else answer_trial,
+            fill=partial(self._probe_form, name) if probing else fill_form,
         )
         # Certificates are not needed on the loopback, and loading them takes longer than a visit.
         unused = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
@@ -128,5 +132,12 @@ class Crowd:
 
     def _probe(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
         following, probes = probe_trial(visit, page, judgement, study=self.study, eyes=self.eyes)
+        self.probes.extend(probes)
+        return following
+
+    def _probe_form(self, name: str, visit: Visit, page: Page, answers: FormFields) -> Page:
+        following, probes = probe_form(
+            visit, page, answers, study=self.study, eyes=self.eyes, name=name
+        )
         self.probes.extend(probes)
         return following

@@ -62,19 +62,7 @@ class Eyes:
         place = "no place" if sitting.place is None else str(sitting.place.number)
         return Sight(
             rater=f"{sitting.arm} {place}",
-            trial=SeenTrial(
-                position=trial.position,
-                kind=trial.kind,
-                part=trial.part,
-                segment=trial.segment,
-                stimuli=tuple(
-                    Stimulus(condition=shown.condition, segment=shown.segment, speech=shown.speech)
-                    for shown in trial.stimuli
-                    if shown.number > 0
-                ),
-                expected=trial.expected,
-                instructed=trial.instructed,
-            ),
+            trial=seen(trial),
         )
 
     def stored(self, page: Page) -> tuple[StoredAnswer, ...]:
@@ -132,6 +120,23 @@ class Eyes:
         if not digits:
             raise BrokenPageError(page, "plays sound to a participant for whom there is none")
         return digits
+
+
+def seen(trial: Trial) -> SeenTrial:
+    """Return what eyes that see through the blinding see of `trial`."""
+    return SeenTrial(
+        position=trial.position,
+        kind=trial.kind,
+        part=trial.part,
+        segment=trial.segment,
+        stimuli=tuple(
+            Stimulus(condition=shown.condition, segment=shown.segment, speech=shown.speech)
+            for shown in trial.stimuli
+            if shown.number > 0
+        ),
+        expected=trial.expected,
+        instructed=trial.instructed,
+    )
 
 
 def _tokens(page: Page) -> frozenset[str]:

@@ -10,6 +10,9 @@ from bs4 import BeautifulSoup, Tag
 
 Fields = tuple[tuple[str, str], ...]
 
+FormFields = Mapping[str, Sequence[str]]
+"""What is answered: the values of each field."""
+
 FormData = dict[str, list[str]]
 """What a browser would send: every value of every name."""
 
@@ -58,7 +61,7 @@ class Form:
         """Names of the fields that wait for an answer."""
         return frozenset((*self.choices, *self.lines))
 
-    def filled(self, answers: Mapping[str, Sequence[str]]) -> FormData:
+    def filled(self, answers: FormFields) -> FormData:
         """Return the data a browser would send with `answers` chosen.
 
         Raises

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from urllib.parse import urljoin, urlsplit
@@ -10,7 +9,7 @@ from urllib.parse import urljoin, urlsplit
 from bs4 import BeautifulSoup, Tag
 
 from motion.errors import InputError
-from studyapp.rehearsal.forms import Form, FormData, IncompleteFormError, read_form
+from studyapp.rehearsal.forms import Form, FormData, FormFields, IncompleteFormError, read_form
 from studyapp.rehearsal.players import Player, UnplayableError, read_player
 
 
@@ -106,7 +105,7 @@ class Page:
             if sound.has_attr("src") and sound.find_parent("video") is None
         )
 
-    def filled(self, form: Form, answers: Mapping[str, Sequence[str]]) -> FormData:
+    def filled(self, form: Form, answers: FormFields) -> FormData:
         """Return what a browser would send of `form` with `answers` chosen.
 
         Raises

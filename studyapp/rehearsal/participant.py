@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from threading import Event
@@ -12,6 +12,7 @@ import httpx
 
 from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.forms import FormFields
 from studyapp.rehearsal.judgement import Judgement, judge
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.population import Population
@@ -21,9 +22,6 @@ from studyapp.web.about_participant import FORM_FIELD
 
 SAME_PAGE_AT_MOST: Final = 3
 """A page that comes back this often, though it was answered, leads nowhere."""
-
-FormFields = Mapping[str, tuple[str, ...]]
-"""What is answered: the values of each field."""
 
 AnswerTrial = Callable[[Visit, Page, Judgement], Page]
 """Answers the trial of a page and returns the page that follows."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from threading import Event
 
 import httpx
 
-from studyapp.rehearsal.forms import Form
+from studyapp.rehearsal.forms import Form, FormFields
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.players import Player
 
@@ -39,9 +38,7 @@ class Visit:
         """Return the page at `address`, after redirects."""
         return _page(self.client.get(address))
 
-    def send(
-        self, page: Page, form: Form, answers: Mapping[str, Sequence[str]] | None = None
-    ) -> Page:
+    def send(self, page: Page, form: Form, answers: FormFields | None = None) -> Page:
         """Send `form` of `page` with `answers` and return the page that follows."""
         data = page.filled(form, answers or {})
         if self.stop.is_set():

@@ -1,0 +1,180 @@
+"""Whole rehearsals of every protocol, by page and by server."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from flask import Flask
+from sqlalchemy import select
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import StudySession
+from studyapp.rehearsal.eyes import Eyes, seen
+from studyapp.rehearsal.form_probes import probe_form
+from studyapp.rehearsal.forms import FormFields
+from studyapp.rehearsal.judgement import judge
+from studyapp.rehearsal.pages import BrokenPageError, Page
+from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.probes import probe_trial
+from studyapp.rehearsal.raters import Rater
+from studyapp.rehearsal.run import rehearse
+from studyapp.rehearsal.visit import Visit
+from studyapp.services.database import Database, sqlite_url
+from tests.finished_study import write_short_video
+from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
+from tests.studyapp.rehearsal.steps import at_first_trial, browser
+
+Written = Callable[[str], StudyFolder]
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Written:
+    """Return a function that writes each study once."""
+    root = tmp_path_factory.mktemp("protocols")
+    write_short_video(root / "short.mp4", seconds=1.0)
+    known: dict[str, StudyFolder] = {}
+
+    def get(name: str) -> StudyFolder:
+        if name not in known:
+            known[name] = write_study(root / name.replace(" ", "-"), name, root / "short.mp4")
+        return known[name]
+
+    return get
+
+
+@pytest.fixture
+def folder(request: pytest.FixtureRequest, written: Written, tmp_path: Path) -> StudyFolder:
+    """A copy of one's own of the study that the test is about."""
+    return StudyFolder(Path(shutil.copytree(written(request.param).root, tmp_path / "study")))
+
+
+each_study = pytest.mark.parametrize("folder", STUDIES, indirect=True)
+
+
+@each_study
+def test_bad_submissions_are_refused_and_the_good_answers_are_stored(
+    app: Flask, folder: StudyFolder, participant: Participant, eyes: Eyes
+) -> None:
+    with browser(app) as client:
+        visit, page = at_first_trial(client, participant)
+        judgement = participant.judge(page)
+        following, probes = probe_trial(visit, page, judgement, study=folder.study(), eyes=eyes)
+    tried = {probe.name: probe.status for probe in probes}
+    assert tried["the same answers twice"] == 200
+    assert tried["other answers to an answered trial"] == 409
+    assert tried["somebody else's trial"] == 403
+    assert {status for name, status in tried.items() if name.startswith(("a ", "ques"))} == {422}
+    assert {(question, number): value for _, question, number, value, _ in eyes.stored(page)} == (
+        judgement.values
+    )
+    assert following.heading != page.heading
+
+
+@pytest.mark.parametrize("folder", ["ratings", "rankings"], indirect=True)
+def test_a_server_that_takes_bad_answers_is_found_out(
+    app: Flask, folder: StudyFolder, participant: Participant, eyes: Eyes
+) -> None:
+    """Played as having been watched already, a trial is answered by what should be refused."""
+    with browser(app) as client:
+        visit, page = at_first_trial(client, participant)
+        visit.watch(page)
+        with pytest.raises(BrokenPageError, match="before the videos were watched, and stored it"):
+            probe_trial(visit, page, participant.judge(page), study=folder.study(), eyes=eyes)
+
+
+@pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
+def test_bad_submissions_around_the_trials_are_refused(
+    app: Flask, folder: StudyFolder, participant: Participant, eyes: Eyes
+) -> None:
+    tried: dict[str, int] = {}
+
+    def probing(visit: Visit, page: Page, answers: FormFields) -> Page:
+        following, probes = probe_form(
+            visit, page, answers, study=folder.study(), eyes=eyes, name=participant.name
+        )
+        tried.update({probe.name: probe.status for probe in probes})
+        return following
+
+    with browser(app) as client:
+        assert replace(participant, fill=probing).take_part(client)
+    for name, status in {
+        "no answer to the question 'adult'": 422,
+        "an answer that excludes to the question 'adult'": 403,
+        "an answer that excludes to the question 'watched'": 403,
+        "too high a number to the question 'age'": 422,
+        "too long an answer to the question 'work'": 422,
+        "an answer that is not offered to the question 'ease'": 422,
+        "digits that were not spoken": 422,
+        "no digits": 422,
+    }.items():
+        assert tried[name] == status
+    assert "no answer to the question 'work'" not in tried
+    assert eyes.told(participant.name) == (1, 5)
+
+
+@pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
+def test_a_page_with_a_video_too_few_stops_the_participant(
+    app: Flask, participant: Participant
+) -> None:
+    def shortened(html: str) -> str:
+        first, found, last = html.rpartition("<video")
+        return first + last.partition("</video>")[2] if found else html
+
+    with (
+        browser(app, shortened) as client,
+        pytest.raises(BrokenPageError, match="shows 1 video"),
+    ):
+        participant.take_part(client)
+
+
+def require_stored_as_said(database: Database, participant: Participant) -> None:
+    """Require that all pages were passed, and every trial is answered as its rater answers it."""
+    with database.reading() as session:
+        for sitting in session.scalars(select(StudySession)):
+            assert sitting.sound_checked_at is not None
+            assert sitting.rested_at_position is not None
+            assert len(sitting.form_answers) == 5
+            rater = Rater(
+                population=participant.population,
+                seed=participant.seed,
+                name=f"{sitting.arm} {sitting.number}",
+            )
+            for trial in sitting.trials:
+                said = judge(participant.study, rater, seen(trial)).values
+                assert {(r.question, r.stimulus): r.value for r in trial.responses} == said
+
+
+@each_study
+def test_a_participant_passes_all_pages_and_what_it_says_is_stored(
+    app: Flask, participant: Participant, eyes: Eyes
+) -> None:
+    with browser(app) as client:
+        code = participant.take_part(client)
+    with browser(app) as client:
+        assert participant.take_part(client) == code
+    require_stored_as_said(eyes.database, participant)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", ["ratings", "rankings with ties", "mismatch"], indirect=True)
+def test_a_rehearsal_says_what_was_put_in_and_what_is_found(
+    folder: StudyFolder, participant: Participant
+) -> None:
+    result = rehearse(folder, participants=2, seed=1, workers=2)
+    assert (result.completed, result.kept) == (2, 0)
+    study = folder.study()
+    assert {(row.part, row.question) for row in result.findings.rows} == {
+        (part, question.name)
+        for part in study.parts
+        for question in study.questions
+        if question.belongs_to(part)
+    }
+    computed = [row.put_in is not None for row in result.findings.rows]
+    assert not any(computed) if getattr(study, "ties", False) else all(computed)
+    with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
+        require_stored_as_said(database, participant)
