@@ -9,6 +9,9 @@ from typing import Final
 import av
 import numpy as np
 
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import Stimuli, VideoCopy, write_stimuli
+
 FRAME_RATE: Final = 15
 SIZE: Final = 128
 """Height and width of the picture; what counts for a server is the size of the file."""
@@ -73,7 +76,7 @@ class StudyShape:
 
 
 def write_fabricated_study(folder: Path, shape: StudyShape) -> None:
-    """Write a study of three conditions with two players a page into `folder`."""
+    """Write a study of three conditions with two players a page into `folder`, ready to serve."""
     text = STUDY_FILE.format(
         places=shape.places, trials=shape.trials, practice=shape.practice, catch=shape.catch
     )
@@ -85,7 +88,28 @@ def write_fabricated_study(folder: Path, shape: StudyShape) -> None:
             path = folder / "videos" / condition / f"speech-{number:02}.mp4"
             path.parent.mkdir(parents=True, exist_ok=True)
             path.hardlink_to(video)
-    video.unlink()
+    _write_copies(StudyFolder(folder), video, shape)
+
+
+def _write_copies(files: StudyFolder, video: Path, shape: StudyShape) -> None:
+    """Write what `motionjury render` would; all that participants are shown is `video`."""
+    study = files.study()
+    shown = [stimulus for (stimulus,) in study.contents(files.segments_of(study))]
+    copies = [
+        VideoCopy(
+            segment=stimulus.segment,
+            file=f"videos/shown/{number:03}.mp4",
+            duration=shape.seconds,
+            key="fabricated",
+            condition=stimulus.condition,
+            heard=stimulus.speech,
+        )
+        for number, stimulus in enumerate(shown)
+    ]
+    (files.root / "videos" / "shown").mkdir()
+    for copy in copies:
+        (files.root / copy.file).hardlink_to(video)
+    write_stimuli(files.stimuli, Stimuli(copies=tuple(copies)))
 
 
 def _write_video(path: Path, shape: StudyShape) -> None:

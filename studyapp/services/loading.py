@@ -5,48 +5,62 @@ The relations load themselves where these functions were not called; that is slo
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from sqlalchemy import bindparam, select
-from sqlalchemy.orm import Session, joinedload, load_only, selectinload
+from sqlalchemy.orm import Session, joinedload
 from sqlalchemy.orm.attributes import set_committed_value
 
-from studyapp.models import StudySession, Trial, Video
+from studyapp.models import Place, StudySession, Trial, Video, WatchBatch
 
-PLACE_AND_TRIALS: Final = (
-    select(StudySession)
-    .where(StudySession.id == bindparam("id"))
-    .options(
-        load_only(StudySession.id),
-        joinedload(StudySession.place),
-        joinedload(StudySession.trials),
-    )
+PLACE: Final = select(Place).where(Place.study_session_id == bindparam("id"))
+TRIALS: Final = (
+    select(Trial).where(Trial.study_session_id == bindparam("id")).order_by(Trial.position)
 )
 
 VIDEOS: Final = (
-    select(Video)
-    .order_by(Video.number)
-    .options(joinedload(Video.stimuli, innerjoin=True), selectinload(Video.watch_batches))
+    select(Video).order_by(Video.number).options(joinedload(Video.stimuli, innerjoin=True))
 )
 VIDEOS_OF_TRIALS: Final = VIDEOS.where(Video.trial_id.in_(bindparam("trials", expanding=True)))
 VIDEOS_BESIDE: Final = VIDEOS.where(
     Video.trial_id
     == select(Video.trial_id).where(Video.token == bindparam("token")).scalar_subquery()
 )
+DURATIONS: Final = (
+    select(Video.trial_id, Video.duration)
+    .join(Video.trial)
+    .where(Trial.study_session_id == bindparam("id"))
+)
+BATCHES: Final = (
+    select(WatchBatch)
+    .where(WatchBatch.video_id.in_(bindparam("videos", expanding=True)))
+    .order_by(WatchBatch.batch)
+)
 
 
 def load_place_and_trials(session: Session, study_session: StudySession) -> None:
     """Load the place and the trials of `study_session`."""
-    session.execute(PLACE_AND_TRIALS, {"id": study_session.id}).unique().all()
+    own = {"id": study_session.id}
+    set_committed_value(study_session, "place", session.scalars(PLACE, own).one_or_none())
+    set_committed_value(study_session, "trials", list(session.scalars(TRIALS, own)))
 
 
 def load_videos(session: Session, trials: Iterable[Trial]) -> None:
     """Load the videos of `trials`, what they show, and what was played of them."""
     wanted = {trial.id: trial for trial in trials}
     videos = session.scalars(VIDEOS_OF_TRIALS, {"trials": list(wanted)}).unique().all()
+    _load_batches(session, videos)
     for number, trial in wanted.items():
         _attach(trial, [video for video in videos if video.trial_id == number])
+
+
+def durations_of(session: Session, study_session: StudySession) -> Mapping[int, Sequence[float]]:
+    """Return how long the videos of every trial are, in seconds, by the trial's `id`."""
+    durations: dict[int, list[float]] = {trial.id: [] for trial in study_session.trials}
+    for trial_id, duration in session.execute(DURATIONS, {"id": study_session.id}):
+        durations[trial_id].append(duration)
+    return durations
 
 
 def load_video(session: Session, study_session: StudySession, token: str) -> Video | None:
@@ -61,8 +75,16 @@ def load_video(session: Session, study_session: StudySession, token: str) -> Vid
     trial = next((t for t in study_session.trials if videos and t.id == videos[0].trial_id), None)
     if trial is None:
         return None
+    _load_batches(session, videos)
     _attach(trial, videos)
     return next(video for video in videos if video.token == token)
+
+
+def _load_batches(session: Session, videos: Sequence[Video]) -> None:
+    batches = session.scalars(BATCHES, {"videos": [video.id for video in videos]}).all()
+    for video in videos:
+        own = [batch for batch in batches if batch.video_id == video.id]
+        set_committed_value(video, "watch_batches", own)
 
 
 def _attach(trial: Trial, videos: Sequence[Video]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
@@ -13,7 +12,7 @@ from studyapp.definition.study import Study
 from studyapp.design.asking import Ask
 from studyapp.models import StudySession, Trial, Video
 from studyapp.services.database import Database
-from studyapp.services.loading import load_videos
+from studyapp.services.loading import durations_of, load_videos
 from studyapp.services.places import regain_place
 from studyapp.services.resting import break_due
 from studyapp.services.served_study import ServedStudy
@@ -141,7 +140,8 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
 
     A participant who lost the place to a long pause gets it back, if nobody else has it now.
     """
-    with database.writing() as session:
+    # Nothing that is loaded here depends on what is changed here.
+    with database.writing() as session, session.no_autoflush:
         study_session = find(session, token)
         regain_place(session, served, study_session)
         situation = Situation(
@@ -171,11 +171,7 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
 
 
 def _minutes_left(session: Session, study_session: StudySession) -> int:
-    # One query rather than one for each trial: nothing else of the other videos is needed.
-    durations: dict[int, list[float]] = {trial.id: [] for trial in study_session.trials}
-    videos = select(Video.trial_id, Video.duration).where(Video.trial_id.in_(durations))
-    for trial_id, duration in session.execute(videos):
-        durations[trial_id].append(duration)
+    durations = durations_of(session, study_session)
     expected = {trial: expected_seconds(durations[trial.id]) for trial in study_session.trials}
     return minutes_left(
         [(t.seconds, expected[t]) for t in study_session.trials if t.seconds is not None],
