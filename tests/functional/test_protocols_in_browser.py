@@ -77,10 +77,10 @@ def watch_all(page: Page, button: str = ".play") -> None:
 
 def answer_all(page: Page) -> None:
     for question in page.locator(".question").all():
-        ranks = question.locator("select").all()
-        for place, rank in enumerate(ranks, start=1):
-            rank.select_option(str(place))
-        if not ranks:
+        cards = question.locator(".card").count()
+        for _card in range(cards):
+            question.locator(".tray .card").first.click()
+        if not cards:
             question.locator(".scale label").first.click()
 
 

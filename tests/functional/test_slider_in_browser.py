@@ -1,46 +1,111 @@
-"""A slider without a preset, answered in a real browser."""
+"""Sliders without a preset, answered in a real browser."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
-from playwright.sync_api import expect
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
 
-from tests.finished_study import write_finished_study, write_short_video
-from tests.functional.browsing import (
-    IN_A_BROWSER,
-    launched,
-    photograph,
-    screenshots_folder,
-    serving,
-    watched_page,
-)
+from tests.functional.browsing import IN_A_BROWSER, launched, watched_page
+from tests.functional.every_page import shown
+from tests.functional.shown_studies import write_shown_study
 
 pytestmark = IN_A_BROWSER
 
 
-def test_a_slider_is_chosen_by_keys_and_outlives_a_reload(tmp_path: Path) -> None:
-    folder = tmp_path / "rating"
-    folder.mkdir()
-    write_short_video(tmp_path / "short.mp4", seconds=1.0)
-    write_finished_study(folder, "rating", tmp_path / "short.mp4")
-    with (
-        serving(folder) as address,
-        launched() as browser,
-        watched_page(browser, address) as page,
-    ):
-        page.goto(address)
-        page.get_by_role("button", name="I agree").click()
-        page.get_by_role("button", name="Begin").click()
-        line = page.get_by_role("slider", name="Question").first
-        number = page.locator(".slider [type=number]").first
-        expect(line).to_have_attribute("aria-valuetext", "nothing chosen yet")
-        expect(number).to_have_value("")
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched() as chromium:
+        yield chromium
 
-        line.press("PageDown")
 
-        expect(number).to_have_value("40")
-        photograph(page, screenshots_folder(tmp_path), "slider")
-        page.reload()
-        expect(number).to_have_value("40")
-        expect(line).to_have_value("40")
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    folder: Path = tmp_path_factory.mktemp("sliders") / "study"
+    write_shown_study(folder, "sliders")
+    with shown(folder) as (url, _):
+        yield url
+
+
+@pytest.fixture
+def page(browser: Browser, address: str) -> Iterator[Page]:
+    with watched_page(browser, address) as opened:
+        begin(opened, address)
+        yield opened
+
+
+def begin(page: Page, address: str) -> None:
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    page.get_by_role("button", name="Begin").click()
+    expect(line(page)).to_be_visible()
+
+
+def line(page: Page, number: int = 0) -> Locator:
+    return page.locator(".slider [type=range]").nth(number)
+
+
+def field(page: Page, number: int = 0) -> Locator:
+    return page.locator(".slider [type=number]").nth(number)
+
+
+def test_nothing_is_chosen_before_anybody_does(page: Page) -> None:
+    expect(line(page)).to_have_attribute("aria-valuetext", "nothing chosen yet")
+    expect(field(page)).to_have_value("")
+    expect(page.locator(".bands .chosen")).to_have_count(0)
+    line(page).focus()
+    page.keyboard.press("Tab")
+    expect(field(page)).to_have_value("")
+
+
+@pytest.mark.parametrize(
+    ("key", "first", "second"),
+    [
+        ("ArrowLeft", "50", "49"),
+        ("ArrowUp", "50", "51"),
+        ("PageDown", "50", "40"),
+        ("Home", "0", "0"),
+        ("End", "100", "100"),
+    ],
+)
+def test_the_first_key_begins_in_the_middle_or_at_an_end(
+    page: Page, key: str, first: str, second: str
+) -> None:
+    line(page).press(key)
+    expect(field(page)).to_have_value(first)
+    line(page).press(key)
+    expect(field(page)).to_have_value(second)
+
+
+def test_what_was_chosen_is_shown_and_outlives_a_reload(page: Page) -> None:
+    field(page).fill("85")
+    field(page).press("Tab")
+    expect(line(page)).to_have_attribute("aria-valuetext", "85, excellent")
+    expect(page.locator(".bands .chosen")).to_have_text("excellent")
+
+    page.reload()
+
+    expect(field(page)).to_have_value("85")
+    expect(line(page)).to_have_value("85")
+    expect(line(page)).to_have_attribute("aria-valuetext", "85, excellent")
+
+
+def test_a_press_or_a_touch_chooses_where_it_falls(
+    page: Page, browser: Browser, address: str
+) -> None:
+    box = line(page).bounding_box()
+    assert box is not None
+    line(page).click(position={"x": box["width"] * 0.25, "y": box["height"] / 2})
+    assert 23 <= int(field(page).input_value()) <= 27
+    line(page, 1).click()
+    expect(field(page, 1)).to_have_value("50")
+
+    touched = browser.new_context(has_touch=True).new_page()
+    begin(touched, address)
+    box = line(touched).bounding_box()
+    assert box is not None
+    line(touched).tap(position={"x": box["width"] * 0.8, "y": box["height"] / 2})
+    assert 78 <= int(field(touched).input_value()) <= 82
+    touched.context.close()

@@ -1,0 +1,206 @@
+"""Videos put in order in a real browser: by clicks, by dragging, by keys, and by menus."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import permutations, product
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from tests.functional.browsing import IN_A_BROWSER, launched, watched_page
+from tests.functional.every_page import shown
+from tests.functional.shown_studies import write_shown_study
+
+pytestmark = IN_A_BROWSER
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched() as chromium:
+        yield chromium
+
+
+@pytest.fixture(scope="module")
+def addresses(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
+    """Serve a study without ties, of five videos, and one with ties, of four."""
+    folder = tmp_path_factory.mktemp("rankings")
+    for name in ("ranking", "ties"):
+        write_shown_study(folder / name, name)
+    with shown(folder / "ranking") as (ranking, _), shown(folder / "ties") as (ties, _):
+        yield {"ranking": ranking, "ties": ties}
+
+
+@pytest.fixture
+def page(
+    browser: Browser, addresses: dict[str, str], request: pytest.FixtureRequest
+) -> Iterator[Page]:
+    """Return the first trial of the study that the test names; of `ranking` if none."""
+    address = addresses[getattr(request, "param", "ranking")]
+    with watched_page(browser, address) as opened:
+        opened.goto(address)
+        opened.get_by_role("button", name="I agree").click()
+        opened.get_by_role("button", name="Begin").click()
+        expect(opened.locator(".card").first).to_be_visible()
+        yield opened
+
+
+def question(page: Page) -> Locator:
+    return page.locator(".question").first
+
+
+def card(page: Page, label: str) -> Locator:
+    return question(page).locator(".card", has_text=label)
+
+
+def rank_in_order(page: Page, labels: str) -> None:
+    for label in labels:
+        card(page, label).click()
+
+
+def drag(page: Page, label: str, target: Locator) -> None:
+    card(page, label).hover()
+    page.mouse.down()
+    box = target.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] - 8, box["y"] + box["height"] / 2, steps=4)
+    page.mouse.up()
+
+
+def expect_order(page: Page, order: str) -> None:
+    expect(question(page).locator(".order")).to_have_text(f"Your order: {order}" if order else "")
+
+
+def chosen(page: Page) -> str:
+    """Return the ranks of A, B, … as the form would send them."""
+    menus = question(page).locator("select").all()
+    return "".join(menu.input_value() or "-" for menu in menus)
+
+
+def test_nothing_is_ranked_before_anybody_does(page: Page) -> None:
+    expect(question(page).locator(".tray .card")).to_have_text(["A", "B", "C", "D", "E"])
+    expect_order(page, "")
+    assert chosen(page) == "-----"
+
+
+def test_clicks_rank_from_the_best_to_the_last_and_outlive_a_reload(page: Page) -> None:
+    rank_in_order(page, "CAEDB")
+    expect_order(page, "1st C, 2nd A, 3rd E, 4th D and 5th B")
+    assert chosen(page) == "25143"
+
+    page.reload()
+
+    expect_order(page, "1st C, 2nd A, 3rd E, 4th D and 5th B")
+    expect(page.locator("#needed")).to_contain_text("answer 2, 3 and 4")
+    card(page, "A").click()
+    expect(question(page).locator(".tray .card")).to_have_text(["A"])
+    assert chosen(page) == "-5143"
+
+
+def test_a_dragged_card_makes_the_others_move_on(page: Page) -> None:
+    places = question(page).locator(".place")
+    drag(page, "B", places.nth(2))
+    expect_order(page, "3rd B")
+    rank_in_order(page, "ACDE")
+    expect_order(page, "1st A, 2nd C, 3rd B, 4th D and 5th E")
+
+    drag(page, "E", places.first)
+    expect_order(page, "1st E, 2nd A, 3rd C, 4th B and 5th D")
+
+    drag(page, "C", question(page).locator(".waiting"))
+    expect_order(page, "1st E, 2nd A, 4th B and 5th D")
+    drag(page, "A", page.locator("header"))
+    expect_order(page, "1st E, 2nd A, 4th B and 5th D")
+
+
+def test_keys_move_the_card_that_has_the_focus(page: Page) -> None:
+    told = page.locator(".questions [role=status]")
+    card(page, "D").focus()
+    for key, said in (
+        ("ArrowRight", "1st of 5: D"),
+        ("ArrowRight", "2nd of 5: D"),
+        ("End", "5th of 5: D"),
+        ("ArrowLeft", "4th of 5: D"),
+        ("Home", "1st of 5: D"),
+        ("3", "3rd of 5: D"),
+        ("Delete", "D: no place yet"),
+        ("Enter", "1st of 5: D"),
+    ):
+        page.keyboard.press(key)
+        expect(told).to_have_text(said)
+        expect(card(page, "D")).to_be_focused()
+    expect(card(page, "D")).to_have_accessible_name("1st of 5: D")
+    page.keyboard.press("Tab")
+    expect(card(page, "A")).to_be_focused()
+
+
+def test_menus_can_be_used_instead_and_say_what_is_wrong(page: Page) -> None:
+    page.get_by_role("button", name="Use menus instead").click()
+    expect(page.locator(".card:visible")).to_have_count(0)
+    menus = question(page).locator("select").all()
+    for menu, rank in zip(menus, "12344", strict=True):
+        menu.select_option(rank)
+    expect(question(page).locator(".order")).to_have_text(
+        "Two videos have the same rank: each needs its own."
+    )
+    expect(page.locator("#needed")).to_contain_text("4 answers")
+
+    menus[4].select_option("5")
+
+    expect_order(page, "1st A, 2nd B, 3rd C, 4th D and 5th E")
+    expect(page.locator("#needed")).to_contain_text("answer 2, 3 and 4")
+    page.reload()
+    expect(question(page).locator("select").first).to_be_visible()
+
+
+@pytest.mark.parametrize("page", ["ties"], indirect=True)
+def test_a_rank_is_shared_only_where_the_study_says_so(page: Page) -> None:
+    places = question(page).locator(".place")
+    rank_in_order(page, "ABCD")
+    drag(page, "B", places.first)
+    expect(question(page).locator(".order")).to_have_text(
+        "No video is 2nd: please leave no rank out."
+    )
+    drag(page, "C", places.nth(1))
+    drag(page, "D", places.nth(2))
+    expect_order(page, "1st A = B, 2nd C and 3rd D")
+    assert chosen(page) == "1123"
+
+
+def test_next_leads_to_the_first_card_without_a_place(page: Page) -> None:
+    rank_in_order(page, "CAEDB")
+
+    page.get_by_role("button", name="Next").click()
+
+    second = page.locator(".question").nth(1)
+    expect(second.locator(".tray .card").first).to_be_focused()
+
+
+def test_videos_stay_in_view_beside_all_questions(page: Page) -> None:
+    page.locator(".question").last.scroll_into_view_if_needed()
+    for video in page.locator("video").all():
+        expect(video).to_be_in_viewport(ratio=0.95)
+    expect(page.locator("#next")).to_be_in_viewport(ratio=1)
+    expect(page.locator(".question").last.locator(".place").first).to_be_in_viewport(ratio=1)
+
+
+def test_a_card_goes_where_it_is_put_and_pushes_no_other_out(page: Page) -> None:
+    orders = sorted(set(permutations((0, 0, 0, 1, 2, 3, 4), 4)))
+    moves = [
+        (ranks, card, rank)
+        for ranks, card, rank in product(orders, range(4), range(5))
+        if ranks.count(0) < 4
+    ]
+    after = page.evaluate(
+        "moves => import('/static/order.js').then(({ placed }) =>"
+        " moves.map(([ranks, card, rank]) => placed(ranks, card, rank, false)))",
+        moves,
+    )
+    for (ranks, moved, rank), now in zip(moves, after, strict=True):
+        assert now[moved] == rank
+        ranked = [each for each in now if each]
+        assert len(set(ranked)) == len(ranked)
+        others = [card for card in range(4) if card != moved]
+        assert [card for card in others if not ranks[card]] == [c for c in others if not now[c]]
+        before = sorted((c for c in others if ranks[c]), key=lambda c, r=ranks: r[c])
+        assert before == sorted((c for c in others if now[c]), key=lambda c, r=now: r[c])
