@@ -209,6 +209,14 @@ def test_answers_for_nobody_are_refused(visitor: Visitor) -> None:
         {"batch": 0, "intervals": [[0.0, float("nan")]]},
         {"batch": 0, "intervals": [[-1.0, 1.0]]},
         {"batch": 0, "intervals": [[0.0, 0.1]] * 201},
+        {"batch": 0, "intervals": [[1.0, 0.5]]},
+        {"batch": 0, "intervals": [], "rate": 0},
+        {"batch": 0, "intervals": [], "rate": float("inf")},
+        {"batch": 0, "intervals": [], "hidden_seconds": -1},
+        {"batch": 0, "intervals": [], "silent_seconds": 1e9},
+        {"batch": 0, "intervals": [], "stalls": 0.5},
+        {"batch": 0, "intervals": [], "frames": -1},
+        {"batch": 0, "intervals": [], "speed": 1},
     ],
 )
 def test_a_report_of_watching_that_is_none_is_refused(visitor: Visitor, report: object) -> None:

@@ -12,7 +12,7 @@ from bs4 import Tag
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.models import Response, Trial
+from studyapp.models import Response, Trial, Video
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.finished_study import write_finished_study, write_short_video
@@ -167,6 +167,31 @@ def test_every_video_must_have_been_played(arrive: Arrive) -> None:
 
     assert status == 422
     assert "About 2 s of the videos have not been played yet" in words(refused.one("#problem"))
+
+
+@pytest.mark.parametrize("protocol", ["pairwise", "rating", "ranking", "mismatch"])
+def test_of_several_videos_the_one_that_does_not_play_is_named(
+    arrive: Arrive, protocol: str
+) -> None:
+    visitor = arrive(protocol)
+    page = visitor.page()
+    action = str(page.one("form#unplayable")["action"])
+    shown = [str(video["id"]) for video in page.soup.select("video")]
+
+    assert visitor.client.post(action, data={"trial": page.trial}).status_code == 422
+    for video in shown:
+        faults = page.soup.select(f"#{video}-fault [form=unplayable]")
+        buttons = page.soup.select(f".trouble li:has([data-reloads={video}]) [form=unplayable]")
+        assert [b["value"] for b in faults] == [b["value"] for b in buttons]
+    token = str(faults[0]["value"])
+    answer = visitor.client.post(action, data={"trial": page.trial, "video": token})
+
+    assert answer.status_code == 303
+    assert trial_at(visitor, 1).unplayable_at is not None
+    with application(visitor).app_context(), running().database.reading() as session:
+        named = session.scalars(select(Video.token).where(Video.unplayable_at.is_not(None)))
+        assert named.all() == [token]
+    assert stored(visitor) == 0
 
 
 def test_each_part_is_announced_once_and_its_sound_too(arrive: Arrive) -> None:

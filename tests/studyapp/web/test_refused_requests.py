@@ -1,0 +1,60 @@
+"""What is refused to a participant is noted, without a token, and counts for nothing else."""
+
+from __future__ import annotations
+
+import pytest
+from flask import Flask
+from sqlalchemy import select
+
+from studyapp.models import RefusalLine
+from studyapp.web.running import running
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.visitor import WATCHED, Visitor
+
+TOO_MUCH = "More of the video was reported as played than time has passed."
+ANSWERED = "You have already answered this page, and your first answer is stored."
+
+
+@pytest.fixture
+def visitor(app: Flask, clock: SetClock) -> Visitor:
+    """Return a browser at the first trial."""
+    return Visitor(app, clock).enrol().begin()
+
+
+def noted(app: Flask) -> list[tuple[int | None, str, str]]:
+    with app.app_context(), running().database.reading() as session:
+        lines = session.scalars(select(RefusalLine).order_by(RefusalLine.id))
+        return [(line.study_session_id, line.kind, line.detail) for line in lines]
+
+
+def test_what_is_refused_is_noted_by_its_kind(
+    app: Flask, visitor: Visitor, clock: SetClock
+) -> None:
+    page = visitor.page()
+    watched = page.value("#pair", "data-watched-url")
+    other = Visitor(app, clock).enrol().begin().page()
+
+    visitor.client.post(watched, json=WATCHED)
+    visitor.client.post(watched, json={"batch": -1})
+    visitor.watch()
+    visitor.post(page, rhythm="7")
+    visitor.post(page, trial=other.trial)
+    visitor.client.get("/take/nobody")
+    assert visitor.post(page)[0] == 303
+    visitor.client.post(page.action, data={"trial": page.trial, "rhythm": "2", "emotion": "2"})
+
+    assert noted(app) == [
+        (1, "too-much-watched", f"watched: {TOO_MUCH}"),
+        (1, "unacceptable", "watched: This is not a report of played intervals."),
+        (1, "unacceptable", "answers: An answer is not one of the choices."),
+        (1, "not-theirs", "answers: This page does not belong to you."),
+        (None, "unknown-address", "stand: This address belongs to no participant of this study."),
+        (1, "stale-page", f"answers: {ANSWERED}"),
+    ]
+
+
+def test_what_is_accepted_notes_nothing(app: Flask, visitor: Visitor) -> None:
+    visitor.watch()
+    visitor.post(visitor.page())
+
+    assert noted(app) == []
