@@ -1,0 +1,84 @@
+"""Contrast of the look's colours, light and dark (WCAG 2.2, level AA)."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+STATIC = Path(__file__).parents[3] / "studyapp" / "web" / "static"
+STYLES = sorted(STATIC.glob("*.css"))
+TEXT, EDGE = 4.5, 3.0
+"""The least contrast of text (1.4.3), and of the edges of controls and focus (1.4.11)."""
+
+Colours = dict[str, str]
+
+
+def looks() -> list[Colours]:
+    """Return the colours of the light look and of the dark one, by their names."""
+    text = (STATIC / "style.css").read_text("utf-8")
+    roots = re.findall(r":root \{(.*?)\}", text, re.DOTALL)
+    return [dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", root)) for root in roots]
+
+
+def luminance(colour: str) -> float:
+    shares = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    red, green, blue = (s / 12.92 if s <= 0.04045 else ((s + 0.055) / 1.055) ** 2.4 for s in shares)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one: str, other: str) -> float:
+    darker, lighter = sorted((luminance(one), luminance(other)))
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def test_the_measure_is_that_of_the_standard() -> None:
+    assert contrast("#000000", "#ffffff") == pytest.approx(21)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.478, abs=0.001)
+
+
+def test_both_looks_name_the_same_colours() -> None:
+    light, dark = looks()
+
+    assert light.keys() == dark.keys()
+    assert luminance(light["background"]) > 0.5 > luminance(dark["background"])
+
+
+@pytest.mark.parametrize("look", looks(), ids=["light", "dark"])
+@pytest.mark.parametrize(
+    ("front", "behind", "least"),
+    [
+        *[
+            (front, behind, TEXT)
+            for front in ("ink", "soft", "accent", "accent-strong", "warning")
+            for behind in ("background", "paper", "raised")
+        ],
+        ("warning", "warning-paper", TEXT),
+        ("warning", "flash", TEXT),
+        ("on-accent", "accent", TEXT),
+        ("on-accent", "accent-strong", TEXT),
+        *[("edge", behind, EDGE) for behind in ("background", "paper", "raised")],
+    ],
+)
+def test_what_is_to_be_seen_stands_out(
+    look: Colours, front: str, behind: str, least: float
+) -> None:
+    assert contrast(look[front], look[behind]) >= least
+
+
+@pytest.mark.parametrize("style", STYLES, ids=lambda path: path.name)
+def test_every_colour_is_one_of_the_look(style: Path) -> None:
+    text = re.sub(r":root \{.*?\}", "", style.read_text("utf-8"), flags=re.DOTALL)
+
+    assert re.findall(r"#[0-9a-fA-F]{3,8}\s*[;,)]", text) == []
+    assert set(re.findall(r"var\(--([a-z-]+)", text)) - looks()[0].keys() <= {"columns"}
+
+
+def test_nothing_moves_for_who_wants_no_motion() -> None:
+    for style in STYLES:
+        text = style.read_text("utf-8")
+        calm = re.sub(
+            r"@media \(prefers-reduced-motion: no-preference\) \{.*?\n\}", "", text, flags=re.DOTALL
+        )
+        assert not re.search(r"\b(animation|transition)\b", calm)
