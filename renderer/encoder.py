@@ -17,6 +17,13 @@ from motion.audio import Audio
 SOUND_RATE: Final = 48000
 """Samples per second of the sound in a video."""
 
+# With the codecs' flag of that name: no version texts, no random identifiers.
+_BITEXACT: Final = {"fflags": "+bitexact"}
+MP4_OPTIONS: Final = {**_BITEXACT, "movflags": "+faststart", "write_btrt": "0"}
+"""How MP4 files are written: they play while they load, and say nothing of their making.
+
+A box of bit rates would tell what was encoded from what was copied."""
+
 _CLOCK: Final = 1_000_000
 # Without x264's macroblock tree, which makes other bytes of the same frames from run to run. One
 # figure before a plain background has no cuts or fades to look ahead for: as good, in 3/4 the time.
@@ -37,6 +44,26 @@ def video_frame(picture: NDArray[np.uint8]) -> Any:
         dst_color_range=ColorRange.MPEG,
         dst_colorspace=Colorspace.ITU709,
     )
+
+
+def encoded_sound(container: Any, sound: Audio) -> list[Any]:
+    """Add a stream of AAC to `container` and return its packets; speech is short, so all at once.
+
+    Parameters
+    ----------
+    container : av.container.OutputContainer
+        Where they will be written.
+    sound : Audio
+        What is heard, at `SOUND_RATE`.
+    """
+    stream = container.add_stream("aac", rate=SOUND_RATE, layout="mono")
+    stream.bit_rate = _SOUND_BITS_PER_SECOND
+    stream.codec_context.options = {"flags": "+bitexact"}
+    frame = av.AudioFrame.from_ndarray(
+        np.ascontiguousarray(sound.samples[None]), format="fltp", layout="mono"
+    )
+    frame.sample_rate, frame.pts, frame.time_base = SOUND_RATE, 0, Fraction(1, SOUND_RATE)
+    return [*stream.encode(frame), *stream.encode(None)]
 
 
 class VideoWriter:
@@ -64,12 +91,11 @@ class VideoWriter:
         self._rate = Fraction(frame_rate).limit_denominator(1001)
         self._count = 0
         lossless = sound is None
-        # fflags and flags: no version texts, no random identifiers.
         self._container: Any = av.open(
             str(path),
             "w",
             format="matroska" if lossless else "mp4",
-            options={"fflags": "+bitexact"} | ({} if lossless else {"movflags": "+faststart"}),
+            options=_BITEXACT if lossless else MP4_OPTIONS,
         )
         options = _LOSSLESS_OPTIONS if lossless else _STREAM_OPTIONS
         stream = self._container.add_stream(
@@ -86,7 +112,7 @@ class VideoWriter:
         self._video = stream
         self._sound_packets: list[Any] = []
         if sound is not None:
-            self._sound_packets = self._encode(sound)
+            self._sound_packets = encoded_sound(self._container, sound)
 
     def __enter__(self) -> Self:
         return self
@@ -111,17 +137,6 @@ class VideoWriter:
         self._count += 1
         self._container.mux(self._video.encode(frame))
         self._mux_sound(until=self._count / self._rate)
-
-    def _encode(self, sound: Audio) -> list[Any]:
-        """Return the sound's AAC packets; speech is short, so all at once."""
-        stream = self._container.add_stream("aac", rate=SOUND_RATE, layout="mono")
-        stream.bit_rate = _SOUND_BITS_PER_SECOND
-        stream.codec_context.options = {"flags": "+bitexact"}
-        frame = av.AudioFrame.from_ndarray(
-            np.ascontiguousarray(sound.samples[None]), format="fltp", layout="mono"
-        )
-        frame.sample_rate, frame.pts, frame.time_base = SOUND_RATE, 0, Fraction(1, SOUND_RATE)
-        return [*stream.encode(frame), *stream.encode(None)]
 
     def _mux_sound(self, until: Fraction | None) -> None:
         """Write the sound that is heard before `until` seconds; all that is left for None."""

@@ -45,6 +45,55 @@ class ClipJob:
     frames: Path | None
     video: Path | None
 
+    @property
+    def needs(self) -> tuple[Path, ...]:
+        """Files of other jobs that it is made from: none."""
+        return ()
+
+    @property
+    def makes(self) -> tuple[Path, ...]:
+        """Files that other jobs may be made from."""
+        return tuple(path for path in (self.frames, self.video) if path is not None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DubJob:
+    """A rendered clip to be given another speech.
+
+    Attributes
+    ----------
+    name : str
+        What its outcome is called.
+    picture : Path
+        The video that a clip job left.
+    speech : Path
+        What is heard instead.
+    start, end : float
+        The excerpt of the speech in seconds.
+    seconds : float
+        How long the sound lasts; silence follows a shorter excerpt.
+    video : Path
+        Where to write.
+    """
+
+    name: str
+    picture: Path
+    speech: Path
+    start: float
+    end: float
+    seconds: float
+    video: Path
+
+    @property
+    def needs(self) -> tuple[Path, ...]:
+        """Files of other jobs that it is made from."""
+        return (self.picture,)
+
+    @property
+    def makes(self) -> tuple[Path, ...]:
+        """Files that other jobs may be made from: none."""
+        return ()
+
 
 @dataclass(frozen=True, kw_only=True)
 class PairJob:
@@ -75,8 +124,18 @@ class PairJob:
     video: Path
     look: Look
 
+    @property
+    def needs(self) -> tuple[Path, ...]:
+        """Files of other jobs that it is made from."""
+        return (self.left, self.right)
 
-Job = ClipJob | PairJob
+    @property
+    def makes(self) -> tuple[Path, ...]:
+        """Files that other jobs may be made from: none."""
+        return ()
+
+
+Job = ClipJob | DubJob | PairJob
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +149,7 @@ class Outcome:
     error : str or None
         Why it failed; None where it did not.
     because_of : str or None
-        The clip job whose failure made this pair impossible.
+        The clip job whose failure made this one impossible.
     seconds : float
         How long it took.
     """

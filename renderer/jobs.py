@@ -26,8 +26,8 @@ def run_jobs(
 
     Parameters
     ----------
-    jobs : sequence of ClipJob or PairJob
-        What to make. They are begun in this order, but no pair before its clips; give each
+    jobs : sequence of ClipJob, DubJob and PairJob
+        What to make. They are begun in this order, but none before its clips; give each
         segment's pairs right after its clips, and its frames are soon no longer needed.
     processes : int
         How many to do at once on this machine, at least 1.
@@ -39,7 +39,7 @@ def run_jobs(
     Returns
     -------
     list of Outcome
-        In the order of `jobs`. A pair whose clip failed is not tried.
+        In the order of `jobs`. What needs a clip that failed is not tried.
 
     Raises
     ------
@@ -92,11 +92,11 @@ def _done_in_order(jobs: Sequence[Job], workers: Workers) -> Iterator[tuple[int,
                 order.succeeded(number)
             yield number, outcome
             if outcome.error is not None:
-                for pair in order.failed(number):
-                    yield pair, _impossible(jobs[pair], jobs[number])
+                for lost in order.failed(number):
+                    yield lost, _impossible(jobs[lost], jobs[number])
 
 
-def _impossible(pair: Job, clip: Job) -> Outcome:
+def _impossible(lost: Job, clip: Job) -> Outcome:
     return Outcome(
-        name=pair.name, error=f"its clip {clip.name} could not be made", because_of=clip.name
+        name=lost.name, error=f"its clip {clip.name} could not be made", because_of=clip.name
     )

@@ -12,6 +12,7 @@ from av.bitstream import BitStreamFilterContext
 
 from motion.errors import InputError
 from motion.files import replacing
+from renderer.encoder import MP4_OPTIONS
 
 TICKS: Final = 90_000
 """Parts of a second in which a copy counts the moments of its pictures."""
@@ -67,11 +68,7 @@ def copy_video(source: Path, target: Path, *, lasts: Fraction, sound: bool) -> N
     """
     # Whole milliseconds, in which the file's own length is counted.
     end = ceil(lasts * 1000) * (TICKS // 1000)
-    options = {
-        "fflags": "+bitexact",
-        "movflags": "+faststart",
-        "video_track_timescale": str(TICKS),
-    }
+    options = {**MP4_OPTIONS, "video_track_timescale": str(TICKS)}
     try:
         with (
             replacing(target) as draft,

@@ -9,7 +9,7 @@ from motion.source_version import imported_sources, source_version
 BODY_SOURCES: Final = imported_sources(["renderer.avatar.assembly"])
 """All code that the default body is built by."""
 
-VIDEO_SOURCES: Final = imported_sources(["renderer.clip_video", "renderer.pair"])
+VIDEO_SOURCES: Final = imported_sources(["renderer.clip_video", "renderer.dub", "renderer.pair"])
 """All code that draws, composes, encodes and sounds; a body's file is told by its own name."""
 
 BODY_VERSION: Final = source_version(BODY_SOURCES, ("anny",))

@@ -10,7 +10,7 @@ from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any
 
 from motion.errors import InputError
-from renderer.job import ClipJob, Job, Outcome, PairJob
+from renderer.job import ClipJob, DubJob, Job, Outcome, PairJob
 
 if TYPE_CHECKING:
     from renderer.clip_video import Stage
@@ -75,6 +75,8 @@ def do_job(job: Job, stages: Stages) -> Outcome:
     try:
         if isinstance(job, ClipJob):
             _do_clip(job, stages)
+        elif isinstance(job, DubJob):
+            _do_dub(job)
         else:
             _do_pair(job)
     except InputError as problem:
@@ -95,6 +97,19 @@ def _do_clip(job: ClipJob, stages: Stages) -> None:
         end=job.end,
         frozen=job.freeze,
         frames=job.frames,
+        video=job.video,
+    )
+
+
+def _do_dub(job: DubJob) -> None:
+    from renderer.dub import write_dubbed
+
+    write_dubbed(
+        picture=job.picture,
+        speech=job.speech,
+        start=job.start,
+        end=job.end,
+        seconds=job.seconds,
         video=job.video,
     )
 

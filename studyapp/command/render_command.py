@@ -45,7 +45,7 @@ def command(
     for failure in count.failures:
         click.echo(f"failed: {failure}", err=True)
     if count.left_out:
-        click.echo(f"{_counted(count.left_out, 'pair')} of these clips left out", err=True)
+        click.echo(f"{_counted(count.left_out, 'video')} made from these clips left out", err=True)
     click.echo(f"Rendered {_counted(count.made, 'video')}, kept {count.kept} that still fit.")
     if sheet:
         # Imported here: it needs matplotlib's fonts, and rendering alone does not.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Final
 
@@ -40,6 +40,7 @@ def check_room(
     to_do: Iterable[ClipVideo | PairVideo],
     look: Look,
     *,
+    sides: Collection[tuple[str, str]],
     limit: int,
     kept: int,
 ) -> None:
@@ -53,6 +54,8 @@ def check_room(
         Videos to be made; those that they replace give their room back.
     look : Look
         Size and frame rate of the videos.
+    sides : collection of (segment, condition)
+        Clips whose frames are written as well, since pairs are composed from them.
     limit, kept : int
         Bytes of frames that may stay, and that are there already.
 
@@ -66,7 +69,8 @@ def check_room(
     for record in to_do:
         is_clip = isinstance(record, ClipVideo)
         videos += record.duration * (pixels * (_CLIP if is_clip else _PAIR) + _SOUND)
-        frames += record.duration * pixels * (_FRAMES if is_clip else 0)
+        if isinstance(record, ClipVideo) and _has_frames(record, sides):
+            frames += record.duration * pixels * _FRAMES
         there = folder / record.file
         videos -= there.stat().st_size if there.is_file() else 0
     needed = max(0.0, videos) + min(frames, max(0, limit - kept))
@@ -78,6 +82,10 @@ def check_room(
             remedy="Make room, keep fewer frames (--frames-cache), or make smaller videos "
             "(video.size in study.toml)",
         )
+
+
+def _has_frames(clip: ClipVideo, sides: Collection[tuple[str, str]]) -> bool:
+    return clip.speech is None and (clip.segment, clip.condition) in sides
 
 
 def as_text(size: float) -> str:

@@ -10,13 +10,10 @@ from typing import Self
 
 from motion.body import BodyModel
 from motion.clip import MotionClip
-from motion.errors import InputError
-from motion.formats import read_clip
-from motion.freeze import freeze
 from motion.ground import stand_on_ground
 from motion.segment import Segment
 from renderer.framing import Camera, frame_clips
-from renderer.job import ClipJob, PairJob
+from renderer.job import ClipJob, DubJob, PairJob
 from renderer.look import Look
 from renderer.version import RENDERER_VERSION
 from studyapp.definition.folder import StudyFolder
@@ -24,67 +21,8 @@ from studyapp.definition.stimuli import ClipVideo, PairVideo
 from studyapp.definition.study import Study
 from studyapp.design.stimulus import Content
 from studyapp.stages.digest import digest
-from studyapp.stages.recordings import check_same_length
 from studyapp.stages.shown_body import body_file, expression_matrix_file, left_out, shown_body
-
-
-def _moved(study: Study, segments: Sequence[Segment]) -> list[tuple[str, Segment]]:
-    """Return every (condition, segment) whose motion is shown, condition after condition."""
-    moved = {
-        (stimulus.condition, stimulus.segment): stimulus.condition
-        for content in study.contents(segments)
-        for stimulus in content
-        if not study.is_finished(stimulus.condition)
-    }
-    order = dict.fromkeys(moved.values())
-    return [(c, s) for c in order for s in segments if (c, s.name) in moved]
-
-
-def read_motion_shown(
-    folder: StudyFolder, study: Study, segments: Sequence[Segment]
-) -> dict[tuple[str, str], MotionClip]:
-    """Return each (condition, segment)'s clip as it is shown, frozen channels still.
-
-    A clip that cannot be read, or does not fit its speech, is left out: making its video fails,
-    which is reported, and the rest goes on.
-
-    Raises
-    ------
-    InputError
-        If clips are missing, or none can be used.
-    """
-    wanted = _moved(study, segments)
-    if not wanted:
-        raise InputError(
-            "all videos of this study were brought finished, and there is no motion to draw",
-            where=folder.definition,
-            remedy="Take a study whose conditions have motion",
-        )
-    missing = [(c, s) for c, s in wanted if not folder.clip(c, s.name).exists()]
-    if missing:
-        condition, segment = missing[0]
-        imported = condition in study.conditions and study.conditions[condition].generator is None
-        remedy = "Bring it in with 'motionjury import'" if imported else "Run 'motionjury generate'"
-        raise InputError(
-            f"{len(missing)} of {len(wanted)} motion clips are missing, the first is condition "
-            f"{condition!r} for segment {segment.name}",
-            where=folder.clip(condition, segment.name),
-            remedy=remedy,
-        )
-    shown = {}
-    broken: list[InputError] = []
-    for condition, segment in wanted:
-        path = folder.clip(condition, segment.name)
-        try:
-            clip = read_clip(path)
-            check_same_length(clip, segment, path)
-        except InputError as error:
-            broken.append(error)
-        else:
-            shown[condition, segment.name] = freeze(clip, study.freeze)
-    if broken and not any(name != study.catch.condition for name, _ in shown):
-        raise broken[0]
-    return shown
+from studyapp.stages.shown_motion import moved_clips, read_motion_shown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,7 +69,7 @@ class RenderPlan:
             ClipVideo(
                 segment=segment.name,
                 condition=condition,
-                file=f"videos/clips/{condition}/{segment.name}.mp4",
+                file=_clip_file(condition, segment.name),
                 duration=segment.duration,
                 key=digest(
                     shared,
@@ -141,7 +79,7 @@ class RenderPlan:
                     *([matrix] if matrix else []),
                 ),
             )
-            for condition, segment in _moved(study, tuple(segments.values()))
+            for condition, segment in moved_clips(study, tuple(segments.values()))
         )
         keys = {(clip.segment, clip.condition): clip.key for clip in own}
         pairs = tuple(
@@ -191,21 +129,34 @@ class RenderPlan:
         """Return the lossless frames from which the pairs of a clip are composed."""
         return self.frames_folder / f"{self.keys[segment, condition]}.mkv"
 
-    def clip_job(self, clip: ClipVideo) -> ClipJob:
-        """Return the work that makes `clip`."""
-        speech = self.segments[clip.speech or clip.segment]
+    def clip_job(self, clip: ClipVideo) -> ClipJob | DubJob:
+        """Return the work that makes `clip`; with another speech, it has its own one's picture."""
+        if clip.speech is not None:
+            return self._dub_job(clip, self.segments[clip.speech])
+        speech = self.segments[clip.segment]
         shown = (clip.segment, clip.condition)
         return ClipJob(
             name=clip.file,
             motion=self.folder.clip(clip.condition, clip.segment),
             speech=self.folder.speech / speech.wav,
             start=speech.start,
-            end=min(speech.end, speech.start + clip.duration),
+            end=speech.end,
             freeze=self.study.freeze,
             body=self.body,
             camera=self.camera,
             look=self.look,
-            frames=self.frames(*shown) if clip.speech is None and shown in self.sides else None,
+            frames=self.frames(*shown) if shown in self.sides else None,
+            video=self.folder.root / clip.file,
+        )
+
+    def _dub_job(self, clip: ClipVideo, speech: Segment) -> DubJob:
+        return DubJob(
+            name=clip.file,
+            picture=self.folder.root / _clip_file(clip.condition, clip.segment),
+            speech=self.folder.speech / speech.wav,
+            start=speech.start,
+            end=min(speech.end, speech.start + clip.duration),
+            seconds=clip.duration,
             video=self.folder.root / clip.file,
         )
 
@@ -242,7 +193,7 @@ def _mismatched(
             segment=shown.segment,
             condition=shown.condition,
             speech=shown.speech,
-            file=f"videos/clips/{shown.condition}/{shown.segment}@{shown.speech}.mp4",
+            file=_clip_file(shown.condition, f"{shown.segment}@{shown.speech}"),
             duration=segments[shown.segment].duration,
             key=digest(
                 keys[shown.segment, shown.condition],
@@ -255,6 +206,10 @@ def _mismatched(
         and not study.is_finished(shown.condition)
         and shown.speech not in (None, shown.segment)
     )
+
+
+def _clip_file(condition: str, name: str) -> str:
+    return f"videos/clips/{condition}/{name}.mp4"
 
 
 def _look(study: Study) -> Look:

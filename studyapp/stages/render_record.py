@@ -51,7 +51,7 @@ class RenderCount:
     failures : tuple of str
         Videos that could not be made, and why.
     left_out : int
-        Pairs that could not be made because one of their clips could not.
+        Videos that could not be made because a clip that they are made from could not.
     notes : tuple of str
         What the videos do not show or sound as others do.
     """

@@ -84,7 +84,7 @@ def _render(
     frames.keep_only({plan.frames(*side) for side in plan.sides})
     kept = frames.size()
     limit = frames_limit(folder.videos, kept) if frames_cache is None else frames_cache
-    check_room(folder.root, [*clips, *pairs], plan.look, limit=limit, kept=kept)
+    check_room(folder.root, [*clips, *pairs], plan.look, sides=plan.sides, limit=limit, kept=kept)
     spoken = {clip.speech or clip.segment for clip in clips}
     notes = loudness_notes(folder, [plan.segments[name] for name in sorted(spoken)])
     jobs = _jobs_in_order(plan, clips, pairs)

@@ -47,6 +47,14 @@ class CopyCount:
     failures: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Original:
+    """A video to be copied, and what tells it from every other."""
+
+    file: Path
+    key: str
+
+
 def copy_videos(folder: StudyFolder) -> CopyCount:
     """Copy each video that participants are shown a copy of, unless it was and still fits.
 
@@ -62,20 +70,26 @@ def copy_videos(folder: StudyFolder) -> CopyCount:
     failures: list[str] = []
     for name, originals in _originals(folder, study, tuple(segments.values()), before).items():
         usable = {}
-        for stimulus, file in originals.items():
-            flaw = original_flaw(file, segments[name], sound=stimulus.speech is not None)
+        for stimulus, original in originals.items():
+            flaw = _flaw_of(original.file, segments[name], sound=stimulus.speech is not None)
             if flaw is None:
-                usable[stimulus] = file
+                usable[stimulus] = original
             else:
-                failures.append(f"{file.relative_to(folder.root)} {flaw}")
-        lasts = max(map(end_of, set(usable.values())), default=Fraction(0))
-        for stimulus, file in usable.items():
-            copy = _copy_of(stimulus, file, lasts)
+                failures.append(f"{original.file.relative_to(folder.root)} {flaw}")
+        files = {original.file for original in usable.values()}
+        lasts = max(map(end_of, files), default=Fraction(0))
+        for stimulus, original in usable.items():
+            copy = _copy_of(stimulus, original, lasts)
             if copy in known and (folder.root / copy.file).is_file():
                 kept.append(copy)
                 continue
             try:
-                copy_video(file, folder.root / copy.file, lasts=lasts, sound=copy.heard is not None)
+                copy_video(
+                    original.file,
+                    folder.root / copy.file,
+                    lasts=lasts,
+                    sound=copy.heard is not None,
+                )
             except InputError as error:
                 failures.append(str(error))
             else:
@@ -88,61 +102,61 @@ def copy_videos(folder: StudyFolder) -> CopyCount:
     return CopyCount(made=len(made), kept=len(kept), failures=tuple(dict.fromkeys(failures)))
 
 
-def original_flaw(file: Path, segment: Segment, *, sound: bool) -> str | None:
-    """Return why participants cannot be shown a copy of `file`; None where they can."""
-    return flaw_of(file, segment.duration, sound=sound) if file.is_file() else "is missing"
-
-
 def out_of_date(folder: StudyFolder) -> list[VideoCopy]:
     """Return the copies whose original has changed since."""
     study = folder.study()
     stimuli = read_stimuli(folder.stimuli)
     segments = tuple(folder.segments_of(study))
     current = {
-        stimulus: file
+        stimulus: original.key
         for originals in _originals(folder, study, segments, stimuli).values()
-        for stimulus, file in originals.items()
+        for stimulus, original in originals.items()
+        if original.file.is_file()
     }
     return [
         copy
         for copy in stimuli.copies
-        if (file := current.get(stimulus_of(copy))) is not None
-        and file.is_file()
-        and not copy.key.startswith(_key_of(file))
+        if not copy.key.startswith(current.get(stimulus_of(copy), copy.key))
     ]
 
 
 def _originals(
     folder: StudyFolder, study: Study, segments: Sequence[Segment], stimuli: Stimuli
-) -> Mapping[str, Mapping[Stimulus, Path]]:
+) -> Mapping[str, Mapping[Stimulus, _Original]]:
     """Return, for each segment, the videos to be copied and what each copy shows."""
+    # A rendered clip is told by its key: its file is padded after it was copied.
     rendered = {
-        (clip.condition, clip.segment, clip.speech or clip.segment): folder.root / clip.file
+        (clip.condition, clip.segment, clip.speech or clip.segment): _Original(
+            file=folder.root / clip.file, key=digest(_VERSION, clip.key)
+        )
         for clip in stimuli.clips
     }
-    originals: defaultdict[str, dict[Stimulus, Path]] = defaultdict(dict)
+    originals: defaultdict[str, dict[Stimulus, _Original]] = defaultdict(dict)
     for content in study.contents(segments):
         if not shows_copy(study, content):
             continue
         (shown,) = content
-        file = rendered.get((shown.condition, shown.segment, shown.speech or shown.segment))
+        made = rendered.get((shown.condition, shown.segment, shown.speech or shown.segment))
         if study.is_finished(shown.condition):
             file = finished_video(folder.videos, shown)
-        if file is not None:
-            originals[shown.segment][shown] = file
+            key = digest(_VERSION, file) if file.is_file() else ""
+            made = _Original(file=file, key=key)
+        if made is not None:
+            originals[shown.segment][shown] = made
     return originals
 
 
-def _copy_of(stimulus: Stimulus, original: Path, lasts: Fraction) -> VideoCopy:
+def _flaw_of(file: Path, segment: Segment, *, sound: bool) -> str | None:
+    """Return why participants cannot be shown a copy of `file`; None where they can."""
+    return flaw_of(file, segment.duration, sound=sound) if file.is_file() else "is missing"
+
+
+def _copy_of(stimulus: Stimulus, original: _Original, lasts: Fraction) -> VideoCopy:
     return VideoCopy(
         condition=stimulus.condition,
         segment=stimulus.segment,
         heard=stimulus.speech,
         file=f"videos/copies/{digest(stimulus)}.mp4",
         duration=float(lasts),
-        key=f"{_key_of(original)}-{float(lasts):.6f}",
+        key=f"{original.key}-{float(lasts):.6f}",
     )
-
-
-def _key_of(original: Path) -> str:
-    return digest(_VERSION, original)

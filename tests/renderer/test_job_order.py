@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from renderer.framing import Camera
-from renderer.job import ClipJob, Job, PairJob
+from renderer.job import ClipJob, DubJob, Job, PairJob
 from renderer.job_order import JobOrder
 from renderer.look import Look
 
@@ -36,6 +36,24 @@ def pair(left: str, right: str) -> PairJob:
         video=Path(f"{left}|{right}.mp4"),
         **SHARED,
     )
+
+
+def dub(picture: str) -> DubJob:
+    shared = {key: value for key, value in SHARED.items() if key != "look"}
+    return DubJob(
+        name=f"{picture}@",
+        picture=Path(f"{picture}.mp4"),
+        seconds=1.0,
+        video=Path(f"{picture}@.mp4"),
+        **shared,
+    )
+
+
+def test_another_speech_waits_for_its_clip_and_is_lost_with_it() -> None:
+    order = JobOrder([dub("a"), clip("a"), dub("b")])
+    assert [order.next() for _ in range(3)] == [1, 2, None]
+    assert order.failed(1) == [0]
+    assert order.next() is None
 
 
 def test_pairs_wait_for_both_their_clips() -> None:

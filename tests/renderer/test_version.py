@@ -24,7 +24,7 @@ def source_of(module: str) -> str:
 @pytest.mark.parametrize(
     ("sources", "beginnings"),
     [
-        (VIDEO_SOURCES, ["renderer.clip_video", "renderer.pair"]),
+        (VIDEO_SOURCES, ["renderer.clip_video", "renderer.dub", "renderer.pair"]),
         (BODY_SOURCES, ["renderer.avatar.assembly"]),
     ],
 )

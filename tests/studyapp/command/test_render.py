@@ -68,6 +68,6 @@ def test_what_was_made_kept_and_failed_is_said_and_a_failure_is_an_error(
     result = run(tiny_study)
     assert "soft" in result.output
     assert "failed: a.mp4: torn" in result.output
-    assert "2 pairs of these clips left out" in result.output
+    assert "2 videos made from these clips left out" in result.output
     assert "Rendered 3 videos, kept 2 that still fit." in result.output
     assert "3 videos could not be made" in str(result.exception)

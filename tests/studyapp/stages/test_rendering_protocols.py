@@ -6,11 +6,13 @@ from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
 
+import av
 import pytest
 import tomlkit
 
 from studyapp.definition.creation import TEMPLATES, new_study
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import read_stimuli
 from studyapp.services.served_study import ServedStudy
 from studyapp.stages.finding import Severity
 from studyapp.stages.generation import generate
@@ -22,7 +24,7 @@ from tests.finished_study import write_finished_study, write_short_video
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("template", sorted(set(TEMPLATES) - {"pairwise"}))
+@pytest.mark.parametrize("template", TEMPLATES)
 def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], template: str) -> None:
     folder = StudyFolder(tmp_path / "study")
     new_study(folder.definition, template=template, name="study")
@@ -41,6 +43,15 @@ def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], tem
     assert [len(different) for different in sizes.values()] == [1, 1]
     assert not [finding for finding in check(folder) if finding.severity is Severity.ERROR]
     assert render(folder, processes=1).made == 0
+    pictures = defaultdict(set)
+    for clip in read_stimuli(folder.stimuli).clips:
+        pictures[clip.condition, clip.segment].add(encoded_picture(folder.root / clip.file))
+    assert {len(different) for different in pictures.values()} == {1}
+
+
+def encoded_picture(video: Path) -> bytes:
+    with av.open(str(video)) as container:
+        return b"".join(bytes(packet) for packet in container.demux(video=0))
 
 
 def test_a_finished_video_that_is_missing_says_where_it_belongs(tmp_path: Path) -> None:
