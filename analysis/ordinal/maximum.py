@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from analysis.curvature import second_derivatives
 from analysis.ordinal.laplace import Answers, Likelihood, likelihood
 
 Floats = NDArray[np.float64]
@@ -36,9 +37,6 @@ MANY: Final = 40_000
 
 BOUNDARY: Final = 0.01
 """A standard deviation below it, in units of the noise's scale, is taken for zero."""
-
-STEP: Final = 1e-4
-"""Step of the central differences that turn gradients into second derivatives."""
 
 
 def maximum(answers: Answers) -> tuple[Floats, Likelihood, Floats, bool]:
@@ -129,16 +127,8 @@ class _Climb:
         return -found.value / count, -found.gradient / count
 
     def curvature(self, parameters: Floats) -> Floats:
-        """Return minus the second derivatives, by central differences of exact gradients."""
-        columns = []
-        for place in range(len(parameters)):
-            step = np.zeros_like(parameters)
-            step[place] = STEP * max(1.0, abs(parameters[place]))
-            ahead = self.at(parameters + step).gradient
-            behind = self.at(parameters - step).gradient
-            columns.append((behind - ahead) / (2 * step[place]))
-        found = np.column_stack(columns)
-        return np.asarray((found + found.T) / 2)
+        """Return minus the second derivatives."""
+        return -second_derivatives(lambda at: self.at(at).gradient, parameters)
 
 
 def _step(curvature: Floats, gradient: Floats) -> tuple[Floats, float]:

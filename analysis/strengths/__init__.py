@@ -1,0 +1,1 @@
+"""Strengths of conditions from choices among them: Bradley-Terry and Plackett-Luce."""

@@ -1,0 +1,238 @@
+"""Bradley-Terry strengths from pairwise preferences, with ties and a left-side effect."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.strengths.choices import ChoiceFit, Choices, Situation, fit_choices
+from analysis.strengths.identified import why_not_identified
+from motion.errors import InputError
+
+Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
+Ties = Literal["davidson", "half"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Votes:
+    """Pairwise preferences as numbers, one row for each answer.
+
+    Attributes
+    ----------
+    conditions : tuple of str
+        Names of all conditions.
+    left, right : ndarray of int, shape (N,)
+        Which conditions were shown on the left and on the right.
+    outcome : ndarray of int, shape (N,)
+        1 where the left one was preferred, 0 for a tie, -1 where the right one was.
+    participant : ndarray of int, shape (N,)
+        Who answered, from 0.
+    """
+
+    conditions: tuple[str, ...]
+    left: Codes
+    right: Codes
+    outcome: Codes
+    participant: Codes
+
+    def __post_init__(self) -> None:
+        """Refuse a pair of a condition with itself."""
+        if (self.left == self.right).any():
+            raise InputError("an answer compares a condition with itself")
+
+    @property
+    def beats(self) -> Floats:
+        """How often each condition was preferred to each other one; ties count for both."""
+        count = len(self.conditions)
+        table = np.zeros((count, count))
+        for first, second, won in ((self.left, self.right, 1), (self.right, self.left, -1)):
+            chosen = (self.outcome == won) | (self.outcome == 0)
+            np.add.at(table, (first[chosen], second[chosen]), 1.0)
+        return table
+
+
+@dataclass(frozen=True, kw_only=True)
+class BradleyTerry:
+    """Strengths on the log scale; they add up to zero.
+
+    Attributes
+    ----------
+    conditions : tuple of str
+        In the order of everything else.
+    strengths : ndarray, shape (conditions,)
+        Log strengths; NaN where they are not identified.
+    covariance : ndarray, shape (conditions, conditions)
+        Of the strengths, clustered by participant (CR0).
+    errors, errors_by_model, errors_robust : ndarray, shape (conditions,)
+        Standard errors: clustered by participant; of the model; robust but not clustered.
+    tie : float or None
+        Davidson's log nu: how likely ties are among equals; None where ties are halved.
+    tie_error : float
+        Its clustered standard error; NaN where there is none.
+    left : float or None
+        The left side's advantage in logits; None where it was not asked for.
+    left_error : float
+        Its clustered standard error; NaN where there is none.
+    log_likelihood : float
+        At the estimates.
+    answers, participants : int
+        What it rests on.
+    reason : str
+        Why there are no strengths; empty where there are.
+    """
+
+    conditions: tuple[str, ...]
+    strengths: Floats
+    covariance: Floats
+    errors: Floats
+    errors_by_model: Floats
+    errors_robust: Floats
+    tie: float | None
+    tie_error: float
+    left: float | None
+    left_error: float
+    log_likelihood: float
+    answers: int
+    participants: int
+    reason: str = ""
+
+
+def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -> BradleyTerry:
+    """Fit Bradley-Terry strengths.
+
+    With strengths p and a left advantage g, the left one is preferred, tied with, or worse than
+    the right one in the proportion g p_left : nu sqrt(g p_left p_right) : p_right (Davidson 1970;
+    the left-side term as in Davidson & Beaver 1977).
+
+    Parameters
+    ----------
+    votes : Votes
+        Who preferred what to what.
+    ties : {'davidson', 'half'}
+        Model ties, or give half a vote to each side and model wins alone.
+    left : bool
+        Whether the left side may have an advantage.
+    """
+    count, modelled = len(votes.conditions), ties == "davidson"
+    reason = why_not_identified(votes.beats, votes.conditions) if len(votes.left) else "no answers"
+    if modelled and not reason and not (votes.outcome == 0).any():
+        # Without any tie their frequency has no estimate; the model without it is the same.
+        modelled = False
+    if reason:
+        return unknown(votes, reason)
+    pairs, of_pair = np.unique(votes.left * count + votes.right, return_inverse=True)
+    situations = tuple(
+        _situation(int(pair) // count, int(pair) % count, count, modelled, left) for pair in pairs
+    )
+    fit = fit_choices(
+        Choices(
+            situations=situations,
+            situation=of_pair.astype(np.intp),
+            way=(1 - votes.outcome).astype(np.intp),
+            cluster=votes.participant,
+        )
+    )
+    return centred(votes, fit, modelled, left)
+
+
+def _situation(first: int, second: int, count: int, modelled: bool, left: bool) -> Situation:
+    """Return left win, tie and right win; the first condition's log strength is zero."""
+    strength = np.eye(count)[:, 1:]
+    extra = int(modelled) + int(left)
+    wins = np.zeros((2, count - 1 + extra))
+    wins[0, : count - 1], wins[1, : count - 1] = strength[first], strength[second]
+    if left:
+        wins[0, -1] = 1.0
+    if not modelled:
+        return Situation(features=wins, ways=np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]]))
+    tie = wins.mean(axis=0)
+    tie[count - 1] += 1.0
+    return Situation(features=np.stack([wins[0], tie, wins[1]]), ways=np.eye(3))
+
+
+def centred(votes: Votes, fit: ChoiceFit, modelled: bool, left: bool) -> BradleyTerry:
+    """Return strengths that add up to zero from those relative to the first condition.
+
+    Parameters
+    ----------
+    fit : ChoiceFit
+        Of the other conditions' log strengths, then the tie where `modelled`, then the left
+        side's advantage where `left`.
+    """
+    count = len(votes.conditions)
+    turn = np.eye(count)[:, 1:] - 1 / count
+    strengths, covariances = (
+        turn @ fit.estimates[: count - 1],
+        [
+            turn @ part[: count - 1, : count - 1] @ turn.T
+            for part in (fit.clustered, fit.by_model, fit.robust)
+        ],
+    )
+    errors = np.sqrt(np.diagonal(fit.clustered))
+    return BradleyTerry(
+        conditions=votes.conditions,
+        strengths=strengths,
+        covariance=covariances[0],
+        errors=np.sqrt(np.diagonal(covariances[0])),
+        errors_by_model=np.sqrt(np.diagonal(covariances[1])),
+        errors_robust=np.sqrt(np.diagonal(covariances[2])),
+        tie=float(fit.estimates[count - 1]) if modelled else None,
+        tie_error=float(errors[count - 1]) if modelled else math.nan,
+        left=float(fit.estimates[-1]) if left else None,
+        left_error=float(errors[-1]) if left else math.nan,
+        log_likelihood=fit.log_likelihood,
+        answers=fit.choices,
+        participants=len(np.unique(votes.participant)),
+        reason="" if fit.converged else "the strengths did not converge",
+    )
+
+
+def unknown(votes: Votes, reason: str) -> BradleyTerry:
+    """Return a result without strengths, which says why there are none."""
+    count = len(votes.conditions)
+    none = np.full(count, math.nan)
+    return BradleyTerry(
+        conditions=votes.conditions,
+        strengths=none,
+        covariance=np.full((count, count), math.nan),
+        errors=none,
+        errors_by_model=none,
+        errors_robust=none,
+        tie=None,
+        tie_error=math.nan,
+        left=None,
+        left_error=math.nan,
+        log_likelihood=math.nan,
+        answers=len(votes.left),
+        participants=len(np.unique(votes.participant)),
+        reason=reason,
+    )
+
+
+def votes_of(
+    left: Sequence[str],
+    right: Sequence[str],
+    outcome: Sequence[int],
+    participant: Sequence[str],
+    *,
+    conditions: Sequence[str] = (),
+) -> Votes:
+    """Return named answers as numbers; conditions in order of appearance unless given."""
+    names = tuple(conditions) or tuple(
+        dict.fromkeys(name for pair in zip(left, right, strict=True) for name in pair)
+    )
+    number = {name: place for place, name in enumerate(names)}
+    people = np.unique(np.asarray(participant, str), return_inverse=True)[1]
+    return Votes(
+        conditions=names,
+        left=np.array([number[name] for name in left], np.intp),
+        right=np.array([number[name] for name in right], np.intp),
+        outcome=np.asarray(outcome, np.intp),
+        participant=people.astype(np.intp),
+    )

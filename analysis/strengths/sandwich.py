@@ -1,0 +1,34 @@
+"""Covariances of estimates that doubt the model, or that answers are independent."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
+
+
+def sandwiches(bread: Floats, scores: Floats, kind: Codes, cluster: Codes) -> tuple[Floats, Floats]:
+    """Return the covariance robust to a wrong model (HC0), and the clustered one (CR0).
+
+    Parameters
+    ----------
+    bread : ndarray, shape (k, k)
+        Inverse of minus the log-likelihood's second derivatives.
+    scores : ndarray, shape (kinds, k)
+        Gradient of the log-likelihood of each kind of answer.
+    kind, cluster : ndarray of int, shape (N,)
+        Each answer's kind, and whose it is; from 0.
+    """
+    table = sparse.coo_matrix(
+        (np.ones(len(kind)), (cluster, kind)),
+        shape=(int(cluster.max(initial=-1)) + 1, len(scores)),
+    ).tocsr()
+    by_cluster = np.asarray(table @ scores, np.float64)
+    counts = np.bincount(kind, minlength=len(scores))[:, None]
+    return (
+        bread @ (scores.T @ (counts * scores)) @ bread,
+        bread @ (by_cluster.T @ by_cluster) @ bread,
+    )
