@@ -6,13 +6,10 @@ would be English for everybody.
 
 from __future__ import annotations
 
-import gettext
-import re
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 from flask import Flask
@@ -23,60 +20,9 @@ from studyapp.web.language import Language, language_of, speak
 from studyapp.web.running import attach, running
 from tests.functional.shown_studies import NAMES, write_shown_study
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.page_reader import PageReader
-from tests.studyapp.web.test_templates import SPOKEN_ATTRIBUTES
 from tests.studyapp.web.walking import Walker
-
-PLAYER = re.compile(r"\b[A-F]\b")
-
-
-class Brackets(gettext.NullTranslations):
-    """Translations into a language whose words are the English ones in brackets."""
-
-    def gettext(self, message: str) -> str:
-        return f"⟦{message}⟧"
-
-    def ngettext(self, msgid1: str, msgid2: str, n: int) -> str:
-        return f"⟦{msgid1 if n == 1 else msgid2}⟧"
-
-
-BRACKETED = replace(language_of("en"), texts=Brackets())
-
-
-def outside(text: str) -> str:
-    """Return what of `text` stands outside brackets."""
-    left, depth = [], 0
-    for letter in text:
-        depth += {"⟦": 1, "⟧": -1}.get(letter, 0)
-        if depth == 0 and letter != "⟧":
-            left.append(letter)
-    assert depth == 0, text
-    return "".join(left)
-
-
-def own_words(value: Any) -> Iterator[str]:
-    """Yield every text of a study's definition, without the places in it."""
-    if isinstance(value, str):
-        yield from value.split("{emotion}")
-    elif isinstance(value, dict):
-        for each in value.values():
-            yield from own_words(each)
-    elif isinstance(value, list | tuple):
-        for each in value:
-            yield from own_words(each)
-
-
-def left_in_english(page: PageReader, study: Study) -> str:
-    """Return the words of a page that are neither bracketed nor the study's own."""
-    for code in page.soup.select("#completion-code, meta, title"):
-        code.clear()
-    parts = [outside(page.soup.get_text(" "))]
-    for tag in page.soup.find_all(True):
-        parts += [outside(str(tag[name])) for name in SPOKEN_ATTRIBUTES if tag.get(name)]
-    text = " ".join(" ".join(parts).split())
-    for words in sorted(set(own_words(study.model_dump())), key=len, reverse=True):
-        text = text.replace(" ".join(words.split()), " ")
-    return " ".join(re.findall(r"[^\W\d_]+", PLAYER.sub("", text)))
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +60,7 @@ def study_of(app: Flask) -> Study:
 
 @pytest.mark.parametrize("folder", NAMES, indirect=True)
 def test_no_page_of_a_study_says_anything_that_is_not_translated(walker: Walker) -> None:
-    speak(walker.app, BRACKETED)
+    speak(walker.app, bracketed())
     study = study_of(walker.app)
 
     for page in walker.pages():
@@ -123,7 +69,7 @@ def test_no_page_of_a_study_says_anything_that_is_not_translated(walker: Walker)
 
 @pytest.mark.parametrize("folder", ["players"], indirect=True)
 def test_neither_does_a_page_beside_the_way(walker: Walker, clock: SetClock) -> None:
-    speak(walker.app, BRACKETED)
+    speak(walker.app, bracketed())
     study = study_of(walker.app)
     pages = walker.pages()
     while not walker.address:

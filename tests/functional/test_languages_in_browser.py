@@ -1,0 +1,113 @@
+"""What scripts say is translated too, in a real browser."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+from werkzeug.serving import make_server
+
+from studyapp.definition.study import Study
+from studyapp.web.app import create_app
+from studyapp.web.language import Language, language_of, speak
+from studyapp.web.running import running
+from tests.finished_study import write_study_of_one_video
+from tests.functional.browsing import IN_A_BROWSER, launched, watched_page
+from tests.functional.shown_studies import STUDIES, write_figure_video
+from tests.studyapp.web.brackets import bracketed, left_in_english
+from tests.studyapp.web.page_reader import PageReader
+
+pytestmark = IN_A_BROWSER
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched() as chromium:
+        yield chromium
+
+
+@pytest.fixture(scope="module")
+def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("video") / "figure.mp4"
+    write_figure_video(path)
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
+    folder = tmp_path / request.param
+    folder.mkdir()
+    write_study_of_one_video(folder, STUDIES[request.param], video)
+    return folder
+
+
+@contextmanager
+def first_trial(browser: Browser, folder: Path, language: Language) -> Iterator[tuple[Page, Study]]:
+    """Give the first trial of the study in `folder`, served in `language`."""
+    app = create_app(folder)
+    speak(app, language)
+    with app.app_context():
+        here = running()
+    server = make_server("127.0.0.1", 0, app, threaded=True)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    address = f"http://127.0.0.1:{server.server_port}"
+    try:
+        with watched_page(browser, address) as page:
+            page.goto(address)
+            page.locator("#start button").click()
+            page.locator("main form button").click()
+            expect(page.locator(".play").first).to_be_visible()
+            yield page, here.study
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+        here.database.close()
+
+
+def english(page: Page, study: Study) -> str:
+    return left_in_english(PageReader(page.content()), study)
+
+
+@pytest.mark.parametrize("folder", ["sliders", "ties"], indirect=True)
+def test_scripts_say_nothing_that_is_not_translated(browser: Browser, folder: Path) -> None:
+    with first_trial(browser, folder, bracketed()) as (page, study):
+        page.locator("#next").click()
+        expect(page.locator("#needed")).to_have_class("asked")
+        assert english(page, study) == ""
+
+        for number, video in enumerate(page.locator("video").all()):
+            page.locator(".play").nth(number).click()
+            assert english(page, study) == ""
+            label = video.get_attribute("data-label")
+            expect(page.locator("#watched")).to_contain_text(f"{label} ✓", timeout=15_000)
+        for slider in page.locator("[type=number]").all():
+            slider.fill("70")
+        for menu in page.locator(".ranks select").all():
+            menu.select_option("1", force=True)
+        assert english(page, study) == ""
+
+
+@pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
+@pytest.mark.parametrize(
+    ("code", "still", "done"),
+    [
+        ("de", "Noch nötig: A und B ansehen, Frage 1", "Alles erledigt – drücken Sie auf „Weiter“"),
+        ("ja", "残り：A、Bの視聴／質問1への回答", "完了しました。「次へ」を押してください"),
+    ],
+)
+def test_the_checklist_is_said_in_the_language_of_the_study(
+    browser: Browser, folder: Path, code: str, still: str, done: str
+) -> None:
+    with first_trial(browser, folder, language_of(code)) as (page, _):
+        expect(page.locator("#needed")).to_have_text(still)
+        for label in "AB":
+            page.locator(f"[data-label={label}]").click()
+            expect(page.locator("#watched")).to_contain_text(f"{label} ✓", timeout=15_000)
+        page.locator(".scale label").first.click()
+        expect(page.locator("#needed")).to_have_text(done)
