@@ -262,15 +262,17 @@ text = "Which is better?"
 NAMES: Final = ("composed", *STUDIES)
 
 
-def write_shown_study(folder: Path, name: str) -> None:
+def write_shown_study(folder: Path, name: str, *, language: str = "en") -> None:
     """Write one of the studies `NAMES` into `folder`, ready to serve."""
     folder.mkdir(parents=True)
     if name == "composed":
         write_tiny_study(folder)
-        return
-    video = folder / "figure.mp4"
-    write_figure_video(video)
-    write_study_of_one_video(folder, STUDIES[name], video)
+    else:
+        write_figure_video(folder / "figure.mp4")
+        write_study_of_one_video(folder, STUDIES[name], folder / "figure.mp4")
+    definition = folder / "study.toml"
+    text = definition.read_text("utf-8")
+    definition.write_text(text.replace("[page]", f'[page]\nlanguage = "{language}"'), "utf-8")
 
 
 def write_figure_video(path: Path, *, seconds: float = 1.0) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, expect
 
 from tests.functional.browsing import IN_A_BROWSER, LAPTOP, launched, watched_page
 from tests.functional.every_page import shown, walk
@@ -87,3 +87,26 @@ def test_no_page_has_a_severe_barrier_in_light_or_dark(
 
     assert {state: each for state, each in found.items() if each} == {}
     assert "trial" in "".join(found)
+
+
+@pytest.mark.parametrize("language", ["en", "de", "ja"])
+@pytest.mark.parametrize("name", ["composed", "players"])
+def test_a_pair_fits_a_laptop_and_no_page_is_wider_than_a_phone(
+    name: str, language: str, browser: Browser, tmp_path: Path
+) -> None:
+    write_shown_study(tmp_path / name, name, language=language)
+    with shown(tmp_path / name) as (address, app), watched_page(browser, address) as page:
+        for state in walk(page, address, app):
+            page.set_viewport_size(SIZES["phone"])
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), state
+            page.set_viewport_size(LAPTOP)
+            if state.endswith("trial"):
+                break
+        photograph(page, f"{name}-{language}")
+
+        expect(page.locator("html")).to_have_attribute("lang", language)
+        assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
+        for video in page.locator("video").all():
+            box = video.bounding_box()
+            assert box is not None
+            assert box["height"] >= 300
