@@ -74,6 +74,11 @@ def test_others_are_not_taken_for_them(
     assert enrol(opened, served, arrival, clock) != known
 
 
+def test_an_arrival_says_who_it_is() -> None:
+    with pytest.raises(ValueError, match="nobody's"):
+        Arrival(recruiter_study="s")
+
+
 def test_a_full_study_says_so_and_takes_nobody(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:

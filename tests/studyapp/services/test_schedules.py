@@ -125,7 +125,16 @@ class Schedule(RuleBasedStateMachine):
     @precondition(lambda self: self.people)
     @rule(who=WHO, careless=st.booleans())
     def take_trial(self, who: int, careless: bool) -> None:
+        self.take(self.person(who), careless=careless)
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO, careless=st.booleans())
+    def finish(self, who: int, careless: bool) -> None:
         person = self.person(who)
+        while not person.over and self.ledger.come_back(person):
+            self.take(person, careless=careless)
+
+    def take(self, person: Person, *, careless: bool) -> None:
         if not self.look(person):
             return
         if not person.begun:
@@ -161,7 +170,7 @@ class Schedule(RuleBasedStateMachine):
                 self.ledger.leave(person)
 
     def send(self, person: Person, trial: int, value: int) -> None:
-        fields = {"rhythm": [str(value)], "emotion": ["0"]}
+        fields = {"rhythm": [str(value)], "emotion": [str(value)]}
         token = person.trials[trial]
         answer(self.database, self.served, person.token, token, fields, self.clock)
 

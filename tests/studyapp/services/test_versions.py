@@ -73,6 +73,15 @@ def test_a_design_that_nobody_has_seen_may_change(
     assert [(v.number, v.design) for v in versions(opened)] == [(1, served.design)]
 
 
+def test_a_server_of_a_design_that_was_replaced_lets_nobody_in(
+    opened: Database, served: ServedStudy, change: Change, clock: SetClock
+) -> None:
+    open_study(opened, change("trials = 4", "trials = 3"), clock)
+
+    with pytest.raises(StudyFullError, match="just been changed"):
+        Participant(opened, served, clock).enrol("late")
+
+
 def test_a_changed_design_is_refused_once_somebody_has_come(
     participant: Participant, change: Change
 ) -> None:
