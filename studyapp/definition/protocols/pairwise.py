@@ -195,7 +195,13 @@ class PairwiseStudy(Study):
             replace(trial, kind="repeat", repeats=position)
             for position, trial in enumerate(repeats, start=1)
         ]
-        extra = [*self._catch(segments, chance), *self._attention(segments, shown, chance)]
+        heard = drawn_segments(
+            segments, self.catch.trials + self.attention.trials, chance, heard=chosen
+        )
+        extra = [
+            *self._catch(heard[: self.catch.trials], chance),
+            *self._attention(heard[self.catch.trials :], shown, chance),
+        ]
         later = scattered(extra, [*main, *repeats], chance, may_lead=bool(practice))
         return numbered([*practice, *later])
 
@@ -261,10 +267,7 @@ class PairwiseStudy(Study):
             [ring[(number * count + step) % len(ring)] for step in range(count)], chance
         )
 
-    def _catch(
-        self, segments: Sequence[Segment], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
-        heard = drawn_segments(segments, self.catch.trials, chance)
+    def _catch(self, heard: Sequence[Segment], chance: np.random.Generator) -> list[PlannedTrial]:
         pair = (self.catch_against, self.catch.condition)
         return [
             replace(trial, expected=1 + trial.conditions.index(self.catch_against))
@@ -273,14 +276,11 @@ class PairwiseStudy(Study):
 
     def _attention(
         self,
-        segments: Sequence[Segment],
+        heard: Sequence[Segment],
         shown: Sequence[tuple[Segment, Pair]],
         chance: np.random.Generator,
     ) -> list[PlannedTrial]:
-        """Return checks that show some of the pairs of `shown` with any speech."""
-        if not self.attention.trials:
-            return []
-        heard = drawn_segments(segments, self.attention.trials, chance)
+        """Return a check for each of `heard`, with some of the pairs of `shown`."""
         pairs = [shown[index % len(shown)][1] for index in range(len(heard))]
         return [
             replace(trial, instructed=int(chance.choice(INSTRUCTED)))
@@ -296,13 +296,17 @@ def pairwise(study: Study, where: object) -> PairwiseStudy:
     InputError
         If it is of another protocol.
     """
-    if not isinstance(study, PairwiseStudy) or not study.has_reference_arms:
-        raise InputError(
-            "this works for pairwise comparisons with a reference, and the study is another one",
-            where=where,
-            remedy="Take the answers out with 'motionjury export'",
-        )
-    return study
+    if isinstance(study, PairwiseStudy):
+        if study.has_reference_arms:
+            return study
+        other = f"compares pairs with comparisons = {study.comparisons!r}"
+    else:
+        other = f"is a {study.protocol} study"
+    raise InputError(
+        f"the report covers pairwise comparisons with a reference, and this {other}",
+        where=where,
+        remedy="Take its answers out with 'motionjury export'",
+    )
 
 
 def comparison_name(reference: str, other: str) -> str:
