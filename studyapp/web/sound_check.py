@@ -9,7 +9,7 @@ from flask.typing import ResponseReturnValue
 
 from studyapp.services.refusal import UnacceptableError
 from studyapp.services.sound_check import check_sound, digits_to_speak, leave_unheard
-from studyapp.web.errors import told
+from studyapp.web.errors import note, told
 from studyapp.web.language import _
 from studyapp.web.participant import to_where_they_stand, where_they_stand
 from studyapp.web.running import running
@@ -41,6 +41,7 @@ def check(token: str) -> ResponseReturnValue:
         heard = check_sound(here.database, here.served, token, typed, here.clock)
         problem = _("Those are not the digits that were spoken. Please try once more.")
     except UnacceptableError as refusal:
+        note(refusal)
         heard, problem = False, told(refusal)
     if heard:
         return to_where_they_stand(token)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 from collections.abc import Iterator
@@ -17,11 +18,11 @@ from tests.functional.browsing import (
     IN_A_BROWSER,
     LAPTOP,
     launched,
-    photograph,
     screenshots_folder,
     serving,
     watched_page,
 )
+from tests.functional.browsing import photograph as photograph_in_every_size
 
 pytestmark = IN_A_BROWSER
 
@@ -69,13 +70,17 @@ PHONE = {"width": 390, "height": 844}
 
 @pytest.fixture(scope="module")
 def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a study with everything around its trials, and a break after two of its six."""
+    """Return a study with everything around its trials, and a break after two of its four."""
     folder = tmp_path_factory.mktemp("way") / "study"
     shutil.copytree(tiny_study_template, folder)
     definition = folder / "study.toml"
-    text = definition.read_text("utf-8").replace(
-        "[page]\n", "[page]\nsound_check = true\nbreak_every = 2\n"
-    )
+    text = definition.read_text("utf-8")
+    for old, new in (
+        ("[page]\n", "[page]\nsound_check = true\nbreak_every = 2\n"),
+        ("trials = 4\npractice = 1", "trials = 3\npractice = 0"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
     definition.write_text(text + WAY, "utf-8")
     return folder
 
@@ -105,9 +110,15 @@ def database(study: Path) -> Iterator[Database]:
     opened.close()
 
 
-@pytest.fixture
-def screenshots(tmp_path: Path) -> Path:
-    return screenshots_folder(tmp_path)
+def photograph(page: Page, name: str, *, resized: bool = True) -> None:
+    """Take a page that only a detour leads to, where screenshots are wanted."""
+    if "SCREENSHOTS" not in os.environ:
+        return
+    folder = screenshots_folder(Path())
+    if resized:
+        photograph_in_every_size(page, folder, name)
+    else:
+        page.screenshot(path=folder / f"{name}.png")
 
 
 def heading(page: Page, words: str) -> None:
@@ -148,7 +159,7 @@ def begin(page: Page) -> None:
 
 
 def take_trial(page: Page, number: int) -> None:
-    expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 6")
+    expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 4")
     press(page, "Play both")
     for question in ("rhythm", "emotion"):
         page.locator(f"[data-question={question}]").get_by_text("slightly A", exact=True).click()
@@ -157,14 +168,12 @@ def take_trial(page: Page, number: int) -> None:
 
 
 def test_the_whole_way_from_eligibility_to_the_code(
-    page: Page, address: str, database: Database, screenshots: Path
+    page: Page, address: str, database: Database
 ) -> None:
     page.goto(f"{address}/?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1")
-    photograph(page, screenshots, "way-1-eligibility")
     page.get_by_label("yes").check()
     press(page, "Next")
     expect(page.get_by_role("button", name="I agree")).to_be_visible()
-    photograph(page, screenshots, "way-2-consent")
     page.get_by_label("yes").check()
     press(page, "I agree – start")
 
@@ -173,36 +182,27 @@ def test_the_whole_way_from_eligibility_to_the_code(
     expect(page.locator("audio")).to_have_js_property("ended", True)
     hear(page, database)
 
-    photograph(page, screenshots, "way-4-questions")
     begin(page)
     for number in (1, 2):
         take_trial(page, number)
     heading(page, "Time for a break")
-    photograph(page, screenshots, "way-5-break")
     page.reload()
-    press(page, "Go on")
-    for number in (3, 4):
-        take_trial(page, number)
-    heading(page, "Time for a break")
     page.go_back()
     heading(page, "Time for a break")
     press(page, "Go on")
-    for number in (5, 6):
+    for number in (3, 4):
         take_trial(page, number)
     heading(page, "A few last questions")
-    photograph(page, screenshots, "way-6-closing")
     page.get_by_label("Is there anything").fill("Good videos.")
     press(page, "Next")
 
     code = page.locator("#completion-code").inner_text()
     done = study_session(page, database)
     assert (done.completion_code, done.recruiter_participant) == (code, "p1")
-    assert (done.sound_tries, done.rested_at_position) == (0, 5)
+    assert (done.sound_tries, done.rested_at_position) == (0, 3)
 
 
-def test_who_cannot_hear_the_sound_is_helped_and_may_leave(
-    browser: Browser, address: str, screenshots: Path
-) -> None:
+def test_who_cannot_hear_the_sound_is_helped_and_may_leave(browser: Browser, address: str) -> None:
     page = browser.new_page(viewport=LAPTOP)
     enter(page, address)
     for _ in range(3):
@@ -211,18 +211,16 @@ def test_who_cannot_hear_the_sound_is_helped_and_may_leave(
         with page.expect_navigation():
             press(page, "Next")
         expect(page.get_by_role("alert")).to_contain_text("not the digits that were spoken")
-    photograph(page, screenshots, "way-3-sound-check")
+    photograph(page, "way-3-sound-check")
 
     page.get_by_role("button", name="I cannot hear it").click()
 
     heading(page, "You have left the study")
-    photograph(page, screenshots, "way-3-left")
+    photograph(page, "way-3-left")
     page.close()
 
 
-def test_of_two_windows_the_older_gives_way(
-    page: Page, address: str, database: Database, screenshots: Path
-) -> None:
+def test_of_two_windows_the_older_gives_way(page: Page, address: str, database: Database) -> None:
     enter(page, address)
     hear(page, database)
     begin(page)
@@ -234,7 +232,7 @@ def test_of_two_windows_the_older_gives_way(
     expect(told).to_contain_text("open in another window")
     assert page.locator("video").evaluate("video => video.paused")
     page.bring_to_front()
-    photograph(page, screenshots, "way-7-another-window")
+    photograph(page, "way-7-another-window")
     for _ in range(2):
         page.keyboard.press("Escape")
     page.keyboard.press("1")
@@ -245,12 +243,10 @@ def test_of_two_windows_the_older_gives_way(
     press(page, "Go on here")
     expect(second.get_by_role("dialog")).to_be_visible()
     take_trial(page, 1)
-    expect(page.locator(".progress")).to_contain_text("Trial 2 of 6")
+    expect(page.locator(".progress")).to_contain_text("Trial 2 of 4")
 
 
-def test_a_phone_is_asked_to_come_back_as_a_computer(
-    browser: Browser, address: str, screenshots: Path
-) -> None:
+def test_a_phone_is_asked_to_come_back_as_a_computer(browser: Browser, address: str) -> None:
     link = f"{address}/?PROLIFIC_PID=p2"
     context = browser.new_context(viewport=PHONE, screen=PHONE, has_touch=True, is_mobile=True)
     context.grant_permissions(["clipboard-read", "clipboard-write"])
@@ -262,25 +258,25 @@ def test_a_phone_is_asked_to_come_back_as_a_computer(
     press(phone, "Copy the link")
     expect(phone.get_by_role("status")).to_have_text("Copied ✓")
     assert phone.evaluate("navigator.clipboard.readText()") == link
-    phone.screenshot(path=screenshots / "way-8-phone.png")
+    photograph(phone, "way-8-phone", resized=False)
     context.close()
 
 
 def test_withdrawing_deletes_what_was_answered(
-    page: Page, address: str, database: Database, screenshots: Path
+    page: Page, address: str, database: Database
 ) -> None:
     enter(page, address)
     hear(page, database)
     begin(page)
     take_trial(page, 1)
-    expect(page.locator(".progress")).to_contain_text("Trial 2 of 6")
+    expect(page.locator(".progress")).to_contain_text("Trial 2 of 4")
     mine = study_session(page, database).id
     with database.reading() as session:
         before = [len(session.scalars(select(t)).all()) for t in (Response, WatchBatch, FormAnswer)]
 
     page.get_by_role("link", name="withdraw").click()
     heading(page, "Withdraw from the study?")
-    photograph(page, screenshots, "way-9-withdraw")
+    photograph(page, "way-9-withdraw")
     press(page, "Yes, withdraw")
     heading(page, "You have withdrawn")
 
