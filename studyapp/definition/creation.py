@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Final
 
@@ -15,8 +14,10 @@ from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
 from studyapp.definition.conditions import Condition
+from studyapp.definition.page import Language
 from studyapp.definition.reading import ALIASES, parse_study
 from studyapp.definition.study import Study
+from studyapp.definition.template_language import put_into_language, templates
 
 TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES)
 """The protocols, and the papers whose studies they follow."""
@@ -26,6 +27,7 @@ def new_study(
     path: Path,
     *,
     template: str = "pairwise",
+    language: Language = "en",
     name: str,
     title: str | None = None,
     reference: str | None = None,
@@ -40,6 +42,8 @@ def new_study(
         The study file to be made; an existing one is never overwritten.
     template : str
         One of `TEMPLATES`.
+    language : {'en', 'de', 'ja'}
+        What participants read in.
     name, title : str
         The study's name, and what participants see as its title.
     reference : str, optional
@@ -67,8 +71,8 @@ def new_study(
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
     file = f"{ALIASES.get(template, template)}.toml"
-    text = resources.files(__package__).joinpath("templates", file).read_text("utf-8")
-    document = tomlkit.parse(text)
+    document = tomlkit.parse(templates().joinpath(file).read_text("utf-8"))
+    put_into_language(document, file, language)
     document["name"] = check_name(name, "study")
     for key, value in (("title", title), ("reference", reference), ("trials", trials)):
         if value is None:

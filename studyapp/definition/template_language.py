@@ -1,0 +1,54 @@
+"""What participants read of a template, in the language of the study's pages."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib import resources
+from importlib.resources.abc import Traversable
+from typing import Any, Final
+
+import tomlkit
+
+TEMPLATES_IN: Final = "en"
+"""The language of the templates themselves."""
+
+
+def templates() -> Traversable:
+    """Return the folder of the templates; those of other languages hold their texts alone."""
+    return resources.files(__package__).joinpath("templates")
+
+
+def put_into_language(document: tomlkit.TOMLDocument, file: str, language: str) -> None:
+    """Replace what participants read in a template, and let the pages be in the same language.
+
+    Parameters
+    ----------
+    document : TOMLDocument
+        The template `file`; all else in it, comments included, stays as it is.
+    language : str
+        One of `studyapp.definition.page.Language`.
+    """
+    document["page"]["language"] = language
+    if language == TEMPLATES_IN:
+        return
+    texts = tomllib.loads(templates().joinpath(language, file).read_text("utf-8"))
+    document["title"] = texts["title"]
+    document["page"]["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
+    by_name = {question["name"]: question for question in texts["questions"]}
+    for question in document["questions"]:
+        for key, said in by_name[question["name"]].items():
+            if key != "name":
+                question[key] = _listed(said) if isinstance(said, list) else said
+
+
+def _listed(said: list[Any]) -> tomlkit.items.Array:
+    """Return a list with a line for each item."""
+    array = tomlkit.array()
+    for each in said:
+        if isinstance(each, dict):
+            table = tomlkit.inline_table()
+            table.update(each)
+            array.append(table)
+        else:
+            array.append(each)
+    return array.multiline(multiline=True)

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from studyapp.definition.creation import new_study
+from studyapp.definition.reading import read_study
+from studyapp.definition.study import Study
+from studyapp.definition.template_language import templates
+
+PROTOCOLS = ("pairwise", "rating", "ranking", "mismatch")
+
+
+def made(path: Path, protocol: str, language: Any) -> tuple[Study, str]:
+    study = new_study(path, template=protocol, language=language, name="study")
+    assert read_study(path) == study
+    return study, path.read_text("utf-8")
+
+
+def read_by_participants(text: str) -> dict[str, str]:
+    """Return every text for participants in a study file, by what it is."""
+    study = tomllib.loads(text)
+    read = {"title": study["title"], "consent": study["page"]["consent"]}
+    for question in study["questions"]:
+        name = question["name"]
+        read[name] = question["text"]
+        read |= {f"{name} {n}": label for n, label in enumerate(question.get("labels", ()))}
+        read |= {f"{name} {r['name']}": r["text"] for r in question.get("reasons", ())}
+    return read
+
+
+@pytest.mark.parametrize("language", ["de", "ja"])
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_a_template_says_everything_in_its_language_and_changes_nothing_else(
+    tmp_path: Path, protocol: str, language: str
+) -> None:
+    english, source = made(tmp_path / "en.toml", protocol, "en")
+    study, text = made(tmp_path / "study.toml", protocol, language)
+
+    before, after = read_by_participants(source), read_by_participants(text)
+    assert before.keys() == after.keys()
+    assert [name for name in before if before[name] == after[name]] == []
+    assert all(("{emotion}" in before[name]) is ("{emotion}" in after[name]) for name in before)
+    assert study.page.language == language
+    assert re.findall(r"^# .*", source, re.M) == re.findall(r"^# .*", text, re.M)
+    said = {"title": ..., "questions": {"__all__": {"text", "labels", "reasons"}}}
+    said["page"] = {"language", "consent"}
+    assert study.model_dump(exclude=said) == english.model_dump(exclude=said)
+
+
+@pytest.mark.parametrize("language", ["de", "ja"])
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_texts_of_a_language_name_the_questions_of_the_template(
+    protocol: str, language: str
+) -> None:
+    source, texts = (
+        tomllib.loads(templates().joinpath(*parts).read_text("utf-8"))
+        for parts in ((f"{protocol}.toml",), (language, f"{protocol}.toml"))
+    )
+
+    names = [[question["name"] for question in each["questions"]] for each in (source, texts)]
+    assert names[0] == names[1]
+
+
+def test_a_title_that_is_given_stays(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+
+    assert new_study(path, name="s", language="ja", title="Mine").title == "Mine"
