@@ -44,6 +44,9 @@ high = 7
 choices = ["hard", "easy"]
 """
 
+LANGUAGES = {"ratings": "de", "rankings with ties": "ja"}
+"""Studies whose pages are not in English."""
+
 STUDIES: dict[str, str] = {
     "all pairs": PROTOCOLS["pairwise"],
     "adaptive pairs": PROTOCOLS["pairwise"].replace('"all_pairs"', '"adaptive"'),
@@ -115,7 +118,8 @@ def definition(name: str, *, around: bool = True) -> str:
     keys, tables = STUDIES[name].split("\n\n", 1)
     if not around:
         return f"{keys}\n{COMMON}\n{tables}"
-    return f"{keys}\n{COMMON}{AROUND}\n{tables}{ABOUT}"
+    language = f'language = "{LANGUAGES.get(name, "en")}"\n'
+    return f"{keys}\n{COMMON}{AROUND}{language}\n{tables}{ABOUT}"
 
 
 def write_study(folder: Path, name: str, video: Path) -> StudyFolder:

@@ -17,13 +17,13 @@ from studyapp.models import StudySession
 from studyapp.rehearsal.eyes import Eyes, seen
 from studyapp.rehearsal.form_probes import probe_form
 from studyapp.rehearsal.forms import FormFields
-from studyapp.rehearsal.judgement import judge
+from studyapp.rehearsal.judgement import Judgement, judge
 from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.participant import Participant, answer_trial
 from studyapp.rehearsal.probes import probe_trial
 from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.run import rehearse
-from studyapp.rehearsal.visit import Visit
+from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from studyapp.services.database import Database, sqlite_url
 from tests.finished_study import write_short_video
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
@@ -157,6 +157,23 @@ def test_a_participant_passes_all_pages_and_what_it_says_is_stored(
         code = participant.take_part(client)
     with browser(app) as client:
         assert participant.take_part(client) == code
+    require_stored_as_said(eyes.database, participant)
+
+
+@pytest.mark.parametrize("folder", ["ratings", "rankings with ties"], indirect=True)
+def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
+    app: Flask, participant: Participant, eyes: Eyes
+) -> None:
+    def stopping(visit: Visit, page: Page, judgement: Judgement) -> Page:
+        following = answer_trial(visit, page, judgement)
+        participant.stop.set()
+        return following
+
+    with browser(app) as client, pytest.raises(InterruptedRehearsal):
+        replace(participant, answer_first=stopping).take_part(client)
+    participant.stop.clear()
+    with browser(app) as client:
+        assert participant.take_part(client)
     require_stored_as_said(eyes.database, participant)
 
 
