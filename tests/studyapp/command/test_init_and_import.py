@@ -21,6 +21,14 @@ def test_init_makes_a_study_named_after_its_folder(tmp_path: Path) -> None:
     assert (study.name, study.trials) == ("scott", 6)
 
 
+def test_init_writes_a_study_in_a_language(tmp_path: Path) -> None:
+    result = invoke("init", tmp_path / "s", "--template", "ranking", "--language", "de")
+
+    assert result.exit_code == 0, result.output
+    study = read_study(tmp_path / "s" / "study.toml")
+    assert (study.page.language, study.title) == ("de", "Studie zu Bewegungen")
+
+
 def test_init_never_overwrites_a_study(tmp_path: Path) -> None:
     assert invoke("init", tmp_path / "s").exit_code == 0
     again = invoke("init", tmp_path / "s")
