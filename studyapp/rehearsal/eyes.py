@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from sqlalchemy import func, select
-from sqlalchemy.orm import joinedload, selectinload
+from sqlalchemy.orm import Session, joinedload, selectinload
 
 from studyapp.design.stimulus import Stimulus
 from studyapp.models import FormAnswer, Response, StudySession, Trial, Video
@@ -40,30 +40,22 @@ class Eyes:
             .where(Video.token.in_(tokens))
             .distinct()
             .options(
-                joinedload(Trial.study_session).joinedload(StudySession.place),
+                joinedload(Trial.study_session),
                 selectinload(Trial.stimuli),
                 selectinload(Trial.videos),
             )
         )
         with self.database.reading() as session:
             trials = session.scalars(query).all()
-        if not trials:
-            raise BrokenPageError(page, "shows a video that is no trial of this rehearsal")
-        if len(trials) > 1:
-            raise BrokenPageError(page, "shows videos of several trials")
-        (trial,) = trials
-        if {video.token for video in trial.videos} - tokens or len(page.players) != len(
-            trial.videos
-        ):
-            raise BrokenPageError(
-                page, f"shows {len(page.players)} videos that are not the {len(trial.videos)} of it"
-            )
-        sitting = trial.study_session
-        place = "no place" if sitting.place is None else str(sitting.place.number)
-        return Sight(
-            rater=f"{sitting.arm} {place}",
-            trial=seen(trial),
-        )
+            if not trials:
+                raise BrokenPageError(page, "shows a video that is no trial of this rehearsal")
+            if len(trials) > 1:
+                raise BrokenPageError(page, "shows videos of several trials")
+            (trial,) = trials
+            there, wanted = len(page.players), len(trial.videos)
+            if there != wanted or not {video.token for video in trial.videos} <= tokens:
+                raise BrokenPageError(page, f"shows {there} videos, not the {wanted} of its trial")
+            return Sight(rater=_rater(session, trial.study_session), trial=seen(trial))
 
     def stored(self, page: Page) -> tuple[StoredAnswer, ...]:
         """Return all answers of the participant who sees `page`."""
@@ -137,6 +129,23 @@ def seen(trial: Trial) -> SeenTrial:
         expected=trial.expected,
         instructed=trial.instructed,
     )
+
+
+def _rater(session: Session, sitting: StudySession) -> str:
+    """Return the name of the rater that holds a place, as the first one or as a later one."""
+    earlier = session.scalar(
+        select(func.count())
+        .select_from(StudySession)
+        .where(
+            StudySession.arm == sitting.arm,
+            StudySession.arm_design == sitting.arm_design,
+            StudySession.number == sitting.number,
+            StudySession.completed_at.is_not(None),
+            StudySession.id < sitting.id,
+        )
+    )
+    place = f"{sitting.arm} {sitting.number}"
+    return f"{place} again {earlier}" if earlier else place
 
 
 def _tokens(page: Page) -> frozenset[str]:

@@ -15,7 +15,7 @@ from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import Stimuli, read_stimuli
 from studyapp.definition.study import Study
-from studyapp.models import StudySession
+from studyapp.models import Place, StudySession
 from studyapp.rehearsal.population import Population, default_population
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.truth import expectations
@@ -30,6 +30,8 @@ class Roster:
 
     Attributes
     ----------
+    wanted : int
+        How many are asked for.
     finished : tuple of str
         Those who have their completion code, also if they are more than are asked for now.
     halfway : tuple of str
@@ -39,6 +41,7 @@ class Roster:
         Those asked for who have not come yet.
     """
 
+    wanted: int
     finished: tuple[str, ...]
     halfway: tuple[str, ...]
     awaited: tuple[str, ...]
@@ -104,14 +107,23 @@ def _difference(folder: StudyFolder, truth: Truth) -> str:
 
 
 def call_roster(database: Database, count: int) -> Roster:
-    """Return where the simulated participants stand, of whom `count` are asked for."""
+    """Return where the simulated participants stand, of whom `count` are asked for.
+
+    For everybody who finished and was excluded, so that the place is open again, one more is
+    asked for; at most as many as there are in the first place.
+    """
     with database.reading() as session:
         rows = session.execute(
-            select(StudySession.recruiter_participant, StudySession.completed_at)
+            select(StudySession.recruiter_participant, StudySession.completed_at, Place.id).join(
+                StudySession.place, isouter=True
+            )
         ).all()
     known = {row.recruiter_participant: row.completed_at for row in rows}
-    names = [f"rehearsal-{number:05d}" for number in range(count)]
+    excluded = sum(row.completed_at is not None and row.id is None for row in rows)
+    wanted = count + min(excluded, count)
+    names = [f"rehearsal-{number:05d}" for number in range(wanted)]
     return Roster(
+        wanted=wanted,
         finished=tuple(name for name in known if known[name] is not None),
         halfway=tuple(name for name in names if name in known and known[name] is None),
         awaited=tuple(name for name in names if name not in known),

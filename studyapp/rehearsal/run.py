@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from motion.errors import InputError
@@ -108,29 +109,38 @@ def rehearse(
         truth, note = prepare(folder, seed=seed, population=population)
         database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
         roster = call_roster(database, count)
-        there = count - len(roster.remaining)
+        kept = len(roster.finished)
         show = on_done or _show_nothing
-        show(there, count)
-        probes: tuple[Probe, ...] = ()
+        show(roster.wanted - len(roster.remaining), roster.wanted)
+        probes: list[Probe] = []
         if roster.remaining:
-            with rehearsal_server(folder, speed=speed) as server:
-                crowd = Crowd(
-                    study=study, truth=truth, eyes=Eyes(database), server=server, speed=speed
-                )
-                crowd.take_part(
-                    roster, workers=workers, on_done=lambda done: show(there + done, count)
-                )
-                probes = tuple(crowd.probes)
+            server = opened.enter_context(rehearsal_server(folder, speed=speed))
+        # Who is excluded may open the place again, so that somebody else is awaited.
+        while roster.remaining:
+            there = roster.wanted - len(roster.remaining)
+            crowd = Crowd(study=study, truth=truth, eyes=Eyes(database), server=server, speed=speed)
+            crowd.take_part(
+                roster,
+                workers=workers,
+                on_done=partial(_show_more, show, there=there, wanted=roster.wanted),
+            )
+            probes += crowd.probes
+            roster = call_roster(database, count)
         found = findings(database, study, truth.expected)
     return RehearsalResult(
-        completed=len(roster.finished) + len(roster.remaining),
-        kept=len(roster.finished),
-        probes=probes,
+        completed=len(roster.finished),
+        kept=kept,
+        probes=tuple(probes),
         truth=truth,
         findings=found,
         note=note,
         seconds=time.monotonic() - started,
     )
+
+
+def _show_more(show: Callable[[int, int], None], done: int, *, there: int, wanted: int) -> None:
+    """Show how many have finished, those who were there before included."""
+    show(there + done, wanted)
 
 
 def _show_nothing(_done: int, _total: int) -> None:

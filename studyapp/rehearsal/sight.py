@@ -49,7 +49,7 @@ class Sight:
     ----------
     rater : str
         Names the rater by its place, whoever holds it: a place's answers are the same in every
-        rehearsal with the same seed.
+        rehearsal with the same seed. Whoever replaces somebody excluded is another rater.
     trial : SeenTrial
         What is to be judged.
     """

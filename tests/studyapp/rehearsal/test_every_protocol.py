@@ -13,18 +13,20 @@ from flask import Flask
 from sqlalchemy import select
 
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import StudySession
+from studyapp.models import Place, StudySession
 from studyapp.rehearsal.eyes import Eyes, seen
 from studyapp.rehearsal.form_probes import probe_form
 from studyapp.rehearsal.forms import FormFields
 from studyapp.rehearsal.judgement import Judgement, judge
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant, answer_trial
+from studyapp.rehearsal.population import default_population
 from studyapp.rehearsal.probes import probe_trial
 from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from studyapp.services.database import Database, sqlite_url
+from studyapp.services.exclusion import is_excluded
 from tests.finished_study import write_short_video
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import at_first_trial, browser
@@ -195,3 +197,27 @@ def test_a_rehearsal_says_what_was_put_in_and_what_is_found(
     assert not any(computed) if getattr(study, "ties", False) else all(computed)
     with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
         require_stored_as_said(database, participant)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
+def test_who_is_excluded_is_replaced_by_another_rater_where_the_study_says_so(
+    folder: StudyFolder,
+) -> None:
+    text = folder.definition.read_text("utf-8")
+    strict = text.replace(
+        "attention = { trials = 1 }",
+        "attention = { trials = 1, max_failed = 0 }\nreplace_excluded = true",
+    )
+    folder.definition.write_text(strict, "utf-8")
+    people = replace(default_population(folder.study()), inattentive=0.5, overlooked=0.0)
+    result = rehearse(folder, seed=2, population=people)
+    assert result.findings.excluded > 0
+    assert result.completed == 3 + result.findings.excluded
+    with (
+        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
+        database.reading() as session,
+    ):
+        holders = [place.study_session for place in session.scalars(select(Place))]
+        assert len(holders) == 3
+        assert not any(holder is None or is_excluded(folder.study(), holder) for holder in holders)

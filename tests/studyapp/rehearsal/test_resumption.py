@@ -4,12 +4,11 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from datetime import UTC, datetime
-from typing import Any
 
 import pytest
 
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import StudySession, StudyVersion
+from studyapp.models import Place, StudySession, StudyVersion
 from studyapp.rehearsal.population import default_population
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
@@ -79,34 +78,44 @@ def test_real_answers_are_never_touched(begun: StudyFolder) -> None:
     assert begun.responses.read_bytes() == b"real answers"
 
 
-def test_the_roster_tells_who_is_where(database: Database) -> None:
+def store(database: Database, *sittings: tuple[str, bool, int | None]) -> None:
+    """Store study sessions: who they are of, whether they are finished, and their place."""
     now = datetime.now(UTC)
-    shared: dict[str, Any] = {
-        "version": StudyVersion(number=1, design="d", definition="", operation={}, opened_at=now),
-        "arm": "a-b",
-        "arm_design": "d",
-        "conditions": ["a", "b"],
-        "consented_at": now,
-        "last_active_at": now,
-    }
+    version = StudyVersion(number=1, design="d", definition="", operation={}, opened_at=now)
     with database.writing() as session:
-        session.add_all(
-            [
-                StudySession(
-                    token="done",  # noqa: S106
-                    recruiter_participant="rehearsal-00002",
-                    completed_at=now,
-                    completion_code="K",
-                    **shared,
-                ),
-                StudySession(
-                    token="half",  # noqa: S106
-                    recruiter_participant="rehearsal-00001",
-                    **shared,
-                ),
-            ]
-        )
+        for name, finished, number in sittings:
+            sitting = StudySession(
+                token=name,
+                recruiter_participant=name,
+                version=version,
+                arm="a-b",
+                arm_design="d",
+                conditions=["a", "b"],
+                consented_at=now,
+                last_active_at=now,
+                completed_at=now if finished else None,
+                completion_code=name if finished else None,
+            )
+            session.add(sitting)
+            if number is not None:
+                sitting.place = Place(arm="a-b", design="d", number=number)
+
+
+def test_the_roster_tells_who_is_where(database: Database) -> None:
+    store(database, ("rehearsal-00002", True, 0), ("rehearsal-00001", False, 1))
     roster = call_roster(database, 4)
     assert roster.finished == ("rehearsal-00002",)
     assert roster.halfway == ("rehearsal-00001",)
     assert roster.awaited == ("rehearsal-00000", "rehearsal-00003")
+
+
+def test_somebody_else_is_awaited_for_who_was_excluded(database: Database) -> None:
+    store(database, ("rehearsal-00000", True, None), ("rehearsal-00001", True, 0))
+    roster = call_roster(database, 2)
+    assert (roster.wanted, roster.awaited) == (3, ("rehearsal-00002",))
+
+
+def test_no_more_are_awaited_than_twice_as_many_as_there_are_places(database: Database) -> None:
+    store(database, *((f"rehearsal-{number:05d}", True, None) for number in range(4)))
+    roster = call_roster(database, 2)
+    assert (roster.wanted, roster.remaining) == (4, ())
