@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Self, TypeVar
 
 import numpy as np
 
@@ -32,22 +34,48 @@ def even_quotas(available: Mapping[str, int], total: int, number: int) -> dict[s
     dict of emotion to int
         Adding up to ``min(total, sum(available.values()))``.
     """
-    total = min(total, sum(available.values()))
-    level = 0
-    while sum(min(count, level + 1) for count in available.values()) <= total:
-        level += 1
-        if level >= max(available.values(), default=0):
-            break
-    quotas = {emotion: min(count, level) for emotion, count in available.items()}
-    rest = total - sum(quotas.values())
-    larger = [emotion for emotion, count in available.items() if count > level]
-    for step in range(rest):
-        quotas[larger[(number * rest + step) % len(larger)]] += 1
-    return quotas
+    return _Share.of(available, total).quotas(number)
+
+
+@dataclass(frozen=True)
+class _Share:
+    """What every participant gets of each emotion, and the `rest` that goes round the larger."""
+
+    even: Mapping[str, int]
+    larger: Sequence[str]
+    rest: int
+
+    @classmethod
+    def of(cls, available: Mapping[str, int], total: int) -> Self:
+        total = min(total, sum(available.values()))
+        level = 0
+        while sum(min(count, level + 1) for count in available.values()) <= total:
+            level += 1
+            if level >= max(available.values(), default=0):
+                break
+        even = {emotion: min(count, level) for emotion, count in available.items()}
+        larger = [emotion for emotion, count in available.items() if count > level]
+        return cls(even, larger, total - sum(even.values()))
+
+    def more(self, number: int) -> Sequence[str]:
+        """Return the emotions of which this participant gets one more."""
+        first = number * self.rest
+        return [self.larger[(first + step) % len(self.larger)] for step in range(self.rest)]
+
+    def quotas(self, number: int) -> dict[str, int]:
+        quotas = dict(self.even)
+        for emotion in self.more(number):
+            quotas[emotion] += 1
+        return quotas
 
 
 def allocate_segments(
-    segments: Sequence[Segment], total: int, *, number: int, seed: Sequence[int]
+    segments: Sequence[Segment],
+    total: int,
+    *,
+    number: int,
+    seed: Sequence[int],
+    before: Sequence[int] | None = None,
 ) -> tuple[Segment, ...]:
     """Choose the segments of one participant.
 
@@ -65,6 +93,8 @@ def allocate_segments(
         The participant's number within the comparison, from 0.
     seed : sequence of int
         Seeds the order of the rings; the same for all participants of a comparison.
+    before : sequence of int, optional
+        How many each earlier participant got, where that was not always `total`.
 
     Returns
     -------
@@ -76,13 +106,18 @@ def allocate_segments(
     for segment in shuffled(segments, chance):
         rings.setdefault(segment.emotion, []).append(segment)
     available = {emotion: len(ring) for emotion, ring in rings.items()}
-    taken = dict.fromkeys(rings, 0)
-    for earlier in range(number):
-        for emotion, count in even_quotas(available, total, earlier).items():
-            taken[emotion] += count
+    given = [total] * number if before is None else before
+    shares = {count: _Share.of(available, count) for count in {*given, total}}
+    taken = Counter({emotion: 0 for emotion in rings})
+    for count, times in Counter(given).items():
+        for emotion, even in shares[count].even.items():
+            taken[emotion] += times * even
+    for earlier, count in enumerate(given):
+        for emotion in shares[count].more(earlier):
+            taken[emotion] += 1
     return tuple(
         rings[emotion][(taken[emotion] + step) % available[emotion]]
-        for emotion, count in even_quotas(available, total, number).items()
+        for emotion, count in shares[total].quotas(number).items()
         for step in range(count)
     )
 

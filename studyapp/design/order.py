@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -19,12 +20,26 @@ def even_sides(count: int, chance: np.random.Generator) -> list[bool]:
 
 
 def drawn_segments(
-    segments: Sequence[Segment], count: int, chance: np.random.Generator
+    segments: Sequence[Segment],
+    count: int,
+    chance: np.random.Generator,
+    *,
+    heard: Iterable[Segment] = (),
 ) -> list[Segment]:
-    """Return `count` segments; one comes twice only when there are too few."""
+    """Return `count` random segments; one comes twice only when there are too few.
+
+    Those that other trials have are taken last and the least often heard of them first: speech
+    that comes again would tell an extra trial from an ordinary one.
+
+    Parameters
+    ----------
+    heard : iterable of Segment
+        The speech of the other trials.
+    """
+    times = Counter(heard)
     drawn: list[Segment] = []
     while segments and len(drawn) < count:
-        drawn.extend(shuffled(segments, chance))
+        drawn.extend(sorted(shuffled(segments, chance), key=times.__getitem__))
     return drawn[:count]
 
 
@@ -35,7 +50,7 @@ def scattered(
     *,
     may_lead: bool,
 ) -> list[PlannedTrial]:
-    """Return `others` in their order with `extra` put into random gaps between them.
+    """Return `others` in their order with `extra`, in random order, in random gaps between them.
 
     No two of `extra` follow each other as long as there are gaps enough, and none comes first
     unless `may_lead`.
@@ -44,7 +59,9 @@ def scattered(
     enough = len(gaps) >= len(extra)
     before = sorted(chance.choice(gaps, size=len(extra), replace=not enough).tolist())
     merged = list(others)
-    for gap, trial in sorted(zip(before, extra, strict=True), key=lambda at: at[0], reverse=True):
+    for gap, trial in sorted(
+        zip(before, shuffled(extra, chance), strict=True), key=lambda at: at[0], reverse=True
+    ):
         merged.insert(gap, trial)
     return merged
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final
 
@@ -11,7 +11,8 @@ from motion.listing import listed
 from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
-from studyapp.design.planned_trial import Kind
+from studyapp.definition.template_language import still_english
+from studyapp.design.planned_trial import Kind, PlannedTrial
 from studyapp.stages.finding import Finding, Severity
 from studyapp.stages.media_checks import media_findings
 from studyapp.stages.motion_checks import motion_findings
@@ -56,6 +57,14 @@ def _page_findings(study: Study) -> Iterator[Finding]:
     ):
         if not getattr(study.page, key):
             yield Finding(Severity.WARNING, why, f"Fill in page.{key} in study.toml")
+    english = still_english(study)
+    if english:
+        yield Finding(
+            Severity.WARNING,
+            f"the pages are in the language {study.page.language!r}, but {listed(english)} still "
+            "say what the English template says",
+            "Translate them in study.toml; 'motionjury init --language' shows how they may read",
+        )
 
 
 def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
@@ -65,7 +74,15 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     said = ", ".join(
         f"{counts[kind]} {words}" for kind, words in KIND_WORDS.items() if counts[kind]
     )
+    if not (counts["main"] or counts["practice"]):
+        yield Finding(
+            Severity.ERROR,
+            f"these {len(segments)} segments allow no trial at all",
+            "Bring in more speech, or change what study.toml asks of its segments",
+        )
+        return
     yield Finding(Severity.NOTE, f"a participant sees {len(plan)} trials: {said}")
+    yield from _extra_findings(plan)
     for sentence in (*study.notes(segments), *study_notes(study)):
         yield Finding(Severity.NOTE, sentence.rstrip("."))
     emotions = {segment.emotion for segment in segments}
@@ -78,6 +95,19 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
             "there are neither catch trials nor attention checks, so inattentive participants "
             "cannot be told apart",
             "Set catch.trials or attention.trials in study.toml",
+        )
+
+
+def _extra_findings(plan: Sequence[PlannedTrial]) -> Iterator[Finding]:
+    """Say how many extra trials have speech that comes in another trial as well."""
+    extra = [trial.segment for trial in plan if trial.kind in ("catch", "attention")]
+    heard = {trial.segment for trial in plan if trial.kind not in ("catch", "attention")}
+    again = sum(segment in heard for segment in extra) + len(extra) - len(set(extra))
+    if again:
+        yield Finding(
+            Severity.NOTE,
+            f"{again} catch trials or attention checks have speech that comes in another trial "
+            f"too, which sets them apart; {again} more segments would hide them",
         )
 
 

@@ -12,7 +12,7 @@ players. The task ``realism`` shows two conditions without sound. What is decide
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import Final, Literal
@@ -117,7 +117,14 @@ class MismatchStudy(Study):
         real = pair_trials(
             "main", self._real(number, segments, chance), chance, composed=False, part=REALISM
         )
-        extra = [*self._catch(segments, chance), *self._attention([*fit, *real], chance)]
+        heard = [trial.segment for trial in (*fit, *real)]
+        drawn = drawn_segments(
+            segments, self.catch.trials + self.attention.trials, chance, heard=heard
+        )
+        extra = [
+            *self._catch(drawn[: self.catch.trials], chance),
+            *self._attention(drawn[self.catch.trials :], [*fit, *real], segments, chance),
+        ]
         return numbered(scattered_by_part(extra, [*fit, *real], chance))
 
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
@@ -165,12 +172,13 @@ class MismatchStudy(Study):
         return shuffled(
             [
                 (segment, *_both_ways(condition, segment, other))
-                for condition, count in even_quotas(available, self.fit, number).items()
+                for condition, counts in _counts(available, self.fit, number).items()
                 for segment in allocate_segments(
                     segments if other else (),
-                    count,
+                    counts[-1],
                     number=number,
                     seed=(self.seed, *condition.encode()),
+                    before=counts[:-1],
                 )
             ],
             chance,
@@ -184,41 +192,53 @@ class MismatchStudy(Study):
         return shuffled(
             [
                 (segment, _muted(pairs[name][0], segment), _muted(pairs[name][1], segment))
-                for name, count in even_quotas(available, self.realism, number).items()
+                for name, counts in _counts(available, self.realism, number).items()
                 for segment in allocate_segments(
-                    segments, count, number=number, seed=(self.seed, *name.encode())
+                    segments,
+                    counts[-1],
+                    number=number,
+                    seed=(self.seed, *name.encode()),
+                    before=counts[:-1],
                 )
             ],
             chance,
         )
 
-    def _catch(
-        self, segments: Sequence[Segment], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
+    def _catch(self, heard: Sequence[Segment], chance: np.random.Generator) -> list[PlannedTrial]:
         right, flawed = self.catch_against, self.catch.condition
-        shown = [
-            (segment, _muted(right, segment), _muted(flawed, segment))
-            for segment in drawn_segments(segments, self.catch.trials, chance)
-        ]
+        shown = [(segment, _muted(right, segment), _muted(flawed, segment)) for segment in heard]
         return [
             replace(trial, expected=1 + trial.conditions.index(right))
             for trial in pair_trials("catch", shown, chance, composed=False, part=REALISM)
         ]
 
     def _attention(
-        self, ordinary: Sequence[PlannedTrial], chance: np.random.Generator
+        self,
+        heard: Sequence[Segment],
+        ordinary: Sequence[PlannedTrial],
+        segments: Sequence[Segment],
+        chance: np.random.Generator,
     ) -> list[PlannedTrial]:
-        """Return checks that look like some of the ordinary trials."""
-        count = self.attention.trials if ordinary else 0
+        """Return a check for each of `heard` that looks like some of the ordinary trials."""
         looks = shuffled(ordinary, chance)
-        return [
-            replace(
-                looks[index % len(looks)],
-                kind="attention",
-                instructed=int(chance.choice((-1, 1))),
+        other = self._other_speech(segments)
+        checks: list[PlannedTrial] = []
+        for index, segment in enumerate(heard if looks else ()):
+            like = looks[index % len(looks)]
+            first, second = like.conditions
+            sides = _muted(first, segment), _muted(second, segment)
+            if like.part == FIT:
+                sides = _both_ways(first, segment, other)
+            checks += pair_trials(
+                "attention", [(segment, *sides)], chance, composed=False, part=like.part
             )
-            for index in range(count)
-        ]
+        return [replace(check, instructed=int(chance.choice((-1, 1)))) for check in checks]
+
+
+def _counts(available: Mapping[str, int], total: int, number: int) -> dict[str, list[int]]:
+    """Return how many trials of each kind the participants up to `number` get, one by one."""
+    quotas = [even_quotas(available, total, earlier) for earlier in range(number + 1)]
+    return {name: [quota[name] for quota in quotas] for name in available}
 
 
 def _both_ways(

@@ -139,7 +139,11 @@ class RankingStudy(Study):
                 )
                 for segment in shuffled(heard, chance)
             ]
-        extra = [*self._catch(segments, chance), *self._attention(segments, chance)]
+        drawn = self._extra(segments, [trial.segment for trial in main], chance)
+        extra = [
+            *self._catch(drawn[: self.catch.trials], chance),
+            *self._attention(drawn[self.catch.trials :], chance),
+        ]
         return numbered(scattered_by_part(extra, main, chance))
 
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
@@ -177,7 +181,11 @@ class RankingStudy(Study):
         return any(rank != 1 for (_, number), rank in answers.items() if number == trial.instructed)
 
     def notes(self, segments: Sequence[Segment]) -> tuple[str, ...]:
-        """Say which blocks have fewer segments than trials."""
+        """Say which blocks have fewer segments than trials, and that no reference is shown."""
+        unseen = "no reference is shown; the published design shows the real recording apart"
+        return (*self._short(segments), *((unseen,) if self.reference is None else ()))
+
+    def _short(self, segments: Sequence[Segment]) -> tuple[str, ...]:
         return tuple(
             f"block {block.name} has {len(block.segments(segments))} segments for its "
             f"{block.trials} trials, and shows each of them once"
@@ -194,21 +202,21 @@ class RankingStudy(Study):
         return (self.catch_against, self.catch.condition) if self.catch.trials else ()
 
     def _catch(
-        self, segments: Sequence[Segment], chance: np.random.Generator
+        self, drawn: Sequence[tuple[RankingBlock, Segment]], chance: np.random.Generator
     ) -> list[PlannedTrial]:
         return [
             grouped_catch_trial(
                 block.name, segment, block.conditions, chance,
                 right=self.catch_against, flawed=self.catch.condition, reference=self.reference,
             )
-            for block, segment in self._extra(segments, self.catch.trials, chance)
+            for block, segment in drawn
         ]  # fmt: skip
 
     def _attention(
-        self, segments: Sequence[Segment], chance: np.random.Generator
+        self, drawn: Sequence[tuple[RankingBlock, Segment]], chance: np.random.Generator
     ) -> list[PlannedTrial]:
         trials = []
-        for block, segment in self._extra(segments, self.attention.trials, chance):
+        for block, segment in drawn:
             trial = grouped_trial(
                 "attention", block.name, segment, block.conditions, chance, reference=self.reference
             )
@@ -217,9 +225,16 @@ class RankingStudy(Study):
         return trials
 
     def _extra(
-        self, segments: Sequence[Segment], count: int, chance: np.random.Generator
+        self, segments: Sequence[Segment], heard: Sequence[Segment], chance: np.random.Generator
     ) -> list[tuple[RankingBlock, Segment]]:
-        """Return blocks in turn, each with a segment of its own range."""
+        """Return blocks in turn for all extra trials, each with a segment of its own range."""
         blocks = [block for block in self.blocks if block.segments(segments)]
-        turns = [blocks[index % len(blocks)] for index in range(count if blocks else 0)]
-        return [(b, drawn_segments(b.segments(segments), 1, chance)[0]) for b in turns]
+        count = self.catch.trials + self.attention.trials if blocks else 0
+        first = int(chance.integers(len(blocks))) if count else 0
+        drawn: list[tuple[RankingBlock, Segment]] = []
+        for index in range(first, first + count):
+            block = blocks[index % len(blocks)]
+            taken = [*heard, *(segment for _, segment in drawn)]
+            (segment,) = drawn_segments(block.segments(segments), 1, chance, heard=taken)
+            drawn.append((block, segment))
+        return drawn

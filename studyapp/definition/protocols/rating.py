@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import cycle, islice
 from typing import Literal
 
 import numpy as np
@@ -106,7 +107,16 @@ class RatingStudy(Study):
                 grouped_trial("main", part.name, segment, part.conditions, chance)
                 for segment in heard
             ]
-        extra = [*self._catch(segments, chance), *self._attention(segments, chance)]
+        drawn = drawn_segments(
+            segments,
+            self.catch.trials + self.attention.trials,
+            chance,
+            heard=[trial.segment for trial in main],
+        )
+        extra = [
+            *self._catch(drawn[: self.catch.trials], chance),
+            *self._attention(drawn[self.catch.trials :], chance),
+        ]
         return numbered(scattered_by_part(extra, main, chance))
 
     def values(self, question: Question, trial: Trial) -> Sequence[int]:
@@ -147,25 +157,24 @@ class RatingStudy(Study):
     def _scale(self, name: str) -> RatingQuestion:
         return next(question for question in self.questions if question.name == name)
 
-    def _catch(
-        self, segments: Sequence[Segment], chance: np.random.Generator
-    ) -> list[PlannedTrial]:
-        drawn = drawn_segments(segments, self.catch.trials, chance)
-        parts = [self.sets[index % len(self.sets)] for index in range(len(drawn))]
+    def _catch(self, drawn: Sequence[Segment], chance: np.random.Generator) -> list[PlannedTrial]:
         return [
             grouped_catch_trial(
                 part.name, segment, part.conditions, chance,
                 right=self.catch_against, flawed=self.catch.condition,
             )
-            for part, segment in zip(parts, drawn, strict=True)
+            for part, segment in zip(self._turns(chance), drawn, strict=False)
         ]  # fmt: skip
 
     def _attention(
-        self, segments: Sequence[Segment], chance: np.random.Generator
+        self, drawn: Sequence[Segment], chance: np.random.Generator
     ) -> list[PlannedTrial]:
         trials = []
-        for index, segment in enumerate(drawn_segments(segments, self.attention.trials, chance)):
-            part = self.sets[index % len(self.sets)]
+        for part, segment in zip(self._turns(chance), drawn, strict=False):
             trial = grouped_trial("attention", part.name, segment, part.conditions, chance)
             trials.append(replace(trial, instructed=int(chance.integers(1, STEPS + 1))))
         return trials
+
+    def _turns(self, chance: np.random.Generator) -> Iterator[RatingSet]:
+        """Yield the sets in turn without end, beginning with any."""
+        return islice(cycle(self.sets), int(chance.integers(len(self.sets))), None)

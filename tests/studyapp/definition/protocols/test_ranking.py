@@ -56,6 +56,7 @@ def test_the_template_asks_the_four_questions(tmp_path: Any) -> None:
 
     assert isinstance(study, RankingStudy)
     assert [block.trials for block in study.blocks] == [8, 12]
+    assert [len(block.conditions) for block in study.blocks] == [5, 3]
     assert (study.participants, len(study.questions), study.ties) == (22, 4, False)
 
 
@@ -137,3 +138,5 @@ def test_a_block_with_too_few_segments_is_told() -> None:
     assert study.notes([*lasting(60, 8), *lasting(10, 11)]) == (
         "block short has 11 segments for its 12 trials, and shows each of them once",
     )
+    (note,) = make("ranking", reference=None).notes(lasting(60, 8))
+    assert "no reference is shown" in note

@@ -26,6 +26,8 @@ def test_the_template_has_two_sets_of_eight_groups_and_two_questions(tmp_path: A
     assert isinstance(study, RatingStudy)
     assert [part.groups for part in study.sets] == [8, 8]
     assert (study.participants, len(study.questions)) == (90, 2)
+    assert [len(part.conditions) for part in study.sets] == [4, 3]
+    assert [field.name for field in study.form.eligibility] == ["adult", "senses"]
     plan = study.plan(study.arms[0], 0, make_segments(EMOTIONS * 2))
     assert Counter((trial.part, trial.kind) for trial in plan) == {
         ("all", "main"): 8,
