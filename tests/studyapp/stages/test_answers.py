@@ -4,12 +4,15 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from sqlalchemy import select
 
 from analysis.responses import read_responses
 from studyapp.definition.folder import StudyFolder
+from studyapp.models import StudySession
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from studyapp.services.withdrawing import withdraw
 from studyapp.stages.answers import answers_to_report, export, read_answers
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
@@ -102,3 +105,21 @@ def test_the_answers_of_an_unfinished_study_session_do_not_count_as_completed(
 
     assert answers.opened() == {"rule_based-mismatched": 1}
     assert answers.completed() == frozenset()
+
+
+def test_what_was_kept_of_who_withdrew_is_exported_apart(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    definition = folder.definition
+    text = definition.read_text("utf-8").replace("[page]\n", '[page]\nwithdrawn = "kept"\n')
+    definition.write_text(text, "utf-8")
+    answer_once(folder, folder.responses)
+    database = Database.open(sqlite_url(folder.responses))
+    with database.reading() as session:
+        token = session.scalars(select(StudySession.token)).one()
+    withdraw(database, token, SetClock())
+    database.close()
+
+    assert export(folder, tmp_path / "responses.csv") == 0
+    assert export(folder, tmp_path / "withdrawn.csv", withdrawn=True) == 2
+    assert answers_to_report(folder).responses.empty
