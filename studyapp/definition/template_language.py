@@ -9,6 +9,8 @@ from typing import Any, Final
 
 import tomlkit
 
+from studyapp.definition.study import Study
+
 TEMPLATES_IN: Final = "en"
 """The language of the templates themselves."""
 
@@ -52,3 +54,23 @@ def _listed(said: list[Any]) -> tomlkit.items.Array:
         else:
             array.append(each)
     return array.multiline(multiline=True)
+
+
+def still_english(study: Study) -> tuple[str, ...]:
+    """Return the keys that still say what the English template says, though the pages do not.
+
+    Nothing can be said of texts that a researcher has written.
+    """
+    if study.page.language == TEMPLATES_IN:
+        return ()
+    source = tomllib.loads(templates().joinpath(f"{study.protocol}.toml").read_text("utf-8"))
+    texts = {question["name"]: question["text"] for question in source["questions"]}
+    same = {
+        "title": study.title == source["title"],
+        "page.consent": study.page.consent == source["page"]["consent"],
+        **{
+            f"the question {question.name!r}": question.text == texts.get(question.name)
+            for question in study.questions
+        },
+    }
+    return tuple(key for key, is_same in same.items() if is_same)

@@ -10,7 +10,7 @@ import pytest
 from studyapp.definition.creation import new_study
 from studyapp.definition.reading import read_study
 from studyapp.definition.study import Study
-from studyapp.definition.template_language import templates
+from studyapp.definition.template_language import still_english, templates
 
 PROTOCOLS = ("pairwise", "rating", "ranking", "mismatch")
 
@@ -70,3 +70,18 @@ def test_a_title_that_is_given_stays(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
 
     assert new_study(path, name="s", language="ja", title="Mine").title == "Mine"
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_texts_left_from_the_english_template_are_named(tmp_path: Path, protocol: str) -> None:
+    english, source = made(tmp_path / "en.toml", protocol, "en")
+    german, _ = made(tmp_path / "de.toml", protocol, "de")
+    mixed = tmp_path / "mixed.toml"
+    mixed.write_text(source.replace('language = "en"', 'language = "de"'), "utf-8")
+
+    assert still_english(english) == still_english(german) == ()
+    assert still_english(read_study(mixed)) == (
+        "title",
+        "page.consent",
+        *(f"the question {question.name!r}" for question in english.questions),
+    )

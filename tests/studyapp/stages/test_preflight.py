@@ -188,6 +188,16 @@ def test_an_empty_contact_is_warned_of_until_it_is_filled_in(ready: StudyFolder)
     assert "participants have nobody to ask" not in findings_of(ready, Severity.WARNING)
 
 
+def test_texts_left_in_english_are_warned_of_once_the_pages_are_not(ready: StudyFolder) -> None:
+    said = (
+        "the pages are in the language 'ja', but title, page.consent, the question "
+        "'synchronisation' and the question 'emotion' still say what the English template says"
+    )
+    assert said not in findings_of(ready, Severity.WARNING)
+    change(ready, "page", "language", value="ja")
+    assert said in findings_of(ready, Severity.WARNING)
+
+
 def test_a_study_without_catch_trials_is_warned_of(ready: StudyFolder) -> None:
     change(ready, "catch", "trials", value=0)
     assert any(
