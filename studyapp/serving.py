@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import logging
 import socket
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 from flask import Flask
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
+from sqlalchemy.exc import SQLAlchemyError
 
 from motion.errors import InputError
 from studyapp.clock import Clock
@@ -17,6 +20,9 @@ from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
 from studyapp.worker import StudyWorker
+
+RETRY_SECONDS: Final = 1.0
+"""Between a worker's attempts to start."""
 
 WORKERS: Final = 2
 THREADS: Final = 128
@@ -42,8 +48,18 @@ class StudyServer(BaseApplication):  # type: ignore[misc]
             self.cfg.set(name, value)
 
     def load(self) -> Flask:
-        """Make the application, in the worker's own process."""
-        return create_app(self.folder, **self.application)
+        """Make the application, in the worker's own process.
+
+        Where the database is away just then, it is waited for: a worker that gives up takes the
+        whole server with it.
+        """
+        while True:
+            try:
+                return create_app(self.folder, **self.application)
+            except (InputError, SQLAlchemyError) as error:
+                kind = type(error.__cause__ or error).__name__
+                logging.getLogger("gunicorn.error").error("A worker waits to start (%s)", kind)
+                time.sleep(RETRY_SECONDS)
 
 
 def run_server(
@@ -113,6 +129,7 @@ def run_server(
         database_url=url,
         rehearsal_speed=rehearsal_speed,
         accel_prefix=accel_prefix,
+        served=served,
     ).run()
 
 

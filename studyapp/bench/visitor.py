@@ -25,6 +25,8 @@ SENT_TWICE: Final = 0.05
 COMPLETED: Final = 'id="completion-code"'
 
 RETRY_SECONDS: Final = 0.1
+PATIENCE_SECONDS: Final = 60.0
+"""After so long without an answer, the most patient participant has given up."""
 
 
 class StrandedError(Exception):
@@ -156,18 +158,19 @@ class Visitor:
         return await self.wire.post(address, body, "application/json", accept="application/json")
 
     async def _ask(self, kind: Kind, request: Callable[[], Awaitable[Reply]]) -> Reply:
+        end = time.perf_counter() + (PATIENCE_SECONDS if self.patient else 0.0)
         while True:
             started = time.perf_counter()
             try:
                 reply = await request()
             except LostConnectionError as error:
-                if not self.patient:
+                if started > end:
                     self._fail(f"{kind}: {error}")
             else:
                 self.ledger.seconds.setdefault(kind, []).append(time.perf_counter() - started)
                 if reply.status < 400:
                     return reply
-                if reply.status < 500 or not self.patient:
+                if reply.status < 500 or started > end:
                     self._fail(f"{kind}: status {reply.status}")
             self.ledger.lost += 1
             await asyncio.sleep(RETRY_SECONDS)

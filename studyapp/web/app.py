@@ -39,6 +39,7 @@ def create_app(
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
     accel_prefix: str | None = None,
+    served: ServedStudy | None = None,
 ) -> Flask:
     """Make the application that serves the study in `folder`.
 
@@ -52,6 +53,9 @@ def create_app(
         Makes a rehearsal: seconds that count as passed for each real one.
     accel_prefix : str, optional
         Where a proxy in front finds the study folder: videos are left to it (X-Accel-Redirect).
+    served : ServedStudy, optional
+        What was read of `folder` before; a process that takes another one's place then serves
+        the same study, whatever has become of the files.
 
     Raises
     ------
@@ -61,7 +65,7 @@ def create_app(
     """
     if rehearsal_speed is not None and not rehearsal_speed > 0:
         raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
-    served = ServedStudy.read(folder)
+    served = served or ServedStudy.read(folder)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal_speed is not None)
     app = StudyWeb("studyapp.web")
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST

@@ -6,6 +6,8 @@ from typing import Final
 
 from flask import Flask, jsonify, render_template, request, url_for
 from flask.typing import ResponseReturnValue
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from werkzeug.exceptions import HTTPException
 
 from studyapp.design.message import Message
@@ -66,6 +68,14 @@ def register_error_pages(app: Flask) -> None:
     def refuse(refusal: RefusalError) -> ResponseReturnValue:
         note(refusal)
         return _page(refusal.messages, STATUS[type(refusal)])
+
+    @app.errorhandler(OperationalError)
+    @app.errorhandler(PoolTimeoutError)
+    def ask_for_patience(error: SQLAlchemyError) -> ResponseReturnValue:
+        cause = error.orig if isinstance(error, OperationalError) else error
+        words = (str(cause).splitlines() or [""])[0]
+        app.logger.error("The database cannot be used: %s (%s)", words, type(cause).__name__)
+        return _page(OTHER_WORDS, 503)
 
     @app.errorhandler(HTTPException)
     def fail(error: HTTPException) -> ResponseReturnValue:
