@@ -77,9 +77,17 @@ class Page:
     @property
     def answer_form(self) -> Form:
         """The form of a trial; it holds the token of the presentation it is for."""
-        form = self._soup.find("form", id="answers")
+        return self._trial_form("answers")
+
+    @property
+    def trouble_form(self) -> Form:
+        """The form that says of a trial that a video does not play."""
+        return self._trial_form("unplayable")
+
+    def _trial_form(self, name: str) -> Form:
+        form = self._soup.find("form", id=name)
         if not isinstance(form, Tag):
-            raise BrokenPageError(self, "has no form with the id 'answers'")
+            raise BrokenPageError(self, f"has no form with the id {name!r}")
         read = read_form(self._soup, form)
         if not read.trial:
             raise BrokenPageError(self, "does not say in a hidden field 'trial' what it asks about")

@@ -119,6 +119,7 @@ def probe_trial(
     )
     visit.watch(page)
     refused = [prober.refused(name, data) for name, data in _spoilt(study, trial, judgement, good)]
+    refused += _trouble(prober, page)
     following = visit.send(page, form, judgement.fields())
     other = {**good, **_as_data(_other_answers(judgement))}
     late = [
@@ -147,6 +148,22 @@ def _spoilt(
         data = _as_data(replace(judgement, values=second))
         yield "ranks that make no order", {**good, **data}
     yield "somebody else's trial", {**good, "trial": ["0" * len(good["trial"][0])]}
+
+
+def _trouble(prober: Prober, page: Page) -> list[Probe]:
+    """Say of videos that cannot be meant that they do not play; each one shown must offer it."""
+    form = page.trouble_form
+    offered = {value for name, value in form.buttons if name == "video"}
+    if len(offered) != len(page.players):
+        raise BrokenPageError(page, "does not let each of its videos be said not to play")
+    prober = replace(prober, target=page.target(form))
+    nobodys = "0" * len(form.trial)
+    return [
+        prober.refused("trouble with somebody else's trial", {"trial": [nobodys]}),
+        prober.refused(
+            "trouble with somebody else's video", {"trial": [form.trial], "video": [nobodys]}
+        ),
+    ]
 
 
 def _other_answers(judgement: Judgement) -> Judgement:

@@ -70,6 +70,8 @@ def test_bad_submissions_are_refused_and_the_good_answers_are_stored(
     assert tried["the same answers twice"] == 200
     assert tried["other answers to an answered trial"] == 409
     assert tried["somebody else's trial"] == 403
+    assert tried["trouble with somebody else's trial"] == 403
+    assert tried["trouble with somebody else's video"] == 422
     assert {status for name, status in tried.items() if name.startswith(("a ", "ques"))} == {422}
     assert {(question, number): value for _, question, number, value, _ in eyes.stored(page)} == (
         judgement.values
@@ -86,6 +88,16 @@ def test_a_server_that_takes_bad_answers_is_found_out(
         visit, page = at_first_trial(client, participant)
         visit.watch(page)
         with pytest.raises(BrokenPageError, match="before the videos were watched, and stored it"):
+            probe_trial(visit, page, participant.judge(page), study=folder.study(), eyes=eyes)
+
+
+@pytest.mark.parametrize("folder", ["rankings"], indirect=True)
+def test_a_page_that_does_not_let_a_video_be_said_not_to_play_is_found_out(
+    app: Flask, folder: StudyFolder, participant: Participant, eyes: Eyes
+) -> None:
+    with browser(app, lambda html: html.replace('name="video"', "")) as client:
+        visit, page = at_first_trial(client, participant)
+        with pytest.raises(BrokenPageError, match="does not let each of its videos"):
             probe_trial(visit, page, participant.judge(page), study=folder.study(), eyes=eyes)
 
 
