@@ -106,6 +106,8 @@ def test_the_checklist_is_said_in_the_language_of_the_study(
 ) -> None:
     with first_trial(browser, folder, language_of(code)) as (page, _):
         expect(page.locator("#needed")).to_have_text(still)
+        # A pair and its question stand on a laptop's screen without scrolling.
+        assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
         for label in "AB":
             page.locator(f"[data-label={label}]").click()
             expect(page.locator("#watched")).to_contain_text(f"{label} ✓", timeout=15_000)
