@@ -42,6 +42,14 @@ def test_questions_differ_in_how_far_they_tell_conditions_apart(population: Popu
     assert 0 < gaps["emotion"] < gaps["rhythm"]
 
 
+def test_only_motion_that_is_better_than_mismatched_suits_its_own_speech_better(
+    population: Population,
+) -> None:
+    belonging = {name: belongs["rhythm"] for name, belongs in population.belonging.items()}
+    assert belonging["brought"] > belonging["rule_based"] > 0
+    assert belonging["mismatched"] == belonging["static"] == belonging["broken"] == 0
+
+
 @pytest.mark.parametrize(
     "change",
     [
@@ -50,11 +58,15 @@ def test_questions_differ_in_how_far_they_tell_conditions_apart(population: Popu
         {"participant_sd": -0.1},
         {"item_sd": -0.1},
         {"side_bias_sd": -0.1},
+        {"leniency_sd": -0.1},
+        {"rating_spread": 0.0},
         {"inattentive": 1.1},
+        {"overlooked": -0.1},
+        {"reasons": 2.0},
     ],
 )
 def test_an_impossible_population_is_refused(
     population: Population, change: dict[str, Any]
 ) -> None:
-    with pytest.raises(ValueError, match=r"thresholds|negative|share"):
+    with pytest.raises(ValueError, match=r"thresholds|negative|share|above 0"):
         replace(population, **change)
