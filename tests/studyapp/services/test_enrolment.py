@@ -1,15 +1,13 @@
 from __future__ import annotations
 
-import multiprocessing
 from collections import Counter
 from pathlib import Path
 
 import pytest
 from sqlalchemy import select
 
-from studyapp.clock import Clock
-from studyapp.models import Place, StudySession, Trial
-from studyapp.services.database import Database, sqlite_url
+from studyapp.models import Place, StudySession
+from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
@@ -130,50 +128,3 @@ def test_the_emptier_comparison_is_filled_first(
     with database.reading() as session:
         comparisons = Counter(session.scalars(select(StudySession.arm)))
     assert comparisons == {"rule_based-mismatched": 3, "rule_based-static": 3}
-
-
-def _arrive(folder: Path, url: str, names: list[str], results: multiprocessing.Queue[str]) -> None:
-    database, served = Database.open(url), ServedStudy.read(folder)
-    open_study(database, served, Clock())
-    for name in names:
-        try:
-            results.put(enrol(database, served, Arrival(visit=name), Clock()))
-        except StudyFullError:
-            results.put("full")
-    database.close()
-
-
-@pytest.mark.slow
-def test_no_place_is_given_twice_by_several_processes(tiny_study: Path, tmp_path: Path) -> None:
-    study = tiny_study / "study.toml"
-    study.write_text(
-        study.read_text("utf-8").replace(
-            "participants_per_comparison = 4", "participants_per_comparison = 20"
-        ),
-        "utf-8",
-    )
-    url = sqlite_url(tmp_path / "busy.db")
-    spawn = multiprocessing.get_context("spawn")
-    results: multiprocessing.Queue[str] = spawn.Queue()
-    # Each name arrives at two of the four processes: twelve participants come twice.
-    names = [[f"visit {(process // 2) * 12 + n}" for n in range(12)] for process in range(4)]
-    processes = [
-        spawn.Process(target=_arrive, args=(tiny_study, url, own, results)) for own in names
-    ]
-    for process in processes:
-        process.start()
-    tokens = [results.get(timeout=60) for _ in range(48)]
-    for process in processes:
-        process.join()
-
-    database = Database.open(url)
-    with database.reading() as session:
-        places = session.scalars(select(Place)).all()
-        sessions = session.scalars(select(StudySession)).all()
-        trials = session.scalars(select(Trial)).all()
-    database.close()
-    assert len(places) == 20
-    assert len({place.study_session_id for place in places}) == 20
-    assert len(sessions) == 20
-    assert set(tokens) - {"full"} == {known.token for known in sessions}
-    assert len(trials) == 20 * 6

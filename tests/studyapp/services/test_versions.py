@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,18 @@ def test_the_definition_is_kept_with_the_study_sessions_it_was_served_to(
     assert version.number == 1
     assert version.design == participant.served.design
     assert version.definition == (tiny_study / "study.toml").read_text("utf-8")
+
+
+def test_several_servers_may_open_the_study_at_once(
+    database: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    with ThreadPoolExecutor(4) as pool:
+        for opening in [pool.submit(open_study, database, served, clock) for _ in range(4)]:
+            opening.result()
+
+    assert [version.number for version in versions(database)] == [1]
+    with database.reading() as session:
+        assert sorted(session.scalars(select(Place.number))) == [0, 1, 2, 3]
 
 
 def test_opening_twice_changes_nothing(
