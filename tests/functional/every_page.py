@@ -58,6 +58,10 @@ def walk(page: Page, address: str, app: Flask) -> Iterator[str]:
             yield name
             answer(page)
             yield f"{name}-answered"
+            menus = page.locator(".ordering button")
+            if menus.count() and menus.get_attribute("aria-pressed") == "false":
+                menus.click()
+                yield f"{name}-menus"
             leave_trial(page)
         else:
             yield name
@@ -76,11 +80,15 @@ def kind_of(page: Page) -> str:
 def answer(page: Page) -> None:
     """Answer every question in the way of its widget."""
     for question in page.locator("#answers .question").all():
-        cards = question.locator(".card")
+        cards = question.locator(".card:visible")
+        menus = question.locator("select:visible")
         line = question.get_by_role("slider")
         if cards.count():
             for _card in range(cards.count()):
                 question.locator(".tray .card").last.click()
+        elif menus.count():
+            for number, menu in enumerate(menus.all(), start=1):
+                menu.select_option(str(number))
         elif line.count():
             line.press("PageUp")
             line.press("PageUp")
@@ -110,7 +118,7 @@ def fill(page: Page, app: Flask) -> None:
 
 def spoken_digits(page: Page, app: Flask) -> str:
     """Return the digits that the participant whose page this is hears."""
-    token = page.url.rsplit("/", 1)[1]
+    token = page.url.partition("/take/")[2].partition("/")[0]
     found = select(StudySession.sound_digits).where(StudySession.token == token)
     with app.app_context(), running().database.reading() as session:
         return session.scalars(found).one()

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from flask import Flask
 from playwright.sync_api import Browser, Page, expect
 
 from tests.functional.browsing import IN_A_BROWSER, LAPTOP, launched, watched_page
-from tests.functional.every_page import shown, walk
+from tests.functional.every_page import fill, shown, spoken_digits, walk
 from tests.functional.shown_studies import NAMES, write_shown_study
 
 pytestmark = IN_A_BROWSER
@@ -79,7 +80,7 @@ def test_no_page_has_a_severe_barrier_in_light_or_dark(
         found = {}
         seen = set()
         for state in walk(page, address, app):
-            parts = made_of(page)
+            parts = state.partition("-")[2] + made_of(page)
             if parts not in seen:
                 photograph(page, f"{name}-{state}")
                 found[state] = barriers(page)
@@ -87,6 +88,86 @@ def test_no_page_has_a_severe_barrier_in_light_or_dark(
 
     assert {state: each for state, each in found.items() if each} == {}
     assert "trial" in "".join(found)
+
+
+def beside_the_way(page: Page, address: str, app: Flask) -> Iterator[str]:
+    """Come to the pages that a smooth study session does not show; give the name of each."""
+    page.goto(f"{address}/take/nobody")
+    yield "unknown"
+    page.goto(address)
+    page.get_by_label("no", exact=True).check()
+    page.get_by_role("button", name="Next").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("other participants")
+    yield "screened-out"
+    page.goto(address)
+    for form in ("#eligibility", "#start"):
+        expect(page.locator(form)).to_be_visible()
+        fill(page, app)
+        page.locator("form:visible button.primary").click()
+    expect(page.locator("#digits")).to_be_visible()
+    other = "".join(str(9 - int(digit)) for digit in spoken_digits(page, app))
+    for _try in range(3):
+        page.locator("#digits").fill(other)
+        page.get_by_role("button", name="Next").click()
+        expect(page.locator("#digits")).to_have_value("")
+    expect(page.locator("#unheard")).to_be_visible()
+    yield "unheard"
+    fill(page, app)
+    page.get_by_role("button", name="Next").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("about you")
+    page.locator("form").evaluate("form => form.noValidate = true")
+    page.get_by_role("button", name="Next").click()
+    expect(page.locator(".field-problem").first).to_be_visible()
+    yield "form-problem"
+    page.goto(page.url.partition("/form/")[0])
+    second = page.context.new_page()
+    second.goto(page.url)
+    expect(page.get_by_role("dialog")).to_be_visible()
+    yield "second-window"
+    second.close()
+    page.goto(page.url)
+    page.get_by_role("link", name="withdraw").click()
+    expect(page.get_by_role("button", name="Yes, withdraw")).to_be_visible()
+    yield "withdraw"
+    page.get_by_role("button", name="Yes, withdraw").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("left the study")
+    yield "withdrawn"
+
+
+def test_no_page_beside_the_way_has_a_severe_barrier(browser: Browser, tmp_path: Path) -> None:
+    write_shown_study(tmp_path / "players", "players")
+    with shown(tmp_path / "players") as (address, app):
+        page = browser.new_context(viewport=LAPTOP).new_page()  # type: ignore[arg-type]
+        found = {}
+        for name in beside_the_way(page, address, app):
+            photograph(page, f"beside-{name}")
+            found[name] = barriers(page)
+        page.context.close()
+        phone = browser.new_page(viewport=SIZES["phone"], is_mobile=True, has_touch=True)  # type: ignore[arg-type]
+        phone.goto(address)
+        expect(phone.get_by_role("heading", level=1)).to_contain_text("on a computer")
+        photograph(phone, "beside-phone")
+        found["phone"] = barriers(phone)
+        phone.close()
+
+    assert {name: each for name, each in found.items() if each} == {}
+
+
+def test_a_barrier_would_be_found(browser: Browser) -> None:
+    page = browser.new_page()
+    style = "@media (prefers-color-scheme: dark) { h1 { color: #eee; } }"
+    page.set_content(
+        f"<html lang=en><head><title>Title</title><style>{style}</style></head>"
+        "<main><h1>Heading</h1><select><option>Choice</select></main>"
+    )
+
+    found = barriers(page)
+
+    assert [each.split(" at ")[0] for each in found] == [
+        "dark: color-contrast",
+        "light: select-name",
+    ]
+    page.close()
 
 
 @pytest.mark.parametrize("language", ["en", "de", "ja"])
