@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
+from uuid import uuid4
 
 import pytest
 from flask import Flask
@@ -62,6 +63,19 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
         url: str = request.getfixturevalue("postgresql_url")
         return url
     return sqlite_url(tmp_path / "responses.db")
+
+
+@pytest.fixture
+def empty_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    """Return the address of a database without tables: SQLite, or of the kind asked for."""
+    kind: DatabaseKind = getattr(request, "param", "sqlite")
+    if kind == "sqlite":
+        yield sqlite_url(tmp_path / "empty.db")
+        return
+    server: ThrowawayPostgresql = request.getfixturevalue("postgresql")
+    name = f"empty_{uuid4().hex}"
+    yield server.create_database(name)
+    server.drop_database(name)
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
-from pathlib import Path
-
+import pytest
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
@@ -11,15 +10,19 @@ from sqlalchemy import create_engine, inspect
 from studyapp.models import Base
 from studyapp.services.database import Database, migration_config
 
+KINDS = ["sqlite", "postgresql"]
 
+
+@pytest.mark.parametrize("database_url", KINDS, indirect=True)
 def test_the_newest_schema_is_that_of_the_models(database: Database) -> None:
     with database.engine.connect() as connection:
         context = MigrationContext.configure(connection, opts={"compare_type": True})
         assert compare_metadata(context, Base.metadata) == []
 
 
-def test_every_step_goes_up_and_down_again(tmp_path: Path) -> None:
-    engine = create_engine(f"sqlite:///{tmp_path / 'steps.db'}")
+@pytest.mark.parametrize("empty_url", KINDS, indirect=True)
+def test_every_step_goes_up_and_down_again(empty_url: str) -> None:
+    engine = create_engine(empty_url)
     with engine.begin() as connection:
         config = migration_config(connection)
         steps = list(ScriptDirectory.from_config(config).walk_revisions())[::-1]
