@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from datetime import datetime
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -14,9 +13,10 @@ from sqlalchemy.orm import Session
 from studyapp.migrations.carrying import Rows
 from studyapp.migrations.pair_rows import with_arms, without_arms
 from studyapp.models import StudySession
-from studyapp.services.database import Database, migration_config, sqlite_url
+from studyapp.services.database import Database, migration_config
 
 MOMENT = "2026-05-04 00:00:00.000000"
+ON_BOTH = pytest.mark.parametrize("empty_url", ["sqlite", "postgresql"], indirect=True)
 TABLES = ("study_sessions", "places", "trials", "responses", "watch_batches")
 
 
@@ -98,17 +98,16 @@ def content(connection: Connection) -> Rows:
 
 
 @pytest.fixture
-def first(tmp_path: Path) -> Path:
+def first(empty_url: str) -> str:
     """Return a database of the first schema with a participant in the middle of it."""
-    path = tmp_path / "first.db"
-    engine = create_engine(sqlite_url(path))
+    engine = create_engine(empty_url)
     with engine.begin() as connection:
         command.upgrade(migration_config(connection), "0001")
         for name, rows in FIRST.items():
             table = Table(name, MetaData(), autoload_with=connection)
             connection.execute(insert(table), _as_stored(table, rows))
     engine.dispose()
-    return path
+    return empty_url
 
 
 def _as_stored(table: Table, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -122,8 +121,9 @@ def _as_stored(table: Table, rows: list[dict[str, Any]]) -> list[dict[str, Any]]
     ]
 
 
-def test_answers_and_places_of_the_first_schema_are_there_in_the_second(first: Path) -> None:
-    database = Database.open(sqlite_url(first))
+@ON_BOTH
+def test_answers_and_places_of_the_first_schema_are_there_in_the_second(first: str) -> None:
+    database = Database.open(first)
 
     with database.reading() as session:
         participant = session.scalars(select(StudySession)).one()
@@ -141,8 +141,9 @@ def test_answers_and_places_of_the_first_schema_are_there_in_the_second(first: P
     database.close()
 
 
-def test_going_back_gives_what_there_was(first: Path) -> None:
-    engine = create_engine(sqlite_url(first))
+@ON_BOTH
+def test_going_back_gives_what_there_was(first: str) -> None:
+    engine = create_engine(first)
     with engine.begin() as connection:
         before = content(connection)
         config = migration_config(connection)
@@ -153,8 +154,9 @@ def test_going_back_gives_what_there_was(first: Path) -> None:
     engine.dispose()
 
 
-def test_new_rows_can_follow_the_old_ones(first: Path) -> None:
-    database = Database.open(sqlite_url(first))
+@ON_BOTH
+def test_new_rows_can_follow_the_old_ones(first: str) -> None:
+    database = Database.open(first)
 
     with database.writing() as session:
         _add_another(session)
