@@ -239,6 +239,12 @@ def test_reading_makes_no_database_where_there_is_none(
     assert files(tmp_path) == before
 
 
+@pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
+def test_reading_makes_no_tables_in_an_empty_database_of_postgresql(empty_url: str) -> None:
+    assert Database.open_for_reading(empty_url) is None
+    assert Database.open_for_reading(empty_url) is None
+
+
 def test_reading_brings_an_older_schema_to_nothing_newer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
