@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-render soak pictures clean
+.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-render soak pictures screens clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -52,6 +52,9 @@ bench: setup  ## Measure rendering speed and the validity of the statistics.
 	$(BIN)/python -m renderer.benchmark
 	$(BIN)/python -m analysis.validity
 
+bench-adaptive: setup  ## Simulate how much sooner adaptive pairs find an order, and draw it.
+	$(BIN)/python -m studyapp.bench.adaptive_pairs docs/adaptive.png
+
 bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
 	$(BIN)/python -m renderer.benchmark
 
@@ -61,5 +64,8 @@ soak: setup  ## Render 10,000 frames and print whether memory stays flat.
 pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/pictures.py demo-study
 
+screens: setup-browser  ## Take every page of every protocol, in every size, light and dark.
+	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_every_page_in_browser.py
+
 clean:  ## Remove what was installed and made here (studies of yours stay).
-	rm -rf $(VENV) demo-study build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) demo-study screens build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

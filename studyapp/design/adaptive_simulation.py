@@ -1,8 +1,8 @@
-"""How much sooner adaptive pairs tell conditions apart than random ones.
+"""How much sooner adaptive pairs tell conditions apart than others: simulated tournaments.
 
-``python -m studyapp.design.adaptive_simulation`` simulates tournaments of conditions with known
-strengths and prints, after so many answers, how well their order is known (Kendall's τ with the
-true one) and how far off the strengths are (root mean square, logits), either way.
+Conditions have known strengths, and participants answer as a Bradley–Terry model says. All ways of
+choosing pairs are given the same conditions and as many answers, and are judged by the same
+posterior.
 """
 
 from __future__ import annotations
@@ -10,20 +10,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import kendalltau
 
 from studyapp.design.adaptive import Pair, posterior, worthiest_pairs
+from studyapp.design.allocation import shuffled
 
-CONDITIONS: Final = 10
-STRENGTH_SD: Final = 1.0
+Choice = Literal["adaptive", "even", "random"]
+"""How pairs are chosen: by what an answer is worth; all in turn along a ring in random order, as
+``comparisons = "all_pairs"`` does; or each by itself, any as likely as another."""
+
+CHOICES: Final[tuple[Choice, ...]] = ("adaptive", "even", "random")
+
 TRIALS: Final = 12
-PARTICIPANTS: Final = 60
-REPETITIONS: Final = 40
-SHOWN_AT: Final = (5, 10, 20, 40, 60)
+"""Pairs that each participant answers."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,14 +46,27 @@ class Knowledge:
 
 
 def tournament(
-    strengths: NDArray[np.float64], *, adaptive: bool, participants: int, seed: int
+    strengths: NDArray[np.float64], *, choice: Choice, participants: int, seed: int
 ) -> Iterator[Knowledge]:
-    """Yield what is known after each of `participants`, who answer `TRIALS` pairs each."""
+    """Yield what is known after each of `participants`, who answer `TRIALS` pairs each.
+
+    Parameters
+    ----------
+    strengths : ndarray, shape (C,)
+        What is to be found out, in logits.
+    choice : {'adaptive', 'even', 'random'}
+        How pairs are chosen.
+    participants : int
+        How many come.
+    seed : int
+        Of the pairs and of the answers.
+    """
     chance = np.random.default_rng(seed)
     names = [str(index) for index in range(len(strengths))]
+    ring = shuffled(list(combinations(names, 2)), chance)
     votes: dict[Pair, float] = {}
-    for _ in range(participants):
-        for a, b in _pairs(names, votes, chance, adaptive=adaptive):
+    for number in range(participants):
+        for a, b in _pairs(names, ring, number, votes, chance, choice):
             gap = strengths[int(a)] - strengths[int(b)]
             winner = (a, b) if chance.random() < 1 / (1 + np.exp(-gap)) else (b, a)
             votes[winner] = votes.get(winner, 0.0) + 1
@@ -63,35 +79,16 @@ def tournament(
 
 
 def _pairs(
-    names: Sequence[str], votes: dict[Pair, float], chance: np.random.Generator, *, adaptive: bool
+    names: Sequence[str],
+    ring: Sequence[Pair],
+    number: int,
+    votes: dict[Pair, float],
+    chance: np.random.Generator,
+    choice: Choice,
 ) -> list[Pair]:
-    if adaptive:
+    """Return the pairs that participant `number` answers."""
+    if choice == "adaptive":
         return worthiest_pairs(names, votes, TRIALS, chance)
-    pairs = list(combinations(names, 2))
-    return [pairs[index] for index in chance.integers(len(pairs), size=TRIALS)]
-
-
-def main() -> None:
-    """Print the curves."""
-    curves: dict[bool, list[list[Knowledge]]] = {True: [], False: []}
-    for seed in range(REPETITIONS):
-        strengths = np.random.default_rng([seed, 1]).normal(0, STRENGTH_SD, CONDITIONS)
-        for adaptive, runs in curves.items():
-            runs.append(
-                list(tournament(strengths, adaptive=adaptive, participants=PARTICIPANTS, seed=seed))
-            )
-    print("answers  τ adaptive  τ random  error adaptive  error random")
-    for number in SHOWN_AT:
-        means = [
-            np.mean([getattr(run[number - 1], what) for run in curves[adaptive]])
-            for what in ("tau", "error")
-            for adaptive in (True, False)
-        ]
-        print(
-            f"{number * TRIALS:7}  {means[0]:10.3f}  {means[1]:8.3f}  {means[2]:14.3f}  "
-            f"{means[3]:12.3f}"
-        )
-
-
-if __name__ == "__main__":
-    main()
+    if choice == "even":
+        return [ring[(number * TRIALS + step) % len(ring)] for step in range(TRIALS)]
+    return [ring[index] for index in chance.integers(len(ring), size=TRIALS)]

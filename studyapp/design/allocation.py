@@ -108,7 +108,7 @@ def allocate_segments(
     available = {emotion: len(ring) for emotion, ring in rings.items()}
     given = [total] * number if before is None else before
     shares = {count: _Share.of(available, count) for count in {*given, total}}
-    taken = Counter({emotion: 0 for emotion in rings})
+    taken = Counter(dict.fromkeys(rings, 0))
     for count, times in Counter(given).items():
         for emotion, even in shares[count].even.items():
             taken[emotion] += times * even

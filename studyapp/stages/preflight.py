@@ -106,8 +106,8 @@ def _extra_findings(plan: Sequence[PlannedTrial]) -> Iterator[Finding]:
     if again:
         yield Finding(
             Severity.NOTE,
-            f"{again} catch trials or attention checks have speech that comes in another trial "
-            f"too, which sets them apart; {again} more segments would hide them",
+            f"{again} of {len(extra)} catch trials and attention checks have speech that comes in "
+            "another trial too, which sets them apart; more segments would hide them",
         )
 
 
