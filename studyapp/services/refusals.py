@@ -6,7 +6,7 @@ import logging
 from collections.abc import Mapping
 from typing import Final
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.exc import SQLAlchemyError
 
 from studyapp.clock import Clock
@@ -62,9 +62,8 @@ def note_refusal(
     try:
         with database.reading() as session:
             of = session.scalar(select(StudySession.id).where(StudySession.token == token))
-            same = RefusalLine.study_session_id.is_(None)
-            if of is not None:
-                same = RefusalLine.study_session_id == of
+            whose = RefusalLine.study_session_id
+            same: ColumnElement[bool] = whose.is_(None) if of is None else whose == of
             noted = session.scalar(select(func.count()).select_from(RefusalLine).where(same)) or 0
         if noted >= (MOST_OF_NOBODY if of is None else MOST_OF_ONE):
             return
