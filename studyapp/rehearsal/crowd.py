@@ -6,7 +6,6 @@ import ssl
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
-from functools import partial
 from threading import Event
 from typing import Final
 
@@ -14,16 +13,12 @@ import httpx
 
 from motion.errors import InputError
 from studyapp.definition.study import Study
+from studyapp.rehearsal.examiner import Examiner
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.form_probes import probe_form
-from studyapp.rehearsal.forms import FormFields
-from studyapp.rehearsal.judgement import Judgement
-from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
-from studyapp.rehearsal.probes import Probe, probe_trial
+from studyapp.rehearsal.probes import Probe
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import Roster
-from studyapp.rehearsal.visit import Visit
 
 STAGGER: Final = 0.05
 """Seconds between the first arrivals."""
@@ -64,7 +59,7 @@ class Crowd:
     def take_part(self, roster: Roster, *, workers: int, on_done: Callable[[int], None]) -> None:
         """Let the rest of `roster` come, `workers` at a time; the first error stops everybody.
 
-        The first who is new tries bad submissions at the first trial and around the trials.
+        The first who is new tries bad submissions on every kind of page.
 
         Parameters
         ----------
@@ -100,6 +95,7 @@ class Crowd:
 
     def _one(self, name: str, *, delay: float, probing: bool) -> None:
         self.stop.wait(delay)
+        examiner = Examiner(name=name, study=self.study, eyes=self.eyes, probes=self.probes)
         participant = Participant(
             name=name,
             study=self.study,
@@ -108,8 +104,8 @@ class Crowd:
             eyes=self.eyes,
             speed=self.speed,
             stop=self.stop,
-            answer_first=self._probe if probing else answer_trial,
-            fill=partial(self._probe_form, name) if probing else fill_form,
+            answer=examiner.answer if probing else answer_trial,
+            fill=examiner.fill if probing else fill_form,
         )
         # Certificates are not needed on the loopback, and loading them takes longer than a visit.
         unused = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
@@ -129,15 +125,3 @@ class Crowd:
                     where=self.server,
                     remedy="Run the command again: it goes on where it was",
                 ) from error
-
-    def _probe(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
-        following, probes = probe_trial(visit, page, judgement, study=self.study, eyes=self.eyes)
-        self.probes.extend(probes)
-        return following
-
-    def _probe_form(self, name: str, visit: Visit, page: Page, answers: FormFields) -> Page:
-        following, probes = probe_form(
-            visit, page, answers, study=self.study, eyes=self.eyes, name=name
-        )
-        self.probes.extend(probes)
-        return following

@@ -59,8 +59,8 @@ class Participant:
         How fast the rehearsal's clock runs; it watches in that time.
     stop : Event
         Set when the rehearsal is to stop.
-    answer_first : callable
-        How it answers the first trial it comes to; by default as every other.
+    answer : callable
+        How it answers trials.
     fill : callable
         How it fills in the forms of other pages.
     """
@@ -72,7 +72,7 @@ class Participant:
     eyes: Eyes
     speed: float
     stop: Event
-    answer_first: AnswerTrial = answer_trial
+    answer: AnswerTrial = answer_trial
     fill: FillForm = fill_form
 
     @property
@@ -105,7 +105,6 @@ class Participant:
         page = visit.open(self.entrance)
         before: tuple[str, str] | None = None
         same = 0
-        answer = self.answer_first
         while (code := page.completion_code) is None:
             step = (page.address, page.answer_form.trial if page.asks else page.next_form.action)
             same = same + 1 if step == before else 1
@@ -113,8 +112,7 @@ class Participant:
                 raise BrokenPageError(page, "comes back though it was filled in as it asks")
             before = step
             if page.asks:
-                page = answer(visit, page, self.judge(page))
-                answer = answer_trial
+                page = self.answer(visit, page, self.judge(page))
             else:
                 page = self.fill(visit, page, self.say(visit, page))
         return code

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -31,15 +31,16 @@ def expectations(
 
     Nothing is expected of rankings with ties: how many there are depends on all motions at once.
     """
+    items = _Items(population, seed, segments)
     match study:
         case PairwiseStudy():
-            found = _of_pairs(study, _Items(population, seed, segments))
+            found = _of_pairs(study, items)
         case RatingStudy():
-            found = _of_ratings(study, _Items(population, seed, segments))
+            found = _of_ratings(study, items)
         case RankingStudy():
-            found = _of_rankings(study, _Items(population, seed, segments))
+            found = _of_rankings(study, items)
         case MismatchStudy():
-            found = _of_mismatch(study, _Items(population, seed, segments))
+            found = _of_mismatch(study, items)
         case _:
             raise TypeError(f"a rehearsal knows no {type(study).__name__}")
     return tuple(found)
@@ -47,7 +48,7 @@ def expectations(
 
 @dataclass(frozen=True)
 class _Items:
-    """Segments, and how each condition happens to do in each of them."""
+    """The segments that a question is asked about, and how each condition does in each."""
 
     population: Population
     seed: int
@@ -103,7 +104,7 @@ def _of_ratings(study: RatingStudy, items: _Items) -> Iterator[Expected]:
 
 def _of_rankings(study: RankingStudy, items: _Items) -> Iterator[Expected]:
     for block in study.blocks if not study.ties else ():
-        shown = _Items(items.population, items.seed, block.segments(items.segments))
+        shown = replace(items, segments=block.segments(items.segments))
         for question in study.questions:
             for condition in block.conditions if question.belongs_to(block.name) else ():
                 others = [other for other in block.conditions if other != condition]

@@ -14,9 +14,8 @@ from sqlalchemy import select
 
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Place, StudySession
+from studyapp.rehearsal.examiner import Examiner
 from studyapp.rehearsal.eyes import Eyes, seen
-from studyapp.rehearsal.form_probes import probe_form
-from studyapp.rehearsal.forms import FormFields
 from studyapp.rehearsal.judgement import Judgement, judge
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant, answer_trial
@@ -102,20 +101,14 @@ def test_a_page_that_does_not_let_a_video_be_said_not_to_play_is_found_out(
 
 
 @pytest.mark.parametrize("folder", ["mismatch"], indirect=True)
-def test_bad_submissions_around_the_trials_are_refused(
+def test_bad_submissions_of_every_kind_of_page_are_refused(
     app: Flask, folder: StudyFolder, participant: Participant, eyes: Eyes
 ) -> None:
-    tried: dict[str, int] = {}
-
-    def probing(visit: Visit, page: Page, answers: FormFields) -> Page:
-        following, probes = probe_form(
-            visit, page, answers, study=folder.study(), eyes=eyes, name=participant.name
-        )
-        tried.update({probe.name: probe.status for probe in probes})
-        return following
-
+    examiner = Examiner(name=participant.name, study=folder.study(), eyes=eyes)
     with browser(app) as client:
-        assert replace(participant, fill=probing).take_part(client)
+        assert replace(participant, answer=examiner.answer, fill=examiner.fill).take_part(client)
+    tried = {probe.name: probe.status for probe in examiner.probes}
+    assert examiner.examined == {"fit", "realism"}
     for name, status in {
         "no answer to the question 'adult'": 422,
         "an answer that excludes to the question 'adult'": 403,
@@ -184,7 +177,7 @@ def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
         return following
 
     with browser(app) as client, pytest.raises(InterruptedRehearsal):
-        replace(participant, answer_first=stopping).take_part(client)
+        replace(participant, answer=stopping).take_part(client)
     participant.stop.clear()
     with browser(app) as client:
         assert participant.take_part(client)

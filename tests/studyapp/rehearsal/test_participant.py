@@ -104,7 +104,7 @@ def test_a_stopped_rehearsal_sends_no_answer(
         participant.stop.set()
         return visit.send(page, page.answer_form, judgement.fields())
 
-    stopped = replace(participant, answer_first=stopping)
+    stopped = replace(participant, answer=stopping)
     with browser(app) as client, pytest.raises(InterruptedRehearsal):
         stopped.take_part(client)
     assert eyes.stored(pages[0]) == ()
