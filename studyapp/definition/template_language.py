@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from importlib.resources.abc import Traversable
 from typing import Any, Final
@@ -36,8 +37,15 @@ def put_into_language(document: tomlkit.TOMLDocument, file: str, language: str) 
     texts = tomllib.loads(templates().joinpath(language, file).read_text("utf-8"))
     document["title"] = texts["title"]
     document["page"]["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
-    by_name = {question["name"]: question for question in texts["questions"]}
-    for question in document["questions"]:
+    _say(document["questions"], texts["questions"])
+    for stage, questions in texts.get("form", {}).items():
+        _say(document["form"][stage], questions)
+
+
+def _say(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
+    """Replace what `texts` say of each of `questions`, found by its name."""
+    by_name = {text["name"]: text for text in texts}
+    for question in questions:
         for key, said in by_name[question["name"]].items():
             if key != "name":
                 question[key] = _listed(said) if isinstance(said, list) else said

@@ -30,6 +30,10 @@ def read_by_participants(text: str) -> dict[str, str]:
         read[name] = question["text"]
         read |= {f"{name} {n}": label for n, label in enumerate(question.get("labels", ()))}
         read |= {f"{name} {r['name']}": r["text"] for r in question.get("reasons", ())}
+    for question in study.get("form", {}).get("eligibility", ()):
+        name = question["name"]
+        read |= {name: question["text"], f"{name} eligible": question["eligible"][0]}
+        read |= {f"{name} {n}": choice for n, choice in enumerate(question["choices"])}
     return read
 
 
@@ -49,6 +53,7 @@ def test_a_template_says_everything_in_its_language_and_changes_nothing_else(
     assert re.findall(r"^# .*", source, re.M) == re.findall(r"^# .*", text, re.M)
     said = {"title": ..., "questions": {"__all__": {"text", "labels", "reasons"}}}
     said["page"] = {"language", "consent"}
+    said["form"] = {"eligibility": {"__all__": {"text", "choices", "eligible"}}}
     assert study.model_dump(exclude=said) == english.model_dump(exclude=said)
 
 
