@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import secrets
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -25,6 +26,10 @@ from studyapp.services.votes import votes_so_far
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""
+
+ONE_ARRIVAL: Final = threading.Lock()
+"""Who waits for the allocation's turn keeps a connection to the database. A process whose arrivals
+all did would have none left for those who answer."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +77,7 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
     UnacceptableError, IneligibleError
         If the answers under eligibility and consent do not let them take part.
     """
-    with database.writing() as session:
+    with ONE_ARRIVAL, database.writing() as session:
         return _enrol(session, served, arrival, clock.now())
 
 
@@ -115,6 +120,12 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
     place.study_session = study_session
     session.flush()
     return study_session.token
+
+
+def enrolled(database: Database, arrival: Arrival) -> str | None:
+    """Return the token of the arriving participant's study session, None if there is none yet."""
+    with database.reading() as session:
+        return session.scalars(select(StudySession.token).where(_is_same(arrival))).first()
 
 
 def _is_same(arrival: Arrival) -> ColumnElement[bool]:

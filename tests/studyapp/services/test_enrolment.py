@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import threading
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ from sqlalchemy import select
 from studyapp.models import Place, StudySession
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.places import take_allocation_turn
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
@@ -102,6 +105,32 @@ def test_the_place_of_a_silent_participant_goes_to_the_next(
 
     assert silent.look().state == "lapsed"
     assert len(held(opened)) == 4
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_many_arrivals_at_once_leave_connections_to_those_who_answer(
+    participant: Participant,
+) -> None:
+    database, served, clock = participant.database, participant.served, participant.clock
+    participant.take_trial()
+    many = 20
+    assert many > database.engine.pool.size() + database.engine.pool._max_overflow
+    begun = threading.Barrier(many + 1)
+
+    def arrive(number: int) -> str:
+        begun.wait(timeout=60)
+        return enrol(database, served, Arrival(visit=f"visit {number % 3}"), clock)
+
+    with ThreadPoolExecutor(many) as pool:
+        with database.writing() as session:
+            take_allocation_turn(session)
+            arrivals = [pool.submit(arrive, number) for number in range(many)]
+            begun.wait(timeout=60)
+            participant.take_trial()
+        tokens = {arrival.result() for arrival in arrivals}
+
+    assert len(tokens) == 3
+    assert len(held(database)) == 4
 
 
 def test_finished_participants_keep_their_places(
