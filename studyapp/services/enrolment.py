@@ -81,6 +81,12 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
         return _enrol(session, served, arrival, clock.now())
 
 
+def enrolled(database: Database, arrival: Arrival) -> str | None:
+    """Return the token of the arriving participant's study session, None if there is none yet."""
+    with database.reading() as session:
+        return session.scalars(select(StudySession.token).where(_is_same(arrival))).first()
+
+
 def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str:
     take_allocation_turn(session)
     known = session.scalars(select(StudySession).where(_is_same(arrival))).first()
@@ -120,12 +126,6 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
     place.study_session = study_session
     session.flush()
     return study_session.token
-
-
-def enrolled(database: Database, arrival: Arrival) -> str | None:
-    """Return the token of the arriving participant's study session, None if there is none yet."""
-    with database.reading() as session:
-        return session.scalars(select(StudySession.token).where(_is_same(arrival))).first()
 
 
 def _is_same(arrival: Arrival) -> ColumnElement[bool]:

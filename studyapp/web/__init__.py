@@ -6,8 +6,8 @@ participant. What programs may rely on:
 
 ==============================  ================================================================
 ``GET /``                       the first page: eligibility where the study asks for it, whose
-                                form posts to ``/consent`` and leads to the consent page; else
-                                consent at once. The consent form posts to ``/`` and leads to
+                                form posts to ``/consent`` and leads to the consent page, or
+                                back to a study session already begun; else consent at once. The consent form posts to ``/`` and leads to
                                 ``/take/<token>``. Both forms carry ``visit`` and, where the
                                 recruiter gave them in the address, ``PROLIFIC_PID``,
                                 ``STUDY_ID`` and ``SESSION_ID``; questions about the participant

@@ -12,7 +12,7 @@ from flask import Blueprint, render_template, request
 from flask.typing import ResponseReturnValue
 
 from studyapp.definition.form import Stage
-from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.enrolment import Arrival, enrol, enrolled
 from studyapp.services.form_answers import check_eligibility
 from studyapp.services.refusal import IneligibleError, UnacceptableError
 from studyapp.web.about_participant import form_fields, problems_of
@@ -45,6 +45,17 @@ class Entrant:
     recruiter: Mapping[str, str]
     given: Mapping[str, str]
 
+    @property
+    def arrival(self) -> Arrival:
+        """Who they are to the study."""
+        return Arrival(
+            visit=None if self.recruiter else self.visit,
+            recruiter_participant=self.recruiter.get("PROLIFIC_PID"),
+            recruiter_study=self.recruiter.get("STUDY_ID", ""),
+            recruiter_session=self.recruiter.get("SESSION_ID", ""),
+            form=self.given,
+        )
+
     def page(self, stage: Stage, *, problem: str = "") -> str:
         """Return the page of one stage; with a problem, it says what cannot be accepted."""
         here = running()
@@ -76,8 +87,14 @@ def arrive() -> ResponseReturnValue:
 
 @pages.post("/consent")
 def consent() -> ResponseReturnValue:
-    """Say what the study is and ask for consent, if they may take part; nothing is stored."""
+    """Say what the study is and ask for consent, if they may take part; nothing is stored.
+
+    Who has a study session already is brought back to it.
+    """
     entrant = _entrant()
+    token = enrolled(running().database, entrant.arrival)
+    if token is not None:
+        return to_where_they_stand(token)
     try:
         check_eligibility(running().study, entrant.given)
     except UnacceptableError as refusal:
@@ -98,16 +115,8 @@ def start() -> ResponseReturnValue:
     """Enrol the participant, or bring them back to where they were."""
     here = running()
     entrant = _entrant()
-    recruiter = entrant.recruiter
-    arrival = Arrival(
-        visit=None if recruiter else entrant.visit,
-        recruiter_participant=recruiter.get("PROLIFIC_PID"),
-        recruiter_study=recruiter.get("STUDY_ID", ""),
-        recruiter_session=recruiter.get("SESSION_ID", ""),
-        form=entrant.given,
-    )
     try:
-        token = enrol(here.database, here.served, arrival, here.clock)
+        token = enrol(here.database, here.served, entrant.arrival, here.clock)
     except UnacceptableError as refusal:
         unclear = problems_of("eligibility", entrant.given)
         stage: Stage = "eligibility" if unclear else "consent"

@@ -127,6 +127,16 @@ def test_a_consent_that_is_incomplete_keeps_what_was_said_before(asking: Flask) 
     assert PageReader(answer.text).value("[name='form:adult']", "value") == "yes"
 
 
+def test_who_has_begun_already_is_brought_back_without_agreeing_again(asking: Flask) -> None:
+    client, link = asking.test_client(), "/?PROLIFIC_PID=p1&STUDY_ID=s1"
+    consent = PageReader(sent(client, PageReader(client.get(link).text), adult="yes").text)
+    address = sent(client, consent, read="yes").location
+
+    back = sent(client, PageReader(client.get(link).text), adult="yes")
+
+    assert (back.status_code, back.location) == (303, address)
+
+
 def test_the_address_of_the_consent_page_begins_anew(asking: Flask) -> None:
     assert "Are you 18 or older?" in asking.test_client().get("/consent").text
 
