@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -239,6 +240,35 @@ def test_a_video_loaded_again_keeps_its_place_and_what_was_watched(
     expect(page.locator("#watched")).to_contain_text("A ✓")
     page.reload()
     expect(page.locator("#watched")).to_contain_text("A ✓")
+
+
+def test_a_report_whose_answer_is_lost_counts_once_after_a_reload(
+    page: Page, address: str, database: Database
+) -> None:
+    take_part(page, address)
+    arrived: list[str] = []
+
+    def lose_the_answer(route: Route) -> None:
+        route.fetch()
+        arrived.append(route.request.url.rsplit("/", 1)[1])
+
+    page.route("**/watched/**", lose_the_answer)
+    play_button(page, "A").click()
+    expect(page.locator("#watched")).to_contain_text("A ✓")
+    deadline = time.monotonic() + 15
+    while not arrived:
+        assert time.monotonic() < deadline, "nothing was reported"
+        page.wait_for_timeout(50)
+
+    page.unroute_all(behavior="ignoreErrors")
+    with page.expect_response("**/watched/**"):
+        page.reload()
+
+    expect(page.locator("#watched")).to_contain_text("A ✓")
+    with database.reading() as session:
+        video = session.scalars(select(Video).where(Video.token == arrived[0])).one()
+        parts = [part for batch in video.watch_batches for part in batch.intervals]
+        assert 0.9 < sum(end - start for start, end in parts) < 1.05
 
 
 def test_the_key_k_plays_the_video_that_has_the_focus(page: Page, address: str) -> None:

@@ -60,8 +60,22 @@ export class WatchReports extends EventTarget {
     return made;
   }
 
+  // A page that is left may not learn whether its reports arrived: the next one sends them again
+  // under the same numbers.
   keep() {
+    for (const [place, stretch] of this.queue.entries()) {
+      this.seal(stretch, place ? this.queue[place - 1].batch + 1 : this.next);
+    }
     if (this.queue.length) remember(this.keptKey, JSON.stringify(this.queue));
+  }
+
+  // What has a number stays as it is.
+  seal(stretch, number) {
+    if (stretch.batch !== undefined) return;
+    const quality = this.video.getVideoPlaybackQuality?.();
+    stretch.frames = quality?.totalVideoFrames ?? null;
+    stretch.dropped_frames = quality?.droppedVideoFrames ?? null;
+    stretch.batch = number;
   }
 
   // Send what is unsent; resolves when nothing is.
@@ -78,12 +92,7 @@ export class WatchReports extends EventTarget {
   }
 
   async send(stretch) {
-    if (stretch.batch === undefined) {
-      const quality = this.video.getVideoPlaybackQuality?.();
-      stretch.frames = quality?.totalVideoFrames ?? null;
-      stretch.dropped_frames = quality?.droppedVideoFrames ?? null;
-      stretch.batch = this.next;
-    }
+    this.seal(stretch, this.next);
     const { kind, rate, ...report } = stretch;
     const body = JSON.stringify({ ...report, rate: rate || 1 });
     for (;;) {
