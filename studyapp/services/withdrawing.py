@@ -69,6 +69,8 @@ def take_back(session: Session, study_session: StudySession, now: datetime) -> N
     study_session.recruiter_session = ""
     study_session.conditions = []
     study_session.number = None
+    if study_session.sound_checked_at is not None:
+        study_session.sound_tries = 0  # only who could not hear is told so afterwards
     study_session.started_at = study_session.sound_checked_at = None
     study_session.sound_digits = ""
     study_session.rested_at_position = None

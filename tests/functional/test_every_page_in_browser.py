@@ -130,7 +130,7 @@ def beside_the_way(page: Page, address: str, app: Flask) -> Iterator[str]:
     expect(page.get_by_role("button", name="Yes, withdraw")).to_be_visible()
     yield "withdraw"
     page.get_by_role("button", name="Yes, withdraw").click()
-    expect(page.get_by_role("heading", level=1)).to_contain_text("left the study")
+    expect(page.get_by_role("heading", level=1)).to_contain_text("withdrawn")
     yield "withdrawn"
 
 

@@ -130,6 +130,17 @@ def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Pa
     assert stored(listener).sound_tries == 3
 
 
+def test_who_heard_it_in_the_end_and_withdraws_has_not_left_unheard(
+    listener: Participant,
+) -> None:
+    for _ in range(3):
+        hear(listener, wrong(digits(listener)))
+    hear(listener, digits(listener))
+    withdraw(listener.database, listener.token, listener.clock)
+
+    assert not listener.look().left_unheard
+
+
 def test_who_withdraws_for_another_reason_has_not_left_unheard(listener: Participant) -> None:
     hear(listener, wrong(digits(listener)))
     withdraw(listener.database, listener.token, listener.clock)
