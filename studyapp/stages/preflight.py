@@ -101,8 +101,8 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
 def _extra_findings(plan: Sequence[PlannedTrial]) -> Iterator[Finding]:
     """Say how many extra trials have speech that comes in another trial as well."""
     extra = [trial.segment for trial in plan if trial.kind in ("catch", "attention")]
-    heard = {trial.segment for trial in plan if trial.kind not in ("catch", "attention")}
-    again = sum(segment in heard for segment in extra) + len(extra) - len(set(extra))
+    times = Counter(trial.segment for trial in plan)
+    again = sum(times[segment] > 1 for segment in extra)
     if again:
         yield Finding(
             Severity.NOTE,

@@ -8,6 +8,12 @@ from PIL import Image
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import ClipVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.stages.contact_sheet import write_contact_sheet
+from tests.finished_study import (
+    PROTOCOLS,
+    SEGMENTS,
+    write_finished_study,
+    write_short_video,
+)
 from tests.renderer.figures.small_videos import write_block_video
 from tests.tiny_study import SECONDS
 
@@ -96,3 +102,19 @@ def test_links_from_the_page_lead_to_the_clips(study: StudyFolder) -> None:
     address = f"../../{clip.file}"
     assert f'href="{address}"' in page.read_text(encoding="utf-8")
     assert (page.parent / address).resolve() == (study.root / clip.file).resolve()
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_finished_videos_are_shown_with_their_roles(tmp_path: Path, protocol: str) -> None:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, protocol, tmp_path / "short.mp4")
+    folder = StudyFolder(tmp_path)
+    (folder.videos / "theirs" / "two.mp4").write_bytes(b"no video")
+
+    text = write_contact_sheet(folder, threads=1).read_text(encoding="utf-8")
+
+    shown = 4 if protocol == "pairwise" else 3
+    assert text.count("<img") == 3 * shown - 1
+    assert all(f"../../videos/ours/{name}.mp4" in text for name in SEGMENTS)
+    assert ("reference" in text) == (protocol in ("pairwise", "ranking"))
+    assert ("catch trials" in text) == (protocol == "pairwise")

@@ -166,6 +166,15 @@ def test_what_the_segments_allow_is_said_beside_the_published_design(ready: Stud
     assert "say nothing about happiness" in notes
 
 
+def test_extra_trials_whose_speech_comes_elsewhere_are_counted(ready: StudyFolder) -> None:
+    said = " of 3 catch trials and attention checks have speech that comes in another trial too"
+
+    # Two of three segments are heard in pairs, so that one is left for a catch trial.
+    assert any(note.startswith(f"2{said}") for note in findings_of(ready, Severity.NOTE))
+    change(ready, "catch", "trials", value=1)
+    assert not any("in another trial too" in note for note in findings_of(ready, Severity.NOTE))
+
+
 def test_motion_with_fewer_frames_than_the_videos_is_warned_of(ready: StudyFolder) -> None:
     change(ready, "video", "frame_rate", value=60)
     warnings = " ".join(findings_of(ready, Severity.WARNING))
@@ -176,6 +185,7 @@ def test_a_channel_that_only_some_conditions_move_is_warned_of_until_it_is_froze
     ready: StudyFolder,
 ) -> None:
     generate(ready)
+    change(ready, "freeze", value=[])
     said = "face never moves in ground_truth"
     assert any(said in warning for warning in findings_of(ready, Severity.WARNING))
     change(ready, "freeze", value=["face", "hands", "root", "lower_body"])
@@ -229,6 +239,7 @@ def _give_coefficients(folder: StudyFolder) -> None:
 
 def test_a_face_that_the_body_does_not_show_is_warned_of(ready: StudyFolder) -> None:
     generate(ready)
+    change(ready, "freeze", value=[])
     _give_coefficients(ready)
     said = "the clip's face is given as SMPL-X expression coefficients"
     assert sum(said in what for what in findings_of(ready, Severity.WARNING)) == 1

@@ -10,7 +10,8 @@ import av
 import pytest
 import tomlkit
 
-from studyapp.definition.creation import TEMPLATES, new_study
+from motion.errors import InputError
+from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.services.served_study import ServedStudy
@@ -18,13 +19,14 @@ from studyapp.stages.finding import Severity
 from studyapp.stages.generation import generate
 from studyapp.stages.preflight import check
 from studyapp.stages.recordings import Take, import_take
+from studyapp.stages.render_plan import RenderPlan
 from studyapp.stages.rendering import render
-from tests.finished_study import write_finished_study, write_short_video
+from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
 
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("template", TEMPLATES)
+@pytest.mark.parametrize("template", PROTOCOLS)
 def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], template: str) -> None:
     folder = StudyFolder(tmp_path / "study")
     new_study(folder.definition, template=template, name="study")
@@ -68,3 +70,12 @@ def test_a_finished_video_that_is_missing_says_where_it_belongs(tmp_path: Path) 
 
     assert "with the speech of" in error.what
     assert str(gone) in error.remedy
+
+
+def test_a_study_of_finished_videos_has_no_motion_to_draw(tmp_path: Path) -> None:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, "rating", tmp_path / "short.mp4")
+    folder = StudyFolder(tmp_path)
+
+    with pytest.raises(InputError, match="brought finished, and there is no motion to draw"):
+        RenderPlan.of(folder)
