@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-render soak pictures screens clean
+.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-render bench-serve soak soak-render pictures screens clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -58,7 +58,13 @@ bench-adaptive: setup  ## Simulate how much sooner adaptive pairs find an order,
 bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
 	$(BIN)/python -m renderer.benchmark
 
-soak: setup  ## Render 10,000 frames and print whether memory stays flat.
+bench-serve: setup setup-database  ## Measure the study's server under simulated participants.
+	$(BIN)/python -m studyapp.bench.serve_benchmark
+
+soak: setup setup-database  ## Kill the study's server at random, and send it 100,000 malformed requests.
+	$(BIN)/python -m studyapp.bench.server_soak
+
+soak-render: setup  ## Render 10,000 frames and print whether memory stays flat.
 	$(BIN)/python -m renderer.bench.soak
 
 pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.

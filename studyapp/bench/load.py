@@ -6,39 +6,58 @@ import asyncio
 import random
 import time
 from contextlib import suppress
+from dataclasses import dataclass, replace
 
 from studyapp.bench.study_server import HOST
 from studyapp.bench.visitor import Ledger, StrandedError, Visitor
 from studyapp.bench.wire import Wire
 
 
-async def load(port: int, *, concurrency: int, seconds: float, seed: int) -> Ledger:
-    """Let `concurrency` participants take study sessions, one after the other, for `seconds`.
+@dataclass(frozen=True, kw_only=True)
+class Arrived:
+    """A participant at the first trial, and that trial's page."""
 
-    Returns
-    -------
-    Ledger
-        What they saw; sessions that were cut short at the end are no errors.
+    visitor: Visitor
+    address: str
+    page: str
+
+
+async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Arrived]:
+    """Let `count` participants come at once, and bring each to the first trial.
+
+    What they see is noted in `ledger`; who could not begin is not among those returned.
     """
-    ledger = Ledger()
+
+    async def one(number: int) -> Arrived | None:
+        chance = random.Random(f"{seed} {number}")  # noqa: S311 - repeatable, not secret
+        visitor = Visitor(wire=Wire(HOST, port), ledger=ledger, chance=chance)
+        with suppress(StrandedError):
+            address = await visitor.enrol()
+            return Arrived(visitor=visitor, address=address, page=await visitor.begin(address))
+        return None
+
+    came = await asyncio.gather(*(one(number) for number in range(count)))
+    return [arrived for arrived in came if arrived is not None]
+
+
+async def judge(arrived: list[Arrived], *, ledger: Ledger, seconds: float) -> None:
+    """Let everybody who has `arrived` take trials for `seconds`; who has finished is done.
+
+    What they see is noted in `ledger`; that they are cut short at the end is no error.
+    """
     end = time.perf_counter() + seconds
-    async with asyncio.timeout(seconds + 60):
-        tasks = [
-            asyncio.create_task(_sessions(port, ledger, random.Random(f"{seed} {number}"), end))  # noqa: S311
-            for number in range(concurrency)
-        ]
-        await asyncio.sleep(seconds)
-        for task in tasks:
-            task.cancel()
-        for task in tasks:
-            with suppress(asyncio.CancelledError):
-                await task
-    return ledger
+    tasks = [asyncio.create_task(_trials(one, ledger)) for one in arrived]
+    await asyncio.sleep(end - time.perf_counter())
+    for task in tasks:
+        task.cancel()
+    for task in tasks:
+        with suppress(asyncio.CancelledError):
+            await task
+    for one in arrived:
+        one.visitor.wire.close()
 
 
-async def _sessions(port: int, ledger: Ledger, chance: random.Random, end: float) -> None:
-    while time.perf_counter() < end:
-        async with Wire(HOST, port) as wire:
-            # What went wrong is in the ledger.
-            with suppress(StrandedError):
-                await Visitor(wire=wire, ledger=ledger, chance=chance).take_part()
+async def _trials(arrived: Arrived, ledger: Ledger) -> None:
+    # What went wrong is in the ledger.
+    with suppress(StrandedError):
+        await replace(arrived.visitor, ledger=ledger).go_on(arrived.address, arrived.page)

@@ -77,8 +77,9 @@ class StudyServer:
         end = time.monotonic() + WAIT_SECONDS
         while time.monotonic() < end:
             if self._arbiter.poll() is not None:
-                if not crashed:
-                    break
+                with self._arbiter:
+                    if not crashed:
+                        break
                 self._arbiter = self._launch()
             if len(self.workers) == self._workers and self._accepts():
                 return
@@ -92,12 +93,12 @@ class StudyServer:
         if self._arbiter is None:
             return
         everybody = (self.arbiter, *self.workers)
-        self._arbiter.terminate()
-        try:
-            self._arbiter.wait(WAIT_SECONDS)
-        except subprocess.TimeoutExpired:
-            self._arbiter.kill()
-            self._arbiter.wait()
+        with self._arbiter:
+            self._arbiter.terminate()
+            try:
+                self._arbiter.wait(WAIT_SECONDS)
+            except subprocess.TimeoutExpired:
+                self._arbiter.kill()
         for pid in everybody:
             with suppress(ProcessLookupError):
                 if is_running(pid):
@@ -117,8 +118,8 @@ class StudyServer:
         """
         orphans = self.workers
         if self._arbiter is not None:
-            self._arbiter.kill()
-            self._arbiter.wait()
+            with self._arbiter:
+                self._arbiter.kill()
         end = time.monotonic() + WAIT_SECONDS
         while any(is_running(pid) for pid in orphans):
             if time.monotonic() > end:

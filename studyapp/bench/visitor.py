@@ -110,7 +110,16 @@ class Visitor:
             If a page does not lead on.
         """
         address = await self.enrol()
-        page = await self.begin(address)
+        await self.go_on(address, await self.begin(address))
+
+    async def go_on(self, address: str, page: str) -> None:
+        """Take all trials from the first one, which is on `page`, to the completion code.
+
+        Raises
+        ------
+        StrandedError
+            If a page does not lead on.
+        """
         for file in seen_files(page):
             await self._ask("file", lambda file=file: self.wire.get(file))  # type: ignore[misc]
         while COMPLETED not in page:
