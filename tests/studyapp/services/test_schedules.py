@@ -205,6 +205,15 @@ class Schedule(RuleBasedStateMachine):
     def time_passes(self, minutes: int) -> None:
         self.clock.advance(minutes=minutes)
 
+    @precondition(lambda self: self.people)
+    @rule(who=WHO, newcomers=st.integers(1, 3))
+    def pause_while_others_come(self, who: int, newcomers: int) -> None:
+        person = self.person(who)
+        self.time_passes(46)
+        for _ in range(newcomers):
+            self.arrive()
+        self.look(person)
+
     @rule(places=st.integers(1, 3))
     def other_numbers_are_wanted(self, places: int) -> None:
         self.want(places)
