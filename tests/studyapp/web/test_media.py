@@ -1,0 +1,156 @@
+from __future__ import annotations
+
+import socket
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from flask import Flask
+from sqlalchemy import select
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
+
+from studyapp.models import Video
+from studyapp.web.running import attach, running
+from studyapp.worker import StudyWorker
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.visitor import Visitor
+
+
+@pytest.fixture
+def address(app: Flask, clock: SetClock) -> str:
+    """Return where the present video of a participant is."""
+    Visitor(app, clock).enrol().begin().page()
+    with app.app_context(), running().database.reading() as session:
+        token = session.scalars(select(Video.token).order_by(Video.id)).first()
+    return f"/media/{token}.mp4"
+
+
+def content(app: Flask, address: str) -> bytes:
+    return app.test_client().get(address, buffered=True).data
+
+
+@pytest.mark.parametrize(
+    ("asked", "start", "stop"),
+    [
+        ("0-", 0, None),
+        ("0-0", 0, 1),
+        ("10-19", 10, 20),
+        ("-5", -5, None),
+        ("20-99999999", 20, None),
+    ],
+)
+def test_a_byte_range_is_exactly_what_was_asked_for(
+    app: Flask, address: str, asked: str, start: int, stop: int | None
+) -> None:
+    whole = content(app, address)
+
+    answer = app.test_client().get(address, headers={"Range": f"bytes={asked}"}, buffered=True)
+
+    part = whole[start:stop]
+    first = start if start >= 0 else len(whole) + start
+    assert answer.status_code == 206
+    assert answer.data == part
+    assert answer.headers["Content-Length"] == str(len(part))
+    assert answer.headers["Content-Range"] == (
+        f"bytes {first}-{first + len(part) - 1}/{len(whole)}"
+    )
+
+
+def test_a_range_outside_the_video_is_refused(app: Flask, address: str) -> None:
+    answer = app.test_client().get(address, headers={"Range": "bytes=99999999-"})
+
+    assert answer.status_code == 416
+
+
+@pytest.mark.parametrize(
+    "header", [{"If-Range": '"x"', "Range": "bytes=1-2"}, {"Range": "nonsense"}]
+)
+def test_the_whole_video_is_sent_where_a_range_cannot_hold(
+    app: Flask, address: str, header: dict[str, str]
+) -> None:
+    answer = app.test_client().get(address, headers=header, buffered=True)
+
+    assert answer.status_code == 200
+    assert answer.data == content(app, address)
+
+
+def test_a_head_request_tells_the_length_and_sends_nothing(app: Flask, address: str) -> None:
+    answer = app.test_client().head(address, buffered=True)
+
+    assert answer.data == b""
+    assert int(answer.headers["Content-Length"]) == len(content(app, address))
+
+
+def test_a_proxy_in_front_is_told_the_file_and_gets_no_bytes(
+    app: Flask, address: str, tiny_study: Path
+) -> None:
+    whole = content(app, address)
+    with app.app_context():
+        here = running()
+    attach(app, replace(here, accel_prefix="/study files/"))
+
+    answer = app.test_client().get(address, headers={"Range": "bytes=0-"})
+
+    inner = answer.headers["X-Accel-Redirect"]
+    assert answer.status_code == 200
+    assert answer.data == b""
+    assert answer.mimetype == "video/mp4"
+    assert inner.startswith("/study%20files/videos/")
+    assert (tiny_study / inner.removeprefix("/study%20files/")).read_bytes() == whole
+
+
+def test_a_proxy_in_front_is_told_of_no_video_that_may_not_be_seen(app: Flask) -> None:
+    with app.app_context():
+        here = running()
+    attach(app, replace(here, accel_prefix="/files/"))
+
+    answer = app.test_client().get("/media/nobody.mp4")
+
+    assert answer.status_code == 404
+    assert "X-Accel-Redirect" not in answer.headers
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        OperationalError("SELECT token", {"token": "secret"}, Exception("gone\nmore"), True),
+        PoolTimeoutError("no connection was free"),
+    ],
+)
+def test_while_the_database_is_away_pages_ask_for_patience(
+    app: Flask, error: Exception, caplog: pytest.LogCaptureFixture
+) -> None:
+    @app.get("/away")
+    def away() -> str:
+        raise error
+
+    answer = app.test_client().get("/away")
+
+    assert answer.status_code == 503
+    assert "What you answered before is stored" in answer.text
+    assert "secret" not in caplog.text
+    assert "Traceback" not in caplog.text
+
+
+@pytest.mark.parametrize("failure", [RuntimeError("/take/secret"), ValueError("secret")])
+def test_a_worker_says_nothing_of_the_request_that_failed(failure: Exception) -> None:
+    class Log:
+        said = ""
+
+        def error(self, words: str, *values: object) -> None:
+            self.said += words % values
+
+    worker = StudyWorker.__new__(StudyWorker)
+    worker.log = Log()
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        try:
+            raise failure
+        except type(failure) as error:
+            worker.handle_error(None, ours, ("203.0.113.9", 1), error)
+        answer = theirs.recv(1000)
+
+    assert answer.startswith(b"HTTP/1.1 500")
+    assert type(failure).__name__ in worker.log.said
+    assert "secret" not in worker.log.said
