@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
-from studyapp.bench.processes import cpu_seconds, family
+from studyapp.bench.processes import family_cpu_seconds
 from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql, throwaway_postgresql
 from studyapp.services.database import sqlite_url
 
@@ -31,10 +31,10 @@ class FreshDatabase:
     server: ThrowawayPostgresql | None
 
     def cpu_seconds(self) -> float:
-        """Return the processor time that its server's present processes have used."""
+        """Return the processor time that its server has used."""
         if self.server is None:
             return 0.0
-        return sum(cpu_seconds(pid) for pid in family(self.server.process.pid))
+        return family_cpu_seconds(self.server.process.pid)
 
     @property
     def crash(self) -> Callable[[], None] | None:

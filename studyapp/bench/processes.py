@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from contextlib import suppress
 from pathlib import Path
 
 
@@ -16,18 +15,25 @@ def children(pid: int) -> tuple[int, ...]:
     return tuple(int(child) for child in listed.split())
 
 
-def family(pid: int) -> tuple[int, ...]:
-    """Return process `pid`, its children, and theirs."""
-    return (pid, *(member for child in children(pid) for member in family(child)))
-
-
 def cpu_seconds(pid: int) -> float:
     """Return the processor time that process `pid` has used; 0 when it is gone."""
-    with suppress(OSError):
-        # The name, in brackets, may hold anything; user and system time are fields 14 and 15.
-        fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    return 0.0
+    return sum(_times(pid)[:2])
+
+
+def family_cpu_seconds(pid: int) -> float:
+    """Return the processor time of process `pid`, and of its children, ended ones included."""
+    return sum(_times(pid)) + sum(cpu_seconds(child) for child in children(pid))
+
+
+def _times(pid: int) -> tuple[float, ...]:
+    """Return the seconds of process `pid` as user and system, and those of its ended children."""
+    try:
+        # The name, in brackets, may hold anything; the times are fields 14 to 17.
+        text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8")
+    except OSError:
+        return (0.0, 0.0, 0.0, 0.0)
+    ticks = text.rpartition(")")[2].split()[11:15]
+    return tuple(int(tick) / os.sysconf("SC_CLK_TCK") for tick in ticks)
 
 
 def is_running(pid: int) -> bool:

@@ -294,3 +294,42 @@ def test_a_rehearsal_never_answers_into_the_real_database(
     url = database_url_of(tmp_path, database_url=given, rehearsal=rehearsal)
 
     assert url == (expected if ":" in expected else sqlite_url(tmp_path / expected))
+
+
+def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
+    database = Database.open(sqlite_url(tmp_path / "line.db"))
+    held, began = threading.Event(), [threading.Event(), threading.Event()]
+    order: list[int] = []
+
+    def write(number: int) -> None:
+        began[number].set()
+        with database.writing():
+            order.append(number)
+
+    def hold() -> None:
+        with database.writing():
+            held.wait()
+
+    with ThreadPoolExecutor(3) as pool:
+        first = pool.submit(hold)
+        waiting = []
+        for number in range(2):
+            waiting.append(pool.submit(write, number))
+            began[number].wait()
+            while waiters(tmp_path / "line.db-line") <= number:
+                assert not first.done()
+        held.set()
+        for done in (first, *waiting):
+            done.result()
+    database.close()
+
+    assert order == [0, 1]
+
+
+def waiters(file: Path) -> int:
+    """Return how many wait for the system's lock on `file`."""
+    number = file.stat().st_ino if file.exists() else 0
+    return sum(
+        "->" in line and f":{number} " in line
+        for line in Path("/proc/locks").read_text().splitlines()
+    )
