@@ -9,16 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
-from statsmodels.regression.linear_model import OLS
-from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
+
+from analysis.clustered_variance import clustered_variance
 
 LEVEL: Final = 0.95
 """Confidence level of every interval in the report."""
-
-TWO_WAY: Final = "clustered by participant and segment"
-ONE_WAY_PARTICIPANTS: Final = "clustered by participant only, the larger variance"
-ONE_WAY_SEGMENTS: Final = "clustered by segment only, the larger variance"
-INDEPENDENT: Final = "answers as independent (no clustered variance is positive)"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +27,7 @@ class ClusteredMean:
     standard_error : float
         Clustered standard error; NaN where it cannot be estimated.
     low, high : float
-        Ends of the interval at `LEVEL`, cut to [0, 1]; NaN where there is none.
+        Ends of the interval at `LEVEL`, cut to where values can lie; NaN where there is none.
     p_value : float
         Two-sided p of the mean being `null`; NaN where there is no standard error.
     answers, participants, segments : int
@@ -61,23 +56,23 @@ def clustered_mean(
     segments: NDArray[np.generic],
     *,
     null: float = 0.5,
+    limits: tuple[float, float] = (0.0, 1.0),
 ) -> ClusteredMean:
     """Return the mean of `values` with an interval clustered by participant and segment.
 
-    The variance is the two-way cluster-robust one of Cameron, Gelbach & Miller (2011)
-    with the CR1 factor G/(G-1) of each clustering; the quantiles are those of t with
-    min(participants, segments) - 1 degrees of freedom. That variance is a difference and may
-    come out too small, even negative; where a one-way variance is larger, the larger one takes
-    its place (compare MacKinnon, Nielsen & Webb 2024).
+    The variance is that of `clustered_variance`; the quantiles are those of t with
+    min(participants, segments) - 1 degrees of freedom.
 
     Parameters
     ----------
     values : ndarray, shape (N,)
-        One value in [0, 1] per answer.
+        One value per answer.
     participants, segments : ndarray, shape (N,)
         Who gave the answer, and which segment it is about.
     null : float
         Mean under the hypothesis that is tested.
+    limits : tuple of float
+        The least and the greatest value that an answer can have.
 
     Returns
     -------
@@ -100,15 +95,16 @@ def clustered_mean(
     reason = _why_no_interval(values, unknown.participants, unknown.segments)
     if reason:
         return replace(unknown, reason=reason)
-    variance, method = _variance(values, people, items)
+    influences = (values - unknown.estimate) / len(values)
+    variance, method = clustered_variance(influences, people, items)
     error = math.sqrt(variance)
     law = stats.t(min(unknown.participants, unknown.segments) - 1)
     margin = float(law.ppf((1 + LEVEL) / 2)) * error
     return replace(
         unknown,
         standard_error=error,
-        low=max(0.0, unknown.estimate - margin),
-        high=min(1.0, unknown.estimate + margin),
+        low=max(limits[0], unknown.estimate - margin),
+        high=min(limits[1], unknown.estimate + margin),
         p_value=float(2 * law.sf(abs(unknown.estimate - null) / error)),
         method=method,
     )
@@ -124,22 +120,3 @@ def _why_no_interval(values: NDArray[np.float64], participants: int, segments: i
     if np.ptp(values) == 0:
         return "all answers alike"
     return ""
-
-
-def _variance(
-    values: NDArray[np.float64], people: NDArray[np.intp], items: NDArray[np.intp]
-) -> tuple[float, str]:
-    fit = OLS(values, np.ones((len(values), 1))).fit()
-    both, by_person, by_item = (
-        float(covariance.item()) for covariance in cov_cluster_2groups(fit, people, items)
-    )
-    variance, method = max(
-        (both, TWO_WAY),
-        (by_person, ONE_WAY_PARTICIPANTS),
-        (by_item, ONE_WAY_SEGMENTS),
-        key=lambda found: found[0],
-    )
-    # Sums of rounding errors are no variance.
-    if variance > 1e-12 * float(np.var(values)):
-        return variance, method
-    return float(np.var(values, ddof=1)) / len(values), INDEPENDENT

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from analysis.preferences.clustered import LEVEL, TWO_WAY
+from analysis.clustered_variance import TWO_WAY
+from analysis.preferences.clustered import LEVEL
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
 from analysis.report.answer import figure_order, people

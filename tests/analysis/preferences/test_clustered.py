@@ -7,14 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
+from statsmodels.regression.linear_model import OLS
+from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
-from analysis.preferences.clustered import (
+from analysis.clustered_variance import (
     INDEPENDENT,
     ONE_WAY_PARTICIPANTS,
     ONE_WAY_SEGMENTS,
     TWO_WAY,
-    clustered_mean,
 )
+from analysis.preferences.clustered import clustered_mean
 
 
 def means(rows):
@@ -56,6 +58,23 @@ def test_an_unbalanced_sample_agrees_with_the_formula():
     margin = stats.t(6).ppf(0.975) * found.standard_error
     assert found.low == pytest.approx(found.estimate - margin)
     assert found.high == pytest.approx(found.estimate + margin)
+
+
+def test_it_agrees_with_another_implementation():
+    generator = np.random.default_rng(6)
+    people, items = generator.integers(0, 12, 300), generator.integers(0, 9, 300)
+    values = generator.choice([0, 0.5, 1], 300) * (people < 9)
+    fit = OLS(values, np.ones((300, 1))).fit()
+    expected = cov_cluster_2groups(fit, people, items)[0].item()
+    assert clustered_mean(values, people, items).standard_error ** 2 == pytest.approx(expected)
+
+
+def test_an_interval_is_cut_where_values_can_no_longer_lie():
+    people, items = np.repeat([0, 1, 2], 3), np.tile([0, 1, 2], 3)
+    values = np.array([1, 1, 2, 1, 1, 1, 1, 2, 5])
+    found = clustered_mean(values, people, items, null=3, limits=(1, 5))
+    assert found.low == 1
+    assert found.estimate < found.high < 5
 
 
 @pytest.mark.parametrize(
