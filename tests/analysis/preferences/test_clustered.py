@@ -63,7 +63,7 @@ def test_an_unbalanced_sample_agrees_with_the_formula():
 def test_it_agrees_with_another_implementation():
     generator = np.random.default_rng(6)
     people, items = generator.integers(0, 12, 300), generator.integers(0, 9, 300)
-    values = generator.choice([0, 0.5, 1], 300) * (people < 9)
+    values = (np.sign((people - 6) + (items - 4) + generator.normal(0, 5, 300)) + 1) / 2
     fit = OLS(values, np.ones((300, 1))).fit()
     expected = cov_cluster_2groups(fit, people, items)[0].item()
     assert clustered_mean(values, people, items).standard_error ** 2 == pytest.approx(expected)
