@@ -33,7 +33,10 @@ async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Ar
         visitor = Visitor(wire=Wire(HOST, port), ledger=ledger, chance=chance)
         with suppress(StrandedError):
             address = await visitor.enrol()
-            return Arrived(visitor=visitor, address=address, page=await visitor.begin(address))
+            page = await visitor.begin(address)
+            # Until all have come the server may close it, just as the next request is sent.
+            visitor.wire.close()
+            return Arrived(visitor=visitor, address=address, page=page)
         return None
 
     came = await asyncio.gather(*(one(number) for number in range(count)))
