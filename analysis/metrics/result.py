@@ -6,6 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Literal
+
+Better = Literal["lower", "higher", "near the reference", "unsaid"]
+"""Which of two scores speaks for a motion; 'near the reference' where too much is as bad as too
+little, 'unsaid' for numbers that only help to read others."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +31,12 @@ class MetricResult:
         Everything that another score must share to be comparable with this one.
     reason : str
         Why `value` is NaN; empty otherwise.
+    interval : (float, float) or None
+        95 % interval of `value`; `settings` say how it was made.
+    remark : str
+        What a reader must know before trusting `value`, such as too small a sample.
+    better : {'lower', 'higher', 'near the reference', 'unsaid'}
+        Which scores speak for a motion.
     """
 
     name: str
@@ -34,8 +45,13 @@ class MetricResult:
     n: int
     settings: Mapping[str, str] = field(default_factory=dict)
     reason: str = ""
+    interval: tuple[float, float] | None = None
+    remark: str = ""
+    better: Better = "unsaid"
 
     def __post_init__(self) -> None:
         if math.isnan(self.value) != bool(self.reason):
             raise ValueError(f"metric {self.name}: a reason belongs to NaN and to nothing else")
+        if self.interval is not None and not self.interval[0] <= self.interval[1]:
+            raise ValueError(f"metric {self.name}: {self.interval} is no interval")
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))

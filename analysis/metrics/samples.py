@@ -1,0 +1,119 @@
+"""Two samples of embeddings: checked, of equal size, and drawn again clip by clip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import InputError
+
+FloatArray = NDArray[np.float64]
+Clips = NDArray[np.int64]
+
+SEED: Final = 0
+"""Seed of every draw, so that two runs give equal numbers."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Embeddings:
+    """What a feature network says about the clips of one condition.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n, d)
+        One row per clip, or several where a clip is cut into windows.
+    clips : ndarray, shape (n,), int
+        Number of the clip that each row belongs to, from 0 without gaps; rows of one clip are not
+        independent of each other.
+    """
+
+    values: FloatArray
+    clips: Clips
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.values)
+
+    def rows(self, index: NDArray[np.int64]) -> Embeddings:
+        """Return the embeddings of the rows that `index` picks."""
+        clips = np.unique(self.clips[index], return_inverse=True)[1].astype(np.int64)
+        return Embeddings(values=self.values[index], clips=clips)
+
+
+def embeddings(values: FloatArray, clips: Sequence[object] | None = None) -> Embeddings:
+    """Check embeddings and number their clips.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, d)
+        Embeddings.
+    clips : sequence of n names, optional
+        The clip of each row; by default every row is a clip of its own.
+
+    Raises
+    ------
+    InputError
+        If the array is not two-dimensional, has no column, holds a value that is not finite, or
+        if `clips` names another number of rows.
+    """
+    array = np.asarray(values, np.float64)
+    if array.ndim != 2 or not array.shape[1]:
+        raise InputError(
+            f"embeddings have shape {array.shape}", remedy="Give one row per clip or window, (n, d)"
+        )
+    if not np.isfinite(array).all():
+        row = int(np.argwhere(~np.isfinite(array))[0, 0])
+        raise InputError(
+            f"row {row} of the embeddings holds a value that is not finite",
+            remedy="Leave out clips that the feature network cannot embed",
+        )
+    if clips is not None and len(clips) != len(array):
+        raise InputError(
+            f"{len(clips)} clips are named for {len(array)} embeddings",
+            remedy="Name the clip of every row",
+        )
+    numbered: Clips = np.arange(len(array))
+    if clips is not None:
+        place = {name: number for number, name in enumerate(dict.fromkeys(clips))}
+        numbered = np.array([place[name] for name in clips], np.int64).reshape(-1)
+    return Embeddings(values=array, clips=numbered)
+
+
+def check_dimensions(one: Embeddings, other: Embeddings) -> None:
+    """Raise `InputError` where two samples do not come from the same feature network."""
+    if one.values.shape[1] != other.values.shape[1]:
+        raise InputError(
+            f"embeddings have {one.values.shape[1]} and {other.values.shape[1]} dimensions",
+            remedy="Embed both conditions with the same feature network",
+        )
+
+
+def of_equal_size(one: Embeddings, other: Embeddings) -> tuple[Embeddings, Embeddings]:
+    """Return both samples with as many rows as the smaller one, drawn without replacement.
+
+    The bias of a Fréchet distance depends on both sizes, so that scores of unequal samples do not
+    compare.
+    """
+    count = min(len(one), len(other))
+    return _drawn(one, count), _drawn(other, count)
+
+
+def _drawn(sample: Embeddings, count: int) -> Embeddings:
+    if len(sample) == count:
+        return sample
+    chosen = np.random.default_rng(SEED).choice(len(sample), count, replace=False)
+    return sample.rows(np.sort(chosen))
+
+
+def resampled_clips(sample: Embeddings, count: int, seed: int) -> Iterator[NDArray[np.int64]]:
+    """Yield the rows of `count` bootstrap samples that draw whole clips again."""
+    chance = np.random.default_rng(seed)
+    order = np.argsort(sample.clips, kind="stable")
+    rows = np.split(order, np.flatnonzero(np.diff(sample.clips[order])) + 1)
+    for _ in range(count):
+        drawn = chance.integers(len(rows), size=len(rows))
+        yield np.concatenate([rows[number] for number in drawn])

@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import ortho_group
+
+from analysis.metrics.benchmark import textbook_frechet
+from analysis.metrics.frechet import frechet, frechet_of_normals, frechet_of_samples
+from analysis.metrics.samples import embeddings
+from motion.errors import InputError
+
+
+def test_every_closed_form_is_met(closed_form):
+    for case in closed_form["frechet"]["cases"]:
+        mean1, cov1, mean2, cov2 = (
+            np.array(case[key], float) for key in ("mu1", "S1", "mu2", "S2")
+        )
+        found = frechet_of_normals(mean1, cov1, mean2, cov2)
+        scale = np.trace(cov1) + np.trace(cov2)
+        assert abs(found - case["fd"]) < 1e-9 * scale, case["name"]
+        assert abs(frechet_of_normals(mean2, cov2, mean1, cov1) - case["fd"]) < 1e-9 * scale
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([(8, 3), (5, 5), (6, 12), (30, 4)]),
+    st.floats(0.1, 10),
+)
+def test_the_distance_has_the_invariances_of_a_distance(seed, shape, scale):
+    chance = np.random.default_rng(seed)
+    one = chance.standard_normal(shape)
+    other = 1.5 * chance.standard_normal(shape) + 0.3
+    distance = frechet_of_samples(one, other)
+    close = {"rel": 1e-8, "abs": 1e-9}
+    assert frechet_of_samples(one, one) == pytest.approx(0, abs=1e-9)
+    assert frechet_of_samples(other, one) == pytest.approx(distance, **close)
+    assert frechet_of_samples(one + 7, other + 7) == pytest.approx(distance, **close)
+    turned = ortho_group.rvs(shape[1], random_state=seed)
+    assert frechet_of_samples(one @ turned, other @ turned) == pytest.approx(distance, **close)
+    assert frechet_of_samples(scale * one, scale * other) == pytest.approx(
+        scale**2 * distance, **close
+    )
+
+
+def test_the_matrix_square_root_says_the_same_where_samples_abound():
+    one, other = np.random.default_rng(0).standard_normal((2, 400, 10))
+    assert frechet_of_samples(one, 2 * other) == pytest.approx(
+        textbook_frechet(one, 2 * other), rel=1e-9
+    )
+
+
+def test_both_routes_agree_where_samples_meet_dimensions():
+    one, other = np.random.default_rng(1).standard_normal((2, 12, 12))
+    by_covariance = frechet_of_normals(
+        one.mean(axis=0), np.cov(one, rowvar=False), other.mean(axis=0), np.cov(other, rowvar=False)
+    )
+    assert frechet_of_samples(one, other) == pytest.approx(by_covariance, rel=1e-9)
+
+
+def test_few_samples_are_flagged_with_what_equal_laws_would_score():
+    one, other = np.random.default_rng(2).standard_normal((2, 72, 240))
+    found = frechet(embeddings(one), embeddings(other), name="FGD", resamples=0)
+    assert found.value == pytest.approx(273, rel=0.05)
+    stated = float(found.remark.split("would score ")[1].split(";")[0])
+    assert stated == pytest.approx(found.value, rel=0.05)
+    assert found.better == "lower"
+
+
+def test_enough_samples_are_not_flagged_and_their_bias_is_the_known_one():
+    one, other = np.random.default_rng(3).standard_normal((2, 500, 32))
+    found = frechet(embeddings(one), embeddings(other), resamples=0)
+    assert not found.remark
+    assert found.value == pytest.approx(32 * 37 / 1000, rel=0.2)
+
+
+def test_unequal_samples_are_cut_to_equal_ones_and_it_is_said():
+    chance = np.random.default_rng(4)
+    found = frechet(
+        embeddings(chance.standard_normal((40, 3))), embeddings(chance.standard_normal((25, 3)))
+    )
+    assert found.n == 25
+    assert found.settings["samples"] == "25 of each (40 generated, 25 recorded)"
+
+
+def test_the_interval_is_as_wide_as_the_score_varies_between_samples():
+    chance = np.random.default_rng(5)
+
+    def drawn():
+        one, other = chance.standard_normal((2, 100, 5))
+        return embeddings(one + np.array([1.0, 0, 0, 0, 0])), embeddings(other)
+
+    scores = [frechet(*drawn(), resamples=0).value for _ in range(200)]
+    found = [frechet(*drawn(), resamples=50).interval for _ in range(10)]
+    reach = np.mean([(high - low) / 2 for low, high in found])
+    assert 1 < reach / (1.96 * np.std(scores)) < 1.4
+
+
+def test_windows_of_one_clip_are_no_independent_samples():
+    chance = np.random.default_rng(6)
+    clip_level = chance.standard_normal((2, 20, 3))
+    windows = np.repeat(clip_level, 10, axis=1)
+    names = np.repeat(np.arange(20), 10).tolist()
+    apart = frechet(*map(embeddings, windows)).interval
+    together = frechet(*(embeddings(rows, names) for rows in windows)).interval
+    assert together[1] - together[0] > 2 * (apart[1] - apart[0])
+
+
+def test_one_sample_is_no_distance_with_the_reason():
+    found = frechet(embeddings(np.zeros((1, 3))), embeddings(np.zeros((9, 3))))
+    assert math.isnan(found.value)
+    assert found.reason == "a covariance needs two samples"
+
+
+def test_samples_of_different_networks_do_not_compare():
+    with pytest.raises(InputError, match="3 and 4 dimensions"):
+        frechet(embeddings(np.zeros((5, 3))), embeddings(np.zeros((5, 4))))
