@@ -1,0 +1,1 @@
+"""How far participants agree: reported beside the results, never a condition for them."""
