@@ -105,7 +105,7 @@ class _Within:
     @property
     def mean(self) -> float:
         count = self.rows.sum()
-        return self.total / (count * (count - 1))
+        return float(self.total / (count * (count - 1)))
 
     def means_without(self) -> FloatArray:
         """Return the mean over pairs that are left when each clip in turn is left out."""
