@@ -14,6 +14,7 @@ from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import MP4_OPTIONS, SOUND_RATE, encoded_sound
 from renderer.loudness import at_common_loudness
+from renderer.mp4_bit_rates import forget_bit_rates
 
 
 def write_dubbed(
@@ -43,12 +44,13 @@ def write_dubbed(
     heard = at_common_loudness(read_audio(speech, sample_rate=SOUND_RATE).cut(start, end))
     sound = _lasting(heard, round(seconds * SOUND_RATE))
     try:
-        with (
-            replacing(video) as draft,
-            av.open(str(picture)) as original,
-            av.open(str(draft), "w", format="mp4", options=MP4_OPTIONS) as copy,
-        ):
-            _write(original, copy, sound)
+        with replacing(video) as draft:
+            with (
+                av.open(str(picture)) as original,
+                av.open(str(draft), "w", format="mp4", options=MP4_OPTIONS) as copy,
+            ):
+                _write(original, copy, sound)
+            forget_bit_rates(draft)
     except (av.FFmpegError, IndexError) as error:
         raise InputError(
             f"the rendered clip cannot be read ({error})",

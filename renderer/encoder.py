@@ -13,6 +13,7 @@ from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTr
 from numpy.typing import NDArray
 
 from motion.audio import Audio
+from renderer.mp4_bit_rates import forget_bit_rates
 
 SOUND_RATE: Final = 48000
 """Samples per second of the sound in a video."""
@@ -91,6 +92,7 @@ class VideoWriter:
         self._rate = Fraction(frame_rate).limit_denominator(1001)
         self._count = 0
         lossless = sound is None
+        self._heard_in = None if lossless else path
         self._container: Any = av.open(
             str(path),
             "w",
@@ -127,6 +129,8 @@ class VideoWriter:
             self._container.mux(self._video.encode(None))
             self._mux_sound(until=None)
         self._container.close()
+        if kind is None and self._heard_in is not None:
+            forget_bit_rates(self._heard_in)
 
     def write(self, frame: Any) -> None:
         """Add `frame`, an `av.VideoFrame` in yuv420p of the video's size."""

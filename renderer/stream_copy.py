@@ -13,6 +13,7 @@ from av.bitstream import BitStreamFilterContext
 from motion.errors import InputError
 from motion.files import replacing
 from renderer.encoder import MP4_OPTIONS
+from renderer.mp4_bit_rates import forget_bit_rates
 
 TICKS: Final = 90_000
 """Parts of a second in which a copy counts the moments of its pictures."""
@@ -70,22 +71,28 @@ def copy_video(source: Path, target: Path, *, lasts: Fraction, sound: bool) -> N
     end = ceil(lasts * 1000) * (TICKS // 1000)
     options = {**MP4_OPTIONS, "video_track_timescale": str(TICKS)}
     try:
-        with (
-            replacing(target) as draft,
-            av.open(str(source)) as original,
-            av.open(str(draft), "w", format="mp4", options=options) as copy,
-        ):
-            wanted: list[Any] = [original.streams.video[0]]
-            wanted += original.streams.audio[:1] if sound else []
-            streams = {stream.index: copy.add_stream_from_template(stream) for stream in wanted}
-            picture = wanted[0]
-            quiet = BitStreamFilterContext(_SEI, picture, streams[picture.index])
-            for packet in _packets(original, wanted, picture, end):
-                for kept in quiet.filter(packet) if packet.stream is picture else [packet]:
-                    kept.stream = streams[packet.stream.index]
-                    copy.mux(kept)
+        with replacing(target) as draft:
+            with (
+                av.open(str(source)) as original,
+                av.open(str(draft), "w", format="mp4", options=options) as copy,
+            ):
+                _copy(original, copy, end, sound=sound)
+            forget_bit_rates(draft)
     except (av.FFmpegError, OSError, IndexError) as error:
         raise _unreadable(source) from error
+
+
+def _copy(original: Any, copy: Any, end: int, *, sound: bool) -> None:
+    """Write what is encoded in `original` into `copy`, the picture held until tick `end`."""
+    wanted: list[Any] = [original.streams.video[0]]
+    wanted += original.streams.audio[:1] if sound else []
+    streams = {stream.index: copy.add_stream_from_template(stream) for stream in wanted}
+    picture = wanted[0]
+    quiet = BitStreamFilterContext(_SEI, picture, streams[picture.index])
+    for packet in _packets(original, wanted, picture, end):
+        for kept in quiet.filter(packet) if packet.stream is picture else [packet]:
+            kept.stream = streams[packet.stream.index]
+            copy.mux(kept)
 
 
 def _packets(original: Any, wanted: list[Any], picture: Any, end: int) -> list[Any]:

@@ -27,7 +27,7 @@ from studyapp.design.stimulus import Stimulus
 from studyapp.stages.digest import digest
 from studyapp.stages.media_probe import flaw_of
 
-_VERSION: Final = source_version(("renderer/stream_copy.py",), ("av",))
+_VERSION: Final = source_version(("renderer/stream_copy.py", "renderer/mp4_bit_rates.py"), ("av",))
 
 
 @dataclass(frozen=True, kw_only=True)
