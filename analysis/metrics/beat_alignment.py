@@ -8,7 +8,8 @@ score comes with its chance level, and the difference is what to compare.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -17,7 +18,7 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import find_peaks
 
 from analysis.metrics.joint_positions import ARM_JOINTS
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import Better, MetricResult
 
 FloatArray = NDArray[np.float64]
 Direction = Literal["motion to audio", "audio to motion"]
@@ -27,6 +28,12 @@ SHIFTS: Final = 200
 
 SHALLOWEST: Final = 0.01
 """Metres per second by which a motion beat must lie below its surroundings."""
+
+SHALLOWEST_TURN: Final = 0.04
+"""The same in radians per second, for bones of a quarter of a metre."""
+
+_DISTANCES_AT_A_TIME: Final = 2_000_000
+"""Distances between beats held at a time: bounds the memory on long clips."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,9 +48,11 @@ class BeatSettings:
         Each beat of the first kind is scored by its distance to the nearest of the second.
     joints : tuple of str
         The joints whose speed is looked at.
+    bones : tuple of (str, str)
+        Ends of bones, among `joints`, whose turning is looked at in place of speed.
     pooling : {'mean speed', 'each joint'}
-        One series of motion beats from the joints' mean speed, or one per joint with the mean of
-        their scores.
+        One series of motion beats from the mean speed of joints or bones, or one per joint or
+        bone with the mean of their scores.
     sigma : float
         Width of the Gaussian in seconds.
     window : float
@@ -59,17 +68,19 @@ class BeatSettings:
     sigma: float
     window: float
     source: str
+    bones: tuple[tuple[str, str], ...] = ()
 
     def described(self, frame_rate: float, detector: str) -> dict[str, str]:
         """Return the settings in words, for a footnote."""
         return {
             "direction": self.direction,
             "joints": ", ".join(self.joints),
+            "motion": "turning of bones, rad/s" if self.bones else "speed of joints, m/s",
             "pooling": self.pooling,
             "sigma": f"{self.sigma:g} s",
             "extremum window": f"{self.window:.3g} s on each side "
             f"({extremum_order(self.window, frame_rate)} frames)",
-            "least dip": f"{SHALLOWEST:g} m/s",
+            "least dip": f"{SHALLOWEST_TURN:g} rad/s" if self.bones else f"{SHALLOWEST:g} m/s",
             "frame rate": f"{frame_rate:g} fps",
             "onsets": detector,
             "chance": f"mean over {SHIFTS} circular shifts of the motion beats",
@@ -99,7 +110,25 @@ BEAT: Final = BeatSettings(
 )
 """BEAT's evaluation: from each audio onset to the nearest motion beat of each joint."""
 
+TALKSHOW: Final = BeatSettings(
+    name="talkshow",
+    direction="audio to motion",
+    joints=ARM_JOINTS,
+    pooling="mean speed",
+    sigma=0.1,
+    window=1 / 15,
+    source="Yi et al. 2023 (TalkSHOW) after Liu et al. 2022 (HA2G): direction, turning, sigma; "
+    "arms and window are ours, the threshold on turning is not used",
+    bones=tuple(
+        (f"{side}_{start}", f"{side}_{end}")
+        for side in ("left", "right")
+        for start, end in (("shoulder", "elbow"), ("elbow", "wrist"))
+    ),
+)
+"""TalkSHOW's and HA2G's: from each audio onset to where the arms' bones turn least."""
+
 PRESETS: Final = (AMUSE, BEAT)
+"""Those that every report shows; `TALKSHOW` is there on demand."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,14 +143,21 @@ class BeatAlignment:
         What the same beats score when the motion is shifted in time.
     above_chance : MetricResult
         `score` minus `chance`: 0 means that the motion ignores the speech.
+    opposite : MetricResult
+        The score of the same beats in the other direction: a motion that stops at every onset
+        and often besides scores high in one direction only.
     motion_beats : MetricResult
         Motion beats per second (mean over joints where each joint has its own).
+    audio_beats : MetricResult
+        Onsets of the speech per second.
     """
 
     score: MetricResult
     chance: MetricResult
     above_chance: MetricResult
+    opposite: MetricResult
     motion_beats: MetricResult
+    audio_beats: MetricResult
 
 
 def extremum_order(window: float, frame_rate: float) -> int:
@@ -129,27 +165,30 @@ def extremum_order(window: float, frame_rate: float) -> int:
     return max(1, round(window * frame_rate))
 
 
-def motion_beats(speed: FloatArray, frame_rate: float, window: float) -> FloatArray:
+def motion_beats(
+    speed: FloatArray, frame_rate: float, window: float, shallowest: float = SHALLOWEST
+) -> FloatArray:
     """Return when a speed curve has its local minima.
 
     Parameters
     ----------
     speed : ndarray, shape (T,)
-        Speed in m/s between frames k and k + 1, so that value k belongs to time
+        Speed, such as m/s, between frames k and k + 1, so that value k belongs to time
         (k + ½) / frame_rate.
     frame_rate : float
         Frames per second.
     window : float
         Seconds on each side over which no value may be smaller.
+    shallowest : float
+        In units of `speed`: a shallower dip is rounding or sensor noise and no beat.
 
     Returns
     -------
     ndarray, shape (N,)
-        Times in seconds, ascending; the middle of a stretch of equal minima. A dip of less than
-        `SHALLOWEST` is rounding or sensor noise and no beat.
+        Times in seconds, ascending; the middle of a stretch of equal minima.
     """
     order = extremum_order(window, frame_rate)
-    dips, shape = find_peaks(-speed, prominence=SHALLOWEST, plateau_size=1, distance=order + 1)
+    dips, shape = find_peaks(-speed, prominence=shallowest, plateau_size=1, distance=order + 1)
     lowest = minimum_filter1d(speed, 2 * order + 1, mode="nearest")
     is_lowest = speed[dips] <= lowest[dips]
     middles = (shape["left_edges"] + shape["right_edges"]) / 2
@@ -190,9 +229,14 @@ def chance_score(
     motion is not among them.
     """
     shifts = duration * (np.arange(SHIFTS) + 0.5) / SHIFTS
-    return float(
-        np.mean([_directed((motion + s) % duration, audio, sigma, direction) for s in shifts])
-    )
+    at_a_time = max(1, _DISTANCES_AT_A_TIME // (len(motion) * len(audio)))
+    axis = 2 if direction == "motion to audio" else 1
+    total = 0.0
+    for start in range(0, SHIFTS, at_a_time):
+        shifted = (motion + shifts[start : start + at_a_time, None]) % duration
+        distance = np.abs(shifted[:, :, None] - audio).min(axis=axis)
+        total += float(np.exp(-(distance**2) / (2 * sigma**2)).mean(axis=1).sum())
+    return total / SHIFTS
 
 
 def beat_alignment(
@@ -224,50 +268,70 @@ def beat_alignment(
         NaN with a reason where the motion or the speech has no beat.
     """
     duration = len(positions) / frame_rate
-    speeds = np.linalg.norm(np.diff(positions, axis=0), axis=2).T * frame_rate
+    speeds = _speeds(positions, settings) * frame_rate
     if settings.pooling == "mean speed":
         speeds = speeds.mean(axis=0, keepdims=True)
-    series = [motion_beats(speed, frame_rate, settings.window) for speed in speeds]
+    shallowest = SHALLOWEST_TURN if settings.bones else SHALLOWEST
+    series = [motion_beats(speed, frame_rate, settings.window, shallowest) for speed in speeds]
     moving = [beats for beats in series if len(beats)]
     described = settings.described(frame_rate, detector)
     reason = "" if moving else "the motion has no beat"
     reason = reason if len(onsets) else "the speech has no onset"
-    score = chance = math.nan
+    score = opposite = chance = math.nan
+    to_audio = settings.direction == "motion to audio"
     if not reason:
         sigma, direction = settings.sigma, settings.direction
-        score = float(np.mean([_directed(b, onsets, sigma, direction) for b in moving]))
+        there = float(np.mean([alignment_score(beats, onsets, sigma) for beats in moving]))
+        back = float(np.mean([alignment_score(onsets, beats, sigma) for beats in moving]))
+        score, opposite = (there, back) if to_audio else (back, there)
         chance = float(
             np.mean([chance_score(b, onsets, duration, sigma, direction) for b in moving])
         )
     rate = sum(len(beats) for beats in series) / len(series) / duration
-    to_audio = settings.direction == "motion to audio"
-    scored = sum(len(beats) for beats in moving) if to_audio else len(onsets) * len(moving)
+    queries = sum(len(beats) for beats in moving), len(onsets) * len(moving)
+    scored, scored_back = queries if to_audio else queries[::-1]
+    other = "audio to motion" if to_audio else "motion to audio"
 
-    def result(name: str, value: float) -> MetricResult:
+    def result(
+        name: str, value: float, better: Better = "unsaid", preset: str = settings.name
+    ) -> MetricResult:
         return MetricResult(
-            name=f"{name} ({settings.name})",
+            name=f"{name} ({preset})",
             value=value,
             unit="",
             n=0 if reason else scored,
             settings=described,
             reason=reason,
+            better=better,
         )
 
     return BeatAlignment(
-        score=result("beat alignment", score),
+        score=result("beat alignment", score, "higher"),
         chance=result("beat alignment by chance", chance),
-        above_chance=result("beat alignment above chance", score - chance),
-        motion_beats=MetricResult(
-            name=f"motion beat rate ({settings.name})",
-            value=rate,
-            unit="1/s",
-            n=len(series),
-            settings=described,
+        above_chance=result("beat alignment above chance", score - chance, "higher"),
+        opposite=replace(
+            result("beat alignment", opposite, "higher", f"{settings.name}, {other}"),
+            n=0 if reason else scored_back,
+            settings=described | {"direction": other},
+        ),
+        motion_beats=_rate(f"motion beat rate ({settings.name})", rate, len(series), described),
+        audio_beats=_rate(
+            "speech onset rate", len(onsets) / duration, len(onsets), {"onsets": detector}
         ),
     )
 
 
-def _directed(motion: FloatArray, audio: FloatArray, sigma: float, direction: Direction) -> float:
-    if direction == "motion to audio":
-        return alignment_score(motion, audio, sigma)
-    return alignment_score(audio, motion, sigma)
+def _speeds(positions: FloatArray, settings: BeatSettings) -> FloatArray:
+    """Return how far joints move, or bones turn, from frame to frame, shape (joints, T - 1)."""
+    if not settings.bones:
+        return np.asarray(np.linalg.norm(np.diff(positions, axis=0), axis=2).T)
+    starts, ends = ([settings.joints.index(bone[end]) for bone in settings.bones] for end in (0, 1))
+    along = positions[:, ends] - positions[:, starts]
+    along = along / np.maximum(np.linalg.norm(along, axis=2, keepdims=True), 1e-12)
+    # The angle from its chord: the arc cosine of nearly 1 would be rounding alone.
+    chord = np.linalg.norm(np.diff(along, axis=0), axis=2).T
+    return np.asarray(2 * np.arcsin(np.minimum(1, chord / 2)))
+
+
+def _rate(name: str, value: float, n: int, settings: Mapping[str, str]) -> MetricResult:
+    return MetricResult(name=name, value=value, unit="1/s", n=n, settings=settings)

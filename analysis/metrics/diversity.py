@@ -1,13 +1,15 @@
-"""Diversity: two different quantities that the literature gives one name.
+"""Diversity: three different quantities that the literature gives one name.
 
 `l1_deviation` asks how far one clip moves around its own mean pose, `mean_pair_distance` how far
-the clips of one condition differ from each other. Both reward noise, so read them beside jerk.
+the clips of one condition differ from each other, `feature_variance` the same of their embeddings.
+All reward noise, so read them beside jerk and against recorded motion.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,12 @@ from scipy.spatial.distance import pdist
 from analysis.metrics.result import MetricResult
 
 FloatArray = NDArray[np.float64]
+
+_BLOCK: Final = 500
+"""Clips whose distances to all others are held at a time."""
+
+_FEW: Final = 300
+"""Clips up to which distances are taken one by one; of more, by matrix products."""
 
 
 def l1_deviation(
@@ -46,6 +54,7 @@ def l1_deviation(
         unit=unit,
         n=len(flat),
         settings=settings or {},
+        better="near the reference",
     )
 
 
@@ -78,11 +87,62 @@ def mean_pair_distance(
             n=0,
             settings=described,
             reason="a distance needs two clips",
+            better="near the reference",
         )
-    distances = pdist(features)
+    count = len(features)
+    mean = pdist(features).mean() if count <= _FEW else _mean_distance(features)
     return MetricResult(
-        name=name, value=float(distances.mean()), unit=unit, n=len(distances), settings=described
+        name=name,
+        value=float(mean),
+        unit=unit,
+        n=count * (count - 1) // 2,
+        settings=described,
+        better="near the reference",
     )
+
+
+def feature_variance(
+    features: FloatArray, *, settings: Mapping[str, str] | None = None
+) -> MetricResult:
+    """Return how much the embeddings of clips vary, as AMUSE's diversity.
+
+    Parameters
+    ----------
+    features : ndarray, shape (N, D)
+        One embedding per clip.
+    settings : mapping, optional
+        The feature network and its hash.
+
+    Returns
+    -------
+    MetricResult
+        Unbiased variance over clips, mean over dimensions (Chhatre et al. 2024, section 5.1, which
+        leaves open whether it is their mean or sum), in squared units of the embeddings. NaN for
+        fewer than two clips.
+    """
+    few = len(features) < 2
+    return MetricResult(
+        name="variance of features",
+        value=math.nan if few else float(features.var(axis=0, ddof=1).mean()),
+        unit="",
+        n=len(features),
+        settings=dict(settings or {}) | {"mean over": f"{features.shape[1]} dimensions"},
+        reason="a variance needs two clips" if few else "",
+        better="near the reference",
+    )
+
+
+def _mean_distance(features: FloatArray) -> float:
+    """Return the mean distance over all pairs, by blocks of matrix products."""
+    centred = features - features.mean(axis=0)
+    squares = np.einsum("nd,nd->n", centred, centred)
+    total = 0.0
+    for start in range(0, len(centred), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        squared = squares[block, None] + squares - 2 * centred[block] @ centred.T
+        np.fill_diagonal(squared[:, start:], 0)
+        total += float(np.sqrt(np.maximum(squared, 0)).sum())
+    return total / (len(centred) * (len(centred) - 1))
 
 
 def motion_features(clips: Sequence[FloatArray]) -> FloatArray:

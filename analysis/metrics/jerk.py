@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
-from analysis.metrics.joint_positions import WRISTS
+from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, WRISTS
 from analysis.metrics.result import MetricResult
 
 _FILTER_ORDER: Final = 4
@@ -42,6 +42,9 @@ HANDS: Final = JerkSettings(name="hands", joints=WRISTS, cutoff=6.0)
 
 HANDS_UNFILTERED: Final = JerkSettings(name="hands, unfiltered", joints=WRISTS, cutoff=None)
 """Wrists as they are; jitter counts in full, and so does noise of the recording."""
+
+GENEA: Final = JerkSettings(name="genea", joints=UPPER_BODY_JOINTS, cutoff=None)
+"""GENEA's evaluation: all joints, here those of head and arms, without a filter."""
 
 
 def jerk(
@@ -81,7 +84,13 @@ def jerk(
         reason = f"{frame_rate:g} fps is too slow for a {settings.cutoff:g} Hz filter"
     if reason:
         return MetricResult(
-            name=name, value=math.nan, unit=unit, n=0, settings=described, reason=reason
+            name=name,
+            value=math.nan,
+            unit=unit,
+            n=0,
+            settings=described,
+            reason=reason,
+            better="near the reference",
         )
     smooth = positions
     if settings.cutoff is not None:
@@ -89,5 +98,10 @@ def jerk(
         smooth = sosfiltfilt(sections, positions, axis=0)
     third = np.linalg.norm(np.diff(smooth, n=3, axis=0), axis=2) * frame_rate**3
     return MetricResult(
-        name=name, value=float(third.mean()), unit=unit, n=third.size, settings=described
+        name=name,
+        value=float(third.mean()),
+        unit=unit,
+        n=third.size,
+        settings=described,
+        better="near the reference",
     )

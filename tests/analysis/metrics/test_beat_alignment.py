@@ -8,10 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from analysis.metrics import beat_alignment as module
 from analysis.metrics.beat_alignment import (
     AMUSE,
     BEAT,
     PRESETS,
+    TALKSHOW,
     alignment_score,
     beat_alignment,
     chance_score,
@@ -185,3 +187,57 @@ def test_the_direction_decides_whose_missing_partner_counts():
     other = beat_alignment(positions, onsets, frame_rate=30.0, settings=turned, detector="given")
     assert found.score.value > 0.85
     assert other.score.value < found.score.value - 0.1
+
+
+def test_both_directions_are_there_and_say_which_is_which():
+    positions, onsets = swinging(AMUSE.joints), np.array([0.75, 3.0])
+    found = {
+        preset.direction: beat_alignment(
+            positions, onsets, frame_rate=30.0, settings=preset, detector="given"
+        )
+        for preset in (AMUSE, replace(AMUSE, direction="audio to motion"))
+    }
+    there, back = found["motion to audio"], found["audio to motion"]
+    assert there.opposite.value == back.score.value
+    assert there.score.value == back.opposite.value
+    assert there.opposite.settings["direction"] == "audio to motion"
+    assert there.opposite.n == back.score.n == 2
+    assert there.score.settings["direction"] == "motion to audio"
+    assert there.audio_beats.value == pytest.approx(0.2)
+
+
+def test_chance_of_a_long_clip_is_that_of_its_blocks_together(monkeypatch):
+    chance = np.random.default_rng(0)
+    motion, audio = chance.uniform(0, 30, 40), chance.uniform(0, 30, 50)
+    for direction in ("motion to audio", "audio to motion"):
+        at_once = chance_score(motion, audio, 30.0, 0.1, direction)
+        with monkeypatch.context() as patch:
+            patch.setattr(module, "_DISTANCES_AT_A_TIME", 3 * 40 * 50 + 1)
+            assert chance_score(motion, audio, 30.0, 0.1, direction) == pytest.approx(at_once)
+
+
+def test_bones_that_turn_to_and_fro_beat_where_they_turn_back():
+    time = np.arange(300) / 30
+    angle = 0.5 * np.sin(2 * np.pi * 0.5 * time)
+    swing = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    positions = np.zeros((300, 6, 3))
+    for side, shift in ((0, 1.0), (3, -1.0)):
+        positions[:, side + 2, 0] = shift
+        positions[:, side + 1] = positions[:, side + 2] + 0.3 * swing
+        positions[:, side] = positions[:, side + 1] + 0.25 * swing
+    turns = np.arange(0.5, 10, 1.0)
+    found = beat_alignment(positions, turns, frame_rate=30.0, settings=TALKSHOW, detector="given")
+    assert found.score.value > 0.9
+    assert found.motion_beats.value == pytest.approx(1.0, abs=0.1)
+    assert found.score.settings["motion"] == "turning of bones, rad/s"
+    larger = beat_alignment(
+        3 * positions + 1, turns, frame_rate=30.0, settings=TALKSHOW, detector="given"
+    )
+    assert larger.score.value == pytest.approx(found.score.value)
+
+
+def test_bones_of_a_motionless_clip_have_no_beat():
+    found = beat_alignment(
+        np.zeros((60, 6, 3)), np.array([1.0]), frame_rate=30, settings=TALKSHOW, detector="given"
+    )
+    assert found.score.reason == "the motion has no beat"

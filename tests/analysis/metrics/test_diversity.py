@@ -4,8 +4,16 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.distance import pdist
 
-from analysis.metrics.diversity import l1_deviation, mean_pair_distance, motion_features
+from analysis.metrics.diversity import (
+    feature_variance,
+    l1_deviation,
+    mean_pair_distance,
+    motion_features,
+)
 
 
 def test_two_points_agree_with_their_closed_form(closed_form):
@@ -47,3 +55,31 @@ def test_the_distance_of_two_clips_is_a_root_mean_square_in_metres():
     features = motion_features([still, apart])
     assert features.shape == (2, 20 * 5 * 3)
     assert mean_pair_distance(features).value == pytest.approx(0.3)
+
+
+def test_many_clips_are_measured_as_few_are():
+    features = np.random.default_rng(1).standard_normal((700, 9)) + 50
+    assert mean_pair_distance(features).value == pytest.approx(pdist(features).mean())
+    assert mean_pair_distance(features).n == 700 * 699 // 2
+
+
+def test_the_variance_of_features_is_the_variance_of_a_normal_sample():
+    features = np.random.default_rng(2).normal(3, 1.5, (4000, 6))
+    assert feature_variance(features).value == pytest.approx(1.5**2, rel=0.03)
+    assert math.isnan(feature_variance(features[:1]).value)
+
+
+def test_all_three_are_called_by_different_names():
+    sample = np.random.default_rng(3).standard_normal((5, 2))
+    found = [measure(sample) for measure in (l1_deviation, mean_pair_distance, feature_variance)]
+    assert len({result.name for result in found}) == 3
+    assert {result.better for result in found} == {"near the reference"}
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.1, 10))
+def test_diversities_do_not_see_a_shift_and_grow_with_the_scale(seed, scale):
+    sample = np.random.default_rng(seed).standard_normal((6, 4))
+    for measure, power in ((l1_deviation, 1), (mean_pair_distance, 1), (feature_variance, 2)):
+        value = measure(sample).value
+        assert measure(sample + 3).value == pytest.approx(value)
+        assert measure(scale * sample).value == pytest.approx(scale**power * value)

@@ -18,3 +18,8 @@ def test_settings_cannot_be_changed_afterwards():
     result = MetricResult(name="m", value=1.0, unit="", n=1, settings=given)
     given["joints"] = "feet"
     assert result.settings["joints"] == "wrists"
+
+
+def test_an_interval_ends_above_its_start():
+    with pytest.raises(ValueError, match="interval"):
+        MetricResult(name="m", value=1.0, unit="", n=1, interval=(2.0, 1.0))

@@ -1,0 +1,141 @@
+"""Percent of correct motion (PCM): how many joints are near their recorded place.
+
+One name stands for different thresholds in different units (Chen et al. 2024, DiffSHEG, on
+normalised rotations; Liu et al. 2022, BEAT, on Euler angles; Liu et al. 2024, EMAGE, on positions),
+so each preset fixes both.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.metrics.pairing import paired
+from analysis.metrics.result import MetricResult
+
+FloatArray = NDArray[np.float64]
+Representation = Literal["positions", "normalised rotations", "euler angles"]
+
+_WORDS: Final[Mapping[Representation, str]] = {
+    "positions": "positions relative to the pelvis, default body, metres",
+    "normalised rotations": "axis-angle less the recordings' mean, over their standard deviation",
+    "euler angles": "Euler angles XYZ, degrees",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class CorrectSettings:
+    """What makes a joint's motion correct.
+
+    Attributes
+    ----------
+    name : str
+        Names the preset.
+    representation : {'positions', 'normalised rotations', 'euler angles'}
+        What a joint's three channels are.
+    distance : {'Euclidean', 'sum of absolute differences'}
+        Over the three channels of a joint.
+    threshold : float
+        A joint is correct where the distance is below this.
+    unit : str
+        Unit of the threshold.
+    source : str
+        Where the choices come from.
+    """
+
+    name: str
+    representation: Representation
+    distance: Literal["Euclidean", "sum of absolute differences"]
+    threshold: float
+    unit: str
+    source: str
+
+    def described(self) -> dict[str, str]:
+        """Return the settings in words, for a footnote."""
+        return {
+            "representation": _WORDS[self.representation],
+            "distance": f"{self.distance} over a joint's channels",
+            "threshold": f"{self.threshold:g} {self.unit}".rstrip(),
+            "source": self.source,
+        }
+
+
+DIFFSHEG: Final = CorrectSettings(
+    name="diffsheg",
+    representation="normalised rotations",
+    distance="Euclidean",
+    threshold=0.5,
+    unit="",
+    source="Chen et al. 2024, released evaluation",
+)
+
+BEAT: Final = CorrectSettings(
+    name="beat",
+    representation="euler angles",
+    distance="sum of absolute differences",
+    threshold=4.0,
+    unit="°",
+    source="Liu et al. 2022, released evaluation",
+)
+
+AMUSE: Final = CorrectSettings(
+    name="amuse",
+    representation="positions",
+    distance="Euclidean",
+    threshold=0.1,
+    unit="m",
+    source="Chhatre et al. 2024, appendix E; the threshold is not stated there and is EMAGE's",
+)
+
+
+def correct_joints(
+    generated: FloatArray, recorded: FloatArray, settings: CorrectSettings
+) -> NDArray[np.bool_]:
+    """Return which joints are correct, shape (T, J), of motions of shape (T, J, 3).
+
+    Euler angles are compared the short way round.
+    """
+    difference = generated - recorded
+    if settings.representation == "euler angles":
+        difference = (difference + 180) % 360 - 180
+    if settings.distance == "Euclidean":
+        apart = np.linalg.norm(difference, axis=2)
+    else:
+        apart = np.abs(difference).sum(axis=2)
+    return np.asarray(apart < settings.threshold)
+
+
+def percent_correct_motion(
+    generated: FloatArray, recorded: FloatArray, *, settings: CorrectSettings
+) -> MetricResult:
+    """Return the share of joints and frames whose motion is correct.
+
+    Parameters
+    ----------
+    generated, recorded : ndarray, shape (T, J, 3)
+        In the representation of `settings`, at one frame rate.
+    settings : CorrectSettings
+        Usually one of the presets.
+
+    Returns
+    -------
+    MetricResult
+        In [0, 1], 1 for the recording itself. NaN where the clips do not pair, and for no joint.
+    """
+    one, other, reason = paired(generated, recorded)
+    if not reason and not one.shape[1]:
+        reason = "no joint moves in the recordings"
+    return MetricResult(
+        name=f"percent of correct motion ({settings.name})",
+        value=math.nan if reason else float(correct_joints(one, other, settings).mean()),
+        unit="",
+        n=0 if reason else one.shape[0] * one.shape[1],
+        settings=settings.described(),
+        reason=reason,
+        better="higher",
+    )

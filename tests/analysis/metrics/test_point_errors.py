@@ -1,0 +1,121 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from analysis.metrics.absolute_error import MAJE, MALE, SEED_FRAMES, absolute_error, box_scale
+from analysis.metrics.acceleration_error import MACE_LANDMARKS, MACE_POSES, acceleration_error
+from analysis.metrics.velocity_error import velocity_error
+
+
+def motion(seed=0, shape=(40, 5, 3)):
+    return np.random.default_rng(seed).standard_normal(shape)
+
+
+def maje(one, other, **options):
+    return absolute_error(one, other, frame_rate=15, settings=MAJE, **options).value
+
+
+def mace(one, other, frame_rate=15.0, **options):
+    return acceleration_error(
+        one, other, frame_rate=frame_rate, settings=MACE_POSES, **options
+    ).value
+
+
+def velocity(one, other, norm="L1", frame_rate=30.0):
+    return velocity_error(one, other, frame_rate=frame_rate, norm=norm).value
+
+
+def test_a_shift_on_one_axis_is_a_third_of_it_in_millimetres():
+    shifted = motion() + np.array([0.3, 0, 0])
+    assert maje(shifted, motion()) == pytest.approx(100)
+    assert maje(shifted, motion(), scale=0.5) == pytest.approx(50)
+
+
+def test_what_stays_apart_moves_alike():
+    shifted = motion() + np.array([0.3, -1, 2])
+    assert mace(shifted, motion()) == pytest.approx(0, abs=1e-6)
+    assert velocity(shifted, motion()) == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("frame_rate", [15.0, 30.0, 60.0])
+def test_an_acceleration_is_the_same_at_every_frame_rate(frame_rate):
+    time = np.arange(2 * frame_rate) / frame_rate
+    falling = np.zeros((len(time), 1, 3))
+    falling[:, 0, 1] = -0.5 * 9.81 * time**2
+    assert mace(falling, np.zeros_like(falling), frame_rate) == pytest.approx(9810 / 3)
+
+
+@pytest.mark.parametrize("frame_rate", [15.0, 60.0])
+def test_a_velocity_is_the_same_at_every_frame_rate(frame_rate):
+    time = np.arange(2 * frame_rate) / frame_rate
+    walking = time[:, None, None] * np.array([[[0.3, 0.0, 0.4]]])
+    still = np.zeros_like(walking)
+    assert velocity(walking, still, "L2", frame_rate) == pytest.approx(0.5)
+    assert velocity(walking, still, "L1", frame_rate) == pytest.approx(0.7 / 3)
+
+
+def test_frames_that_seed_the_generator_do_not_count():
+    seeded = motion()
+    seeded[:SEED_FRAMES] += 5
+    assert maje(seeded, motion()) == 0
+    assert mace(seeded, motion()) == 0
+    whole = absolute_error(seeded, motion(), frame_rate=15, settings=MAJE)
+    assert whole.settings["left out"] == "the first 4 frames"
+    assert whole.n == 36 * 5
+
+
+def test_landmarks_are_measured_as_joints_are():
+    one, other = motion(1), motion(2)
+    landmarks = absolute_error(one, other, frame_rate=15, settings=MALE)
+    assert landmarks.value == maje(one, other)
+    assert "MALE" in landmarks.name
+    accelerated = acceleration_error(one, other, frame_rate=15, settings=MACE_LANDMARKS)
+    assert accelerated.value == mace(one, other)
+    assert (landmarks.unit, accelerated.unit) == ("mm", "mm/s²")
+
+
+@given(st.integers(0, 1000), st.floats(0.1, 10))
+def test_errors_are_distances_that_grow_with_the_motion(seed, scale):
+    one, other = motion(seed), motion(seed + 1)
+    for error in (maje, mace, velocity):
+        assert error(one, one) == 0
+        assert error(one, other) == pytest.approx(error(other, one))
+        assert error(scale * one, scale * other) == pytest.approx(scale * error(one, other))
+
+
+def test_all_points_fit_a_box_of_one_metre_afterwards():
+    clips = [motion(3) * 0.2, motion(4) * 3 + 1]
+    scale = box_scale(clips)
+    together = scale * np.concatenate([clip.reshape(-1, 3) for clip in clips])
+    assert np.linalg.norm(np.ptp(together, axis=0)) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("clips", [[], [np.ones((3, 2, 3))]])
+def test_no_extent_is_no_scale(clips):
+    with pytest.raises(ValueError, match=r"clip|one"):
+        box_scale(clips)
+
+
+@pytest.mark.parametrize("error", [maje, mace])
+def test_a_clip_of_nothing_but_seeds_has_no_error(error):
+    assert math.isnan(error(motion(shape=(4, 2, 3)), motion(shape=(4, 2, 3))))
+
+
+def test_reasons_are_given():
+    one = np.zeros((1, 2, 3))
+    assert velocity_error(one, one, frame_rate=30, norm="L1").reason == (
+        "a velocity needs two frames"
+    )
+    short = acceleration_error(
+        motion(shape=(6, 2, 3)), motion(shape=(6, 2, 3)), frame_rate=15, settings=MACE_POSES
+    )
+    assert "fewer than 3 frames" in short.reason
+    apart = absolute_error(
+        motion(shape=(20, 2, 3)), motion(shape=(40, 2, 3)), frame_rate=15, settings=MAJE
+    )
+    assert "20 frames and the recording 40" in apart.reason
