@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dpotri
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
@@ -49,9 +50,29 @@ class Layout:
         """Number of random effects of all terms together."""
         return int(sum(self.sizes))
 
-    def part(self, chosen: Codes) -> Layout:
-        """Return the layout of the answers `chosen`; every group stays."""
-        return Layout(tuple(codes[chosen] for codes in self.groups), self.sizes)
+    @cached_property
+    def across_cells(self) -> tuple[Codes, ...]:
+        """For each later term, every answer's place in the flat block across (see Information)."""
+        return tuple(
+            self.groups[0] * self.width + start + codes
+            for start, codes in zip(self.offsets, self.groups[1:], strict=True)
+        )
+
+    @cached_property
+    def rest_cells(self) -> dict[tuple[int, int], Codes]:
+        """For each two later terms, every answer's place in the flat remaining block."""
+        codes = [start + own for start, own in zip(self.offsets, self.groups[1:], strict=True)]
+        return {
+            (number, other): codes[number] * self.width + codes[other]
+            for number in range(len(codes))
+            for other in range(number)
+        }
+
+    def part(self, chosen: Codes | NDArray[np.bool_]) -> Layout:
+        """Return the layout of the answers `chosen`, without the groups that have none."""
+        kept = [np.unique(codes[chosen], return_inverse=True) for codes in self.groups]
+        groups = tuple(codes.astype(np.intp) for _, codes in kept)
+        return Layout(groups, tuple(len(names) for names, _ in kept))
 
     def spread(self, effects: Floats) -> list[Floats]:
         """Return each answer's effect of each term."""
@@ -104,28 +125,17 @@ class Information:
             Minus the second derivative of each answer's log-likelihood.
         """
         size, width = layout.sizes[0], layout.width
-        head = multipliers[0]
-        own = np.bincount(layout.groups[0], weights=weights * head**2, minlength=size)
-        first = 1.0 + np.asarray(own, np.float64)
-        across = np.zeros((size, width))
-        rest = np.eye(width)
-        for number, start in enumerate(layout.offsets, start=1):
-            stop = start + layout.sizes[number]
-            codes, scaled = layout.groups[number], weights * multipliers[number]
-            across[:, start:stop] = _sums(
-                layout.groups[0], codes, scaled * head, (size, stop - start)
-            )
-            for other, begin in enumerate(layout.offsets[:number], start=1):
-                end = begin + layout.sizes[other]
-                block = _sums(
-                    codes,
-                    layout.groups[other],
-                    scaled * multipliers[other],
-                    (stop - start, end - begin),
-                )
-                rest[start:stop, begin:end] += block
-                if other != number:
-                    rest[begin:end, start:stop] += block.T
+        weighted = [weights * multiplier for multiplier in multipliers]
+        blocks = layout.gather([w * m for w, m in zip(weighted, multipliers, strict=True)])
+        first = 1.0 + blocks[:size]
+        flat_across, flat_rest = np.zeros(size * width), np.zeros(width * width)
+        for number, cells in enumerate(layout.across_cells, start=1):
+            flat_across += _sums(cells, weighted[0] * multipliers[number], size * width)
+        for (number, other), cells in layout.rest_cells.items():
+            flat_rest += _sums(cells, weighted[number + 1] * multipliers[other + 1], width * width)
+        across, half = flat_across.reshape(size, width), flat_rest.reshape(width, width)
+        rest = half + half.T
+        rest[np.diag_indices(width)] += 1.0 + blocks[size:]
         rest -= across.T @ (across / first[:, None])
         return cls(layout, first, across, cho_factor(rest, lower=True))
 
@@ -149,30 +159,35 @@ class Information:
         C is the inverse and m an answer's row of the design, so that the sum over the terms of
         multiplier times entry is that answer's variance m' C m.
         """
-        inverse = cho_solve(self.factor, np.eye(self.layout.width))
+        inverse = _inverse(self.factor)
         scaled = self.across / self.first[:, None]
         between = -scaled @ inverse
         own = 1 / self.first - np.einsum("ij,ij->i", scaled, between)
-        first = self.layout.groups[0]
-        later = [
-            (start + codes, multiplier)
-            for start, codes, multiplier in zip(
-                self.layout.offsets, self.layout.groups[1:], multipliers[1:], strict=True
-            )
-        ]
-        found = [multipliers[0] * own[first]]
-        for column, multiplier in later:
-            found[0] += multiplier * between[first, column]
-        for row, _ in later:
-            direction = multipliers[0] * between[first, row]
-            for column, multiplier in later:
-                direction += multiplier * inverse[row, column]
-            found.append(direction)
+        layout, head = self.layout, multipliers[0]
+        found = [head * own[layout.groups[0]]]
+        for number, cells in enumerate(layout.across_cells, start=1):
+            here = between.ravel()[cells]
+            found[0] += multipliers[number] * here
+            found.append(head * here)
+        diagonal = np.diagonal(inverse)
+        for number, start in enumerate(layout.offsets, start=1):
+            found[number] += multipliers[number] * diagonal[start + layout.groups[number]]
+        for (number, other), cells in layout.rest_cells.items():
+            here = inverse.ravel()[cells]
+            found[number + 1] += multipliers[other + 1] * here
+            found[other + 1] += multipliers[number + 1] * here
         return found
 
 
-def _sums(rows: Codes, columns: Codes, values: Floats, shape: tuple[int, int]) -> Floats:
-    """Return the matrix of sums of `values` by row and column."""
-    cells = rows * shape[1] + columns
-    sums = np.bincount(cells, weights=values, minlength=shape[0] * shape[1])
-    return np.asarray(sums, np.float64).reshape(shape)
+def _inverse(factor: tuple[Floats, bool]) -> Floats:
+    """Return the inverse of a matrix from its lower Cholesky factor."""
+    if not factor[0].size:
+        return factor[0]
+    lower, _ = dpotri(factor[0], lower=True)
+    lower = np.tril(lower)
+    return np.asarray(lower + np.tril(lower, -1).T, np.float64)
+
+
+def _sums(cells: Codes, values: Floats, count: int) -> Floats:
+    """Return the sums of `values` by place."""
+    return np.asarray(np.bincount(cells, weights=values, minlength=count), np.float64)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -23,11 +22,14 @@ from analysis.ordinal.thresholds import Thresholds
 Floats = NDArray[np.float64]
 
 STEPS: Final = 100
-"""Newton steps to the mode of the random effects; five are usual."""
+"""Steps to the mode of the random effects; five are usual."""
 
-TOLERANCE: Final = 1e-6
-"""Largest change of a standardised random effect after which the mode counts as found: Newton's
-steps square their error, so that it is far nearer than that."""
+TOLERANCE: Final = 1e-8
+"""Error of a standardised random effect with which its mode counts as found: the length of the
+last step, times how much shorter it was than the one before."""
+
+SLOW: Final = 0.1
+"""A step longer than this share of the last one calls for the second derivatives where it led."""
 
 
 @dataclass(frozen=True)
@@ -74,54 +76,6 @@ class Answers:
 
 
 @dataclass(frozen=True)
-class Point:
-    """The answers' likelihood given the random effects, and its derivatives by eta.
-
-    Attributes
-    ----------
-    ends : Interval
-        Each answer's interval on the latent scale.
-    """
-
-    ends: Interval
-
-    @cached_property
-    def slope(self) -> Floats:
-        """First derivative by eta."""
-        return -(self.ends.upper + self.ends.lower)
-
-    @cached_property
-    def weights(self) -> Floats:
-        """Minus the second derivative by eta; never negative, as the links are log-concave."""
-        return np.maximum(self.slope**2 - (self.ends.upper1 + self.ends.lower1), 0.0)
-
-    @cached_property
-    def weight_slope(self) -> Floats:
-        """Derivative of `weights` by eta."""
-        first = self.ends.upper1 + self.ends.lower1
-        second = self.ends.upper2 + self.ends.lower2
-        return second + 3 * first * self.slope - 2 * self.slope**3
-
-    def by_end(self, which: str) -> tuple[Floats, Floats, Floats]:
-        """Return the derivatives by the 'upper' or 'lower' end.
-
-        Returns
-        -------
-        tuple of ndarray, shape (N,)
-            Of the log-likelihood, of its slope by eta, and of `weights`.
-        """
-        ends = self.ends
-        density, first, second = (
-            (ends.upper, ends.upper1, ends.upper2)
-            if which == "upper"
-            else (ends.lower, ends.lower1, ends.lower2)
-        )
-        total, total_first = ends.upper + ends.lower, ends.upper1 + ends.lower1
-        cross = first - density * total
-        return density, -cross, -(second - density * total_first - 2 * total * cross)
-
-
-@dataclass(frozen=True)
 class Likelihood:
     """The approximated log-likelihood of one parameter vector.
 
@@ -135,15 +89,18 @@ class Likelihood:
         Standardised modes of the random effects.
     settled : bool
         Whether the modes were found.
+    information : Information or None
+        Of the random effects at their modes; None where there are none.
     """
 
     value: float
     gradient: Floats
     modes: Floats
     settled: bool
+    information: Information | None = None
 
 
-def likelihood(answers: Answers, parameters: Floats, start: Floats | None = None) -> Likelihood:
+def likelihood(answers: Answers, parameters: Floats, near: Likelihood | None = None) -> Likelihood:
     """Return log-likelihood and gradient at `parameters`.
 
     Parameters
@@ -152,28 +109,27 @@ def likelihood(answers: Answers, parameters: Floats, start: Floats | None = None
         What was answered.
     parameters : ndarray, shape (answers.count,)
         See `Answers.split`; the sign of a standard deviation has no meaning.
-    start : ndarray, optional
-        Modes near which to begin.
+    near : Likelihood, optional
+        Of parameters nearby: where the way to the modes begins, and what leads it at first.
     """
     if answers.layout is None:
         return _fixed_only(answers, parameters)
     _, _, deviations = answers.split(parameters)
     scaled = [sd * m for sd, m in zip(deviations, answers.multipliers, strict=True)]
-    modes = np.zeros(answers.layout.count) if start is None else start
-    modes, point, information, settled = _mode(answers, answers.layout, parameters, scaled, modes)
-    value = (
-        point.ends.log_probability.sum() - 0.5 * modes @ modes - 0.5 * information.log_determinant
-    )
+    modes, point, settled = _mode(answers, answers.layout, parameters, scaled, near)
+    information = Information.of(answers.layout, scaled, point.weights)
+    value = point.log_probability.sum() - 0.5 * modes @ modes - 0.5 * information.log_determinant
     gradient = _gradient(answers, answers.layout, parameters, scaled, modes, point, information)
-    return Likelihood(float(value), gradient, modes, settled)
+    return Likelihood(float(value), gradient, modes, settled, information)
 
 
-def _at(answers: Answers, parameters: Floats, random: Floats | float) -> Point:
+def _at(answers: Answers, parameters: Floats, random: Floats | float) -> Interval:
     free, effects, _ = answers.split(parameters)
-    bounds = np.concatenate([[-np.inf], answers.thresholds.values(free), [np.inf]])
+    thresholds = answers.thresholds.values(free)
     eta = answers.fixed @ effects + random
-    lower, upper = bounds[answers.codes] - eta, bounds[answers.codes + 1] - eta
-    return Point(interval(lower, upper, answers.link))
+    lower = np.append(-np.inf, thresholds)[answers.codes] - eta
+    upper = np.append(thresholds, np.inf)[answers.codes] - eta
+    return interval(lower, upper, answers.link)
 
 
 def _fixed_only(answers: Answers, parameters: Floats) -> Likelihood:
@@ -185,21 +141,32 @@ def _fixed_only(answers: Answers, parameters: Floats) -> Likelihood:
             answers.fixed.T @ point.slope,
         ]
     )
-    return Likelihood(float(point.ends.log_probability.sum()), gradient, np.empty(0), True)
+    return Likelihood(float(point.log_probability.sum()), gradient, np.empty(0), True)
 
 
 def _mode(
-    answers: Answers, layout: Layout, parameters: Floats, scaled: Sequence[Floats], modes: Floats
-) -> tuple[Floats, Point, Information, bool]:
-    """Climb to the mode of the random effects; halve a step that leads down."""
+    answers: Answers,
+    layout: Layout,
+    parameters: Floats,
+    scaled: Sequence[Floats],
+    near: Likelihood | None,
+) -> tuple[Floats, Interval, bool]:
+    """Climb to the mode of the random effects by Newton's method; halve a step that leads down.
 
-    def height(effects: Floats) -> tuple[float, Point]:
+    The second derivatives cost more than a step, and change little from one to the next: they
+    are computed anew only where a step shows that they do not lead straight to the mode.
+    """
+
+    def height(effects: Floats) -> tuple[float, Interval]:
         point = _at(answers, parameters, _summed(scaled, layout.spread(effects)))
-        return float(point.ends.log_probability.sum() - 0.5 * effects @ effects), point
+        return float(point.log_probability.sum() - 0.5 * effects @ effects), point
 
+    modes = np.zeros(layout.count) if near is None else near.modes
+    information = near and near.information
     value, point = height(modes)
-    information = Information.of(layout, scaled, point.weights)
+    last = 1.0
     for _ in range(STEPS):
+        information = information or Information.of(layout, scaled, point.weights)
         step = information.solve(layout.gather([m * point.slope for m in scaled]) - modes)
         size = 1.0
         while True:
@@ -208,10 +175,13 @@ def _mode(
                 break
             size /= 2
         modes, value, point = modes + size * step, tried, there
-        information = Information.of(layout, scaled, point.weights)
-        if np.abs(step).max(initial=0.0) < TOLERANCE:
-            return modes, point, information, True
-    return modes, point, information, False
+        length = float(np.abs(step).max(initial=0.0))
+        if length * min(1.0, length / last) < TOLERANCE:
+            return modes, point, True
+        if length > SLOW * last or size < 1:
+            information = None
+        last = length
+    return modes, point, False
 
 
 def _gradient(
@@ -220,7 +190,7 @@ def _gradient(
     parameters: Floats,
     scaled: Sequence[Floats],
     modes: Floats,
-    point: Point,
+    point: Interval,
     information: Information,
 ) -> Floats:
     """Differentiate the log-likelihood, the log-determinant and, through both, the mode."""
@@ -248,16 +218,17 @@ def _gradient(
 
 
 def _by_thresholds(
-    answers: Answers, parameters: Floats, point: Point, leverage: Floats, pulled: Floats
+    answers: Answers, parameters: Floats, point: Interval, leverage: Floats, pulled: Floats
 ) -> Floats:
     """Return the derivative by the thresholds' parameters."""
     categories = answers.thresholds.categories
     by_threshold = np.zeros(categories - 1)
-    for which in ("upper", "lower"):
-        density, slope, weight = point.by_end(which)
+    for place, (density, slope, weight) in (
+        (slice(-1), point.by_upper),
+        (slice(1, None), point.by_lower),
+    ):
         change = density - 0.5 * (leverage * weight + pulled * slope)
-        sums = np.bincount(answers.codes, weights=change, minlength=categories)
-        by_threshold += sums[:-1] if which == "upper" else sums[1:]
+        by_threshold += np.bincount(answers.codes, weights=change, minlength=categories)[place]
     free, _, _ = answers.split(parameters)
     return by_threshold @ answers.thresholds.jacobian(free)
 

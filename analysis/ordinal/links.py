@@ -1,66 +1,64 @@
-"""Link functions of ordered answers: the probability of an interval, and its derivatives."""
+"""Link functions of ordered answers: the probability of an interval, and its derivatives.
+
+An answer's interval lies between two ends; eta, the latent value, moves both down by as much as it
+grows. Where noise is logistic, the probability is F(upper) F(-lower) (1 - exp(lower - upper)): a
+product of three factors of which each depends on one thing, so that its derivatives are short.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit, ndtr
+from scipy.special import ndtr
 
 Floats = NDArray[np.float64]
 Link = Literal["logit", "probit"]
+Changes = tuple[Floats, Floats, Floats]
 
 SMALLEST: Final = 1e-300
 """Probabilities below it are taken for it: their logarithm must exist."""
 
+STEEPEST: Final = 690.0
+"""Ends beyond it are taken for it: exponentials of it are finite."""
 
-@dataclass(frozen=True)
-class Interval:
-    """The probability p = F(upper end) - F(lower end) of each answer, all of shape (N,).
 
-    With f the density of F:
+class Interval(ABC):
+    """Each answer's probability p = F(upper end) - F(lower end), all of shape (N,)."""
 
-    Attributes
-    ----------
-    log_probability : ndarray
-        log p.
-    upper, lower : ndarray
-        f(upper end) / p and -f(lower end) / p.
-    at_upper, at_lower : ndarray
-        Where the ends are: F there for the logit, the end itself for the probit.
-    link : {'logit', 'probit'}
-        Distribution F.
-    """
+    @property
+    @abstractmethod
+    def log_probability(self) -> Floats:
+        """Logarithm of p."""
 
-    log_probability: Floats
-    upper: Floats
-    lower: Floats
-    at_upper: Floats
-    at_lower: Floats
-    link: Link
+    @property
+    @abstractmethod
+    def slope(self) -> Floats:
+        """First derivative of log p by eta."""
 
-    @cached_property
-    def upper1(self) -> Floats:
-        """f'(upper end) / p."""
-        return self.upper * _first(self.at_upper, self.link)
+    @property
+    @abstractmethod
+    def weights(self) -> Floats:
+        """Minus its second derivative; never negative, as the links are log-concave."""
 
-    @cached_property
-    def lower1(self) -> Floats:
-        """-f'(lower end) / p."""
-        return self.lower * _first(self.at_lower, self.link)
+    @property
+    @abstractmethod
+    def weight_slope(self) -> Floats:
+        """Derivative of `weights` by eta."""
 
-    @cached_property
-    def upper2(self) -> Floats:
-        """f''(upper end) / p."""
-        return self.upper * _second(self.at_upper, self.link)
+    @property
+    @abstractmethod
+    def by_upper(self) -> Changes:
+        """Derivatives of log p, of `slope` and of `weights` by the upper end."""
 
-    @cached_property
-    def lower2(self) -> Floats:
-        """-f''(lower end) / p."""
-        return self.lower * _second(self.at_lower, self.link)
+    @property
+    @abstractmethod
+    def by_lower(self) -> Changes:
+        """The same by the lower end."""
 
 
 def interval(lower: Floats, upper: Floats, link: Link) -> Interval:
@@ -73,46 +71,158 @@ def interval(lower: Floats, upper: Floats, link: Link) -> Interval:
     link : {'logit', 'probit'}
         Distribution of the latent scale.
     """
-    return _logistic(lower, upper) if link == "logit" else _normal(lower, upper)
+    return LogisticInterval(lower, upper) if link == "logit" else NormalInterval(lower, upper)
 
 
-def _logistic(lower: Floats, upper: Floats) -> Interval:
-    # F(u) - F(l) = F(u) F(-l) (1 - exp(l - u)) keeps its digits in both tails.
-    below, above = expit(upper), expit(-lower)
-    gap = -np.expm1(lower - upper)
-    probability = np.maximum(below * above * gap, SMALLEST)
-    return Interval(
-        log_probability=np.log(probability),
-        upper=(1 - below) / (above * gap),
-        lower=-(1 - above) / (below * gap),
-        at_upper=below,
-        at_lower=1 - above,
-        link="logit",
-    )
+class LogisticInterval(Interval):
+    """Intervals of the logistic distribution."""
+
+    def __init__(self, lower: Floats, upper: Floats) -> None:
+        self._ends = lower, upper
+        self._odds_above, self._below = _odds(-upper)
+        self._odds_below, self._above = _odds(lower)
+
+    @cached_property
+    def _gap(self) -> Floats:
+        lower, upper = self._ends
+        return np.asarray(-np.expm1(lower - upper))
+
+    @cached_property
+    def _not_below(self) -> Floats:
+        # Not 1 - F, which loses its digits in the tails.
+        return self._odds_above * self._below
+
+    @cached_property
+    def _not_above(self) -> Floats:
+        return self._odds_below * self._above
+
+    @cached_property
+    def log_probability(self) -> Floats:
+        """Logarithm of p."""
+        return np.log(np.maximum(self._below * self._above * self._gap, SMALLEST))
+
+    @cached_property
+    def slope(self) -> Floats:
+        """First derivative of log p by eta."""
+        return np.asarray(self._below - self._above)
+
+    @cached_property
+    def _upper_density(self) -> Floats:
+        return np.asarray(self._below * self._not_below)
+
+    @cached_property
+    def _lower_density(self) -> Floats:
+        return np.asarray(self._above * self._not_above)
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Minus its second derivative."""
+        return self._upper_density + self._lower_density
+
+    @cached_property
+    def _upper_bend(self) -> Floats:
+        return self._upper_density * (self._not_below - self._below)
+
+    @cached_property
+    def _lower_bend(self) -> Floats:
+        return self._lower_density * (self._not_above - self._above)
+
+    @cached_property
+    def weight_slope(self) -> Floats:
+        """Derivative of `weights` by eta."""
+        return self._lower_bend - self._upper_bend
+
+    @property
+    def by_upper(self) -> Changes:
+        """Derivatives of log p, of `slope` and of `weights` by the upper end."""
+        return self._not_below + self._nearness, self._upper_density, self._upper_bend
+
+    @property
+    def by_lower(self) -> Changes:
+        """The same by the lower end."""
+        return -self._not_above - self._nearness, self._lower_density, -self._lower_bend
+
+    @cached_property
+    def _nearness(self) -> Floats:
+        """Derivative of log(1 - exp(lower - upper)) by the upper end."""
+        return np.asarray(1 / self._gap - 1)
 
 
-def _normal(lower: Floats, upper: Floats) -> Interval:
-    # Far in the upper tail 1 - F loses all digits: there the mirrored interval is taken.
-    mirrored = lower + upper > 0
-    low, high = np.where(mirrored, -upper, lower), np.where(mirrored, -lower, upper)
-    probability = np.maximum(ndtr(high) - ndtr(low), SMALLEST)
-    at_upper, at_lower = (np.where(np.isfinite(end), end, 0.0) for end in (upper, lower))
-    scale = probability * np.sqrt(2 * np.pi)
-    return Interval(
-        log_probability=np.log(probability),
-        upper=np.isfinite(upper) * np.exp(-0.5 * at_upper**2) / scale,
-        lower=np.isfinite(lower) * -np.exp(-0.5 * at_lower**2) / scale,
-        at_upper=at_upper,
-        at_lower=at_lower,
-        link="probit",
-    )
+def _odds(logit: Floats) -> tuple[Floats, Floats]:
+    """Return the odds of log odds `logit`, and one over one plus them."""
+    odds = np.minimum(logit, STEEPEST)
+    np.exp(odds, out=odds)
+    share = odds + 1
+    return odds, np.reciprocal(share, out=share)
 
 
-def _first(at: Floats, link: Link) -> Floats:
-    """Return f' / f."""
-    return 1 - 2 * at if link == "logit" else -at
+@dataclass(frozen=True)
+class _End:
+    """An end's density and its first two derivatives, each over p; signed as in F(u) - F(l)."""
+
+    density: Floats
+    first: Floats
+    second: Floats
 
 
-def _second(at: Floats, link: Link) -> Floats:
-    """Return f'' / f."""
-    return 1 - 6 * at * (1 - at) if link == "logit" else at**2 - 1
+class NormalInterval(Interval):
+    """Intervals of the normal distribution."""
+
+    def __init__(self, lower: Floats, upper: Floats) -> None:
+        # Far in the upper tail 1 - F loses all digits: there the mirrored interval is taken.
+        mirrored = lower + upper > 0
+        low, high = np.where(mirrored, -upper, lower), np.where(mirrored, -lower, upper)
+        self._probability = np.maximum(ndtr(high) - ndtr(low), SMALLEST)
+        self._lower, self._upper = lower, upper
+
+    @cached_property
+    def log_probability(self) -> Floats:
+        """Logarithm of p."""
+        return np.asarray(np.log(self._probability))
+
+    def _end(self, at: Floats, sign: float) -> _End:
+        finite = np.isfinite(at)
+        place = np.where(finite, at, 0.0)
+        density = sign * finite * np.exp(-0.5 * place**2)
+        density /= self._probability * np.sqrt(2 * np.pi)
+        return _End(density, -place * density, (place**2 - 1) * density)
+
+    @cached_property
+    def _ends(self) -> tuple[_End, _End]:
+        return self._end(self._upper, 1.0), self._end(self._lower, -1.0)
+
+    @cached_property
+    def slope(self) -> Floats:
+        """First derivative of log p by eta."""
+        upper, lower = self._ends
+        return -(upper.density + lower.density)
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Minus its second derivative."""
+        upper, lower = self._ends
+        return np.maximum(self.slope**2 - (upper.first + lower.first), 0.0)
+
+    @cached_property
+    def weight_slope(self) -> Floats:
+        """Derivative of `weights` by eta."""
+        upper, lower = self._ends
+        first, second = upper.first + lower.first, upper.second + lower.second
+        return second + 3 * first * self.slope - 2 * self.slope**3
+
+    @property
+    def by_upper(self) -> Changes:
+        """Derivatives of log p, of `slope` and of `weights` by the upper end."""
+        return self._by(self._ends[0])
+
+    @property
+    def by_lower(self) -> Changes:
+        """The same by the lower end."""
+        return self._by(self._ends[1])
+
+    def _by(self, end: _End) -> Changes:
+        upper, lower = self._ends
+        first = upper.first + lower.first
+        cross = end.first + end.density * self.slope
+        weight = -(end.second - end.density * first + 2 * self.slope * cross)
+        return end.density, -cross, weight

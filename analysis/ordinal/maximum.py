@@ -16,9 +16,11 @@ from analysis.ordinal.laplace import Answers, Likelihood, likelihood
 Floats = NDArray[np.float64]
 
 ITERATIONS: Final = 500
-ROUGH: Final = 0.01
-"""Gradient, over the square root of the answers, at which the quasi-Newton climb ends: about so
-many standard errors from the maximum."""
+ROUGH: Final = 0.02
+"""How near the quasi-Newton climb comes to the maximum, in standard errors, roughly."""
+
+FINE: Final = 0.005
+"""The same where no Newton steps follow."""
 
 LAST_STEPS: Final = 5
 """Newton steps after it, at most."""
@@ -30,28 +32,44 @@ ROUNDING: Final = 1e-10
 """Relative error of a log-likelihood."""
 
 SHORT: Final = 0.05
-"""Newton step, in standard errors, over which the curvature does not change."""
+"""Way, in standard errors, over which neither curvature nor likelihood changes visibly."""
 
 MANY: Final = 40_000
 """Answers from which on the climb begins where a part of them leads."""
+
+PART: Final = 1 / 12
+"""The size of that part, at most."""
 
 BOUNDARY: Final = 0.01
 """A standard deviation below it, in units of the noise's scale, is taken for zero."""
 
 
-def maximum(answers: Answers) -> tuple[Floats, Likelihood, Floats, bool]:
-    """Return the best parameters, their likelihood, the curvature there and whether it is one."""
+def maximum(
+    answers: Answers, *, curved: bool = True
+) -> tuple[Floats, Likelihood, Floats | None, bool]:
+    """Return the best parameters, their likelihood, the curvature there and whether it is one.
+
+    Parameters
+    ----------
+    answers : Answers
+        What was answered.
+    curved : bool
+        Whether the curvature is wanted. It takes longer than the climb; without it, the climb's
+        own idea of it tells whether the maximum was reached.
+    """
     start, scale = _start(answers)
     climb = _Climb(answers)
     options: dict[str, Any] = {
-        "gtol": ROUGH / math.sqrt(len(answers.codes)),
+        "gtol": (ROUGH if curved else FINE) * _gradient_unit(answers),
         "maxiter": ITERATIONS,
         "hess_inv0": scale,
     }
-    found = np.asarray(
-        minimize(climb.descent, start, jac=True, method="BFGS", options=options).x,  # type: ignore[call-overload]
-        np.float64,
-    )
+    end = minimize(climb.descent, start, jac=True, method="BFGS", options=options)  # type: ignore[call-overload]
+    found = np.asarray(end.x, np.float64)
+    if not curved:
+        here = climb.at(found)
+        left = math.sqrt(len(answers.codes) * abs(float(end.jac @ end.hess_inv @ end.jac)))
+        return found, here, None, here.settled and left < SHORT
     # Newton's steps from there on; the curvature is computed anew only after a long one.
     for _ in range(LAST_STEPS):
         here, curvature = climb.at(found), climb.curvature(found)
@@ -72,6 +90,17 @@ def maximum(answers: Answers) -> tuple[Floats, Likelihood, Floats, bool]:
     return found, here, curvature, False
 
 
+def _gradient_unit(answers: Answers) -> float:
+    """Return about the gradient per answer at one standard error from the maximum.
+
+    An effect that differs between groups is known as well as its groups are many; others are
+    known better.
+    """
+    count = len(answers.codes)
+    independent = min(answers.layout.sizes) if answers.layout is not None else count
+    return math.sqrt(independent) / count
+
+
 def free_parameters(answers: Answers, parameters: Floats) -> NDArray[np.bool_]:
     """Tell which parameters are not at a boundary."""
     _, _, deviations = answers.split(parameters)
@@ -86,19 +115,11 @@ def _start(answers: Answers) -> tuple[Floats, Floats | None]:
 
     Very many answers are begun where a random part of them has its maximum.
     """
-    count = len(answers.codes)
-    if count > MANY:
-        part = np.sort(np.random.default_rng(0).choice(count, MANY // 4, replace=False))
-        fewer = replace(
-            answers,
-            codes=answers.codes[part],
-            fixed=answers.fixed[part],
-            layout=answers.layout and answers.layout.part(part),
-            multipliers=tuple(multiplier[part] for multiplier in answers.multipliers),
-        )
+    if len(answers.codes) > MANY:
+        fewer = _part(answers)
         found, _, curvature, maximal = maximum(fewer)
-        if maximal and free_parameters(answers, found).all():
-            scale = np.linalg.inv(curvature) * len(part)
+        if maximal and curvature is not None and free_parameters(answers, found).all():
+            scale = np.linalg.inv(curvature) * len(fewer.codes)
             return found, (scale + scale.T) / 2
     counts = np.bincount(answers.codes, minlength=answers.thresholds.categories)
     own = answers.thresholds.start(counts)
@@ -106,18 +127,40 @@ def _start(answers: Answers) -> tuple[Floats, Floats | None]:
     return np.concatenate(start), None
 
 
+def _part(answers: Answers) -> Answers:
+    """Return the answers of a random part of the groups, at most `PART` of all."""
+    chance = np.random.default_rng(0)
+    chosen = np.arange(len(answers.codes))
+    most = int(PART * len(chosen))
+    layout = answers.layout
+    while layout is not None and len(chosen) > most:
+        largest = int(np.argmax(layout.sizes))
+        kept = chance.permutation(layout.sizes[largest]) % 2 == 0
+        of_kept = kept[layout.groups[largest]]
+        chosen, layout = chosen[of_kept], layout.part(of_kept)
+    if layout is None:
+        chosen = np.sort(chance.choice(len(chosen), most, replace=False))
+    return replace(
+        answers,
+        codes=answers.codes[chosen],
+        fixed=answers.fixed[chosen],
+        layout=layout,
+        multipliers=tuple(multiplier[chosen] for multiplier in answers.multipliers),
+    )
+
+
 class _Climb:
-    """Likelihoods along the way to the maximum, each begun at the modes of the last."""
+    """Likelihoods along the way to the maximum, each begun where the last one ended."""
 
     def __init__(self, answers: Answers) -> None:
         self.answers = answers
-        self.modes: Floats | None = None
+        self.last: Likelihood | None = None
 
     def at(self, parameters: Floats) -> Likelihood:
-        found = likelihood(self.answers, parameters, self.modes)
+        found = likelihood(self.answers, parameters, self.last)
         if not np.isfinite(found.value):
             return Likelihood(-np.inf, np.zeros_like(parameters), found.modes, False)
-        self.modes = found.modes
+        self.last = found
         return found
 
     def descent(self, parameters: Floats) -> tuple[float, Floats]:

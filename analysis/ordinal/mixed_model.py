@@ -52,11 +52,12 @@ class OrdinalFit:
     Attributes
     ----------
     estimates, standard_errors : mapping of covariate to float
-        Fixed effects on the latent scale; the error is NaN where the model did not converge.
+        Fixed effects on the latent scale; the error is NaN where the model did not converge, or
+        no errors were asked for.
     covariance : DataFrame
         Of the fixed effects.
     thresholds, threshold_errors : tuple of float
-        In order; the errors are NaN where the model did not converge.
+        In order; the errors are NaN where those of the effects are.
     deviations : mapping of random effect to float
         Standard deviations.
     log_likelihood : float
@@ -106,6 +107,7 @@ def fit(
     *,
     link: Link = "logit",
     structure: Structure = "flexible",
+    errors: bool = True,
 ) -> OrdinalFit:
     """Fit a cumulative link mixed model by Laplace's approximation.
 
@@ -124,6 +126,9 @@ def fit(
         Distribution of the noise.
     structure : {'flexible', 'symmetric', 'symmetric around zero'}
         See `Thresholds`.
+    errors : bool
+        Whether standard errors are wanted. A model that only another is compared with needs none,
+        and is fitted in half the time.
 
     Raises
     ------
@@ -155,7 +160,7 @@ def fit(
         ),
         link=link,
     )
-    return _result(data, list(covariates), ordered, *maximum(data))
+    return _result(data, list(covariates), ordered, *maximum(data, curved=errors))
 
 
 def likelihood_ratio(full: OrdinalFit, reduced: OrdinalFit) -> tuple[float, int, float]:
@@ -191,13 +196,13 @@ def _result(
     random: Sequence[RandomEffect],
     parameters: Floats,
     found: Likelihood,
-    curvature: Floats,
+    curvature: Floats | None,
     converged: bool,
 ) -> OrdinalFit:
     own, effects, deviations = answers.split(parameters)
     free = free_parameters(answers, parameters)
     covariance = np.full((len(parameters), len(parameters)), math.nan)
-    if converged:
+    if converged and curvature is not None:
         covariance[np.ix_(free, free)] = np.linalg.inv(curvature[np.ix_(free, free)])
     jacobian = answers.thresholds.jacobian(own)
     first = len(own)

@@ -87,7 +87,8 @@ def _cells(
     lower = np.choose(outcome, [threshold, -threshold, -np.inf]) - difference
     upper = np.choose(outcome, [np.inf, threshold, -threshold]) - difference
     ends = interval(lower, upper, "logit")
-    scores = -(ends.upper + ends.lower)[:, None] * design
-    by_threshold = np.choose(outcome, [ends.lower, ends.upper - ends.lower, -ends.upper])
+    upper, lower = ends.by_upper[0], ends.by_lower[0]
+    scores = ends.slope[:, None] * design
+    by_threshold = np.choose(outcome, [lower, upper - lower, -upper])
     scores[:, count - 1] = by_threshold * threshold
     return ends.log_probability, scores

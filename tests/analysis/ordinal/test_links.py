@@ -26,26 +26,25 @@ def test_the_probability_is_that_of_the_interval(link: Link) -> None:
 
 
 @pytest.mark.parametrize("link", ["logit", "probit"])
-@pytest.mark.parametrize("end", ["upper", "lower"])
-def test_derivatives_are_those_of_the_probability(link: Link, end: str) -> None:
+@pytest.mark.parametrize("moved", ["eta", "upper", "lower"])
+def test_derivatives_are_those_of_the_probability(link: Link, moved: str) -> None:
     lower, upper = ENDS
-    shift = (0.0, STEP) if end == "upper" else (STEP, 0.0)
-    ahead = interval(lower + shift[0], upper + shift[1], link)
-    behind = interval(lower - shift[0], upper - shift[1], link)
+    shifts = {"eta": (-STEP, -STEP), "upper": (0.0, STEP), "lower": (STEP, 0.0)}
+    low, high = shifts[moved]
+    ahead = interval(lower + low, upper + high, link)
+    behind = interval(lower - low, upper - high, link)
     here = interval(lower, upper, link)
-    probability = np.exp(here.log_probability)
 
-    def differences(name: str) -> np.ndarray:
-        values = [
-            getattr(found, name) * (np.exp(found.log_probability) if name != "log" else 1)
-            for found in (ahead, behind)
-        ]
-        return (values[0] - values[1]) / (2 * STEP * probability)
+    found = {
+        "eta": (here.slope, -here.weights, here.weight_slope),
+        "upper": here.by_upper,
+        "lower": here.by_lower,
+    }[moved]
 
-    slope = (ahead.log_probability - behind.log_probability) / (2 * STEP)
-    np.testing.assert_allclose(getattr(here, end), slope, atol=1e-7)
-    np.testing.assert_allclose(getattr(here, f"{end}1"), differences(end), atol=1e-6)
-    np.testing.assert_allclose(getattr(here, f"{end}2"), differences(f"{end}1"), atol=1e-6)
+    before = ("log_probability", "slope", "weights")
+    for name, derivative in zip(before, found, strict=True):
+        differences = (getattr(ahead, name) - getattr(behind, name)) / (2 * STEP)
+        np.testing.assert_allclose(derivative, differences, atol=1e-6)
 
 
 @pytest.mark.parametrize("link", ["logit", "probit"])

@@ -101,6 +101,35 @@ def test_swapping_the_sides_turns_the_sign_only() -> None:
     assert swapped.thresholds == pytest.approx([-t for t in found.thresholds[::-1]], abs=1e-3)
 
 
+@pytest.mark.parametrize("size", [(22, 24), (8, 3), (40, 300)])
+def test_a_fit_without_errors_has_the_same_likelihood(size: tuple[int, int]) -> None:
+    made = made_answers(*size)
+
+    whole = fit(made.values, {"side": made.side}, made.slopes)
+    quick = fit(made.values, {"side": made.side}, made.slopes, errors=False)
+
+    assert quick.converged
+    assert quick.log_likelihood == pytest.approx(whole.log_likelihood, abs=1e-4)
+    assert np.isnan(quick.standard_errors["side"])
+
+
+def test_many_answers_begun_from_a_part_of_them_end_at_the_same_maximum(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = made_answers(100, 80)
+    whole = fit(made.values, {"side": made.side}, made.slopes)
+
+    monkeypatch.setattr("analysis.ordinal.maximum.MANY", 1000)
+    begun = fit(made.values, {"side": made.side}, made.slopes)
+    fixed = fit(made.values, {"side": made.side})
+
+    assert begun.converged
+    assert begun.log_likelihood == pytest.approx(whole.log_likelihood, abs=1e-5)
+    assert begun.estimates["side"] == pytest.approx(whole.estimates["side"], abs=1e-4)
+    assert begun.standard_errors["side"] == pytest.approx(whole.standard_errors["side"], rel=2e-3)
+    assert fixed.converged
+
+
 def test_symmetric_thresholds_are_a_special_case() -> None:
     made = made_answers()
     flexible, symmetric, zero = (
