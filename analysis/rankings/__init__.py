@@ -1,0 +1,1 @@
+"""Rankings of conditions: summaries as papers show them, concordance, and secondary tests."""
