@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -26,6 +27,8 @@ class Told:
     ----------
     name, language : str
         Written into the file's and its streams' metadata.
+    encoder : mapping of str to str
+        Settings of the encoder of the picture.
     sound : Audio or None
         What is heard; two seconds of a tone where nothing else is said.
     """
@@ -36,6 +39,7 @@ class Told:
     rate: int = 30
     size: int = 64
     codec: str = "libx264"
+    encoder: Mapping[str, str] = field(default_factory=dict)
     sound: Audio | None = field(default_factory=_second_of_sound)
 
 
@@ -44,7 +48,7 @@ def write_video(path: Path, told: Told) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with av.open(str(path), "w") as container:
         container.metadata.update({"title": told.name, "comment": told.name})
-        video = container.add_stream(told.codec, rate=told.rate)
+        video = container.add_stream(told.codec, rate=told.rate, options=dict(told.encoder))
         video.width, video.height, video.pix_fmt = told.size, told.size, "yuv420p"
         video.metadata.update({"language": told.language, "handler_name": told.name})
         packets = []

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
+from motion.listing import listed
 from motion.segment import Segment
 from studyapp.definition.finished_videos import finished_video, shows_copy
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.media import Media
+from studyapp.definition.media import Media, VideoFile
 from studyapp.definition.study import Study
 from studyapp.design.stimulus import Content
 from studyapp.services.served_study import described
@@ -18,9 +19,11 @@ from studyapp.stages.finding import Finding, Severity
 from studyapp.stages.media_probe import (
     DURATION_TOLERANCE,
     VideoFormat,
+    VideoStructure,
     flaw_of,
     format_of,
     loudness_of,
+    structure_of,
 )
 from studyapp.stages.video_copies import out_of_date
 
@@ -29,7 +32,7 @@ LOUDNESS_TOLERANCE: Final = 1.0
 
 _ENCODE: Final = (
     "Encode all finished videos alike, as with 'ffmpeg -i IN.mp4 -r {rate:g} -s {width}x{height} "
-    "-c:v libx264 -crf 18 -pix_fmt yuv420p -c:a aac -ar 48000 -ac 1 OUT.mp4'"
+    "-c:v libx264 -crf 18 -bf 0 -sc_threshold 0 -pix_fmt yuv420p -c:a aac -ar 48000 -ac 1 OUT.mp4'"
 )
 
 
@@ -58,6 +61,7 @@ def media_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
             "Run 'motionjury render'",
         )
     yield from _size_findings(media, contents)
+    yield from _structure_findings(study, media, contents)
     yield from _loudness_findings(folder, study, contents, media)
 
 
@@ -167,6 +171,31 @@ def _size_findings(media: Media, contents: list[Content]) -> Iterator[Finding]:
                 f"the videos of segment {segment} differ in file size, which tells them apart",
                 "Run 'motionjury render'",
             )
+
+
+def _structure_findings(study: Study, media: Media, contents: list[Content]) -> Iterator[Finding]:
+    """Say where copies tell how their originals were encoded, to who takes the files apart."""
+    beside: defaultdict[tuple[str, bool], dict[str, VideoFile]] = defaultdict(dict)
+    for content in contents:
+        found, shown = media.find(content), content[0]
+        if found is not None and shows_copy(study, content) and found.file.exists():
+            # The same motion with its own and with another speech differs in the sound alone.
+            beside[shown.segment, shown.speech is None].setdefault(shown.condition, found)
+    telling: dict[str, Path] = {}
+    for of_condition in beside.values():
+        files = [found.file for found in of_condition.values()]
+        structures = [found for found in map(structure_of, files) if found is not None]
+        for attribute, words in VideoStructure.WORDS.items():
+            if len({getattr(structure, attribute) for structure in structures}) > 1:
+                telling.setdefault(words, files[0])
+    example = next(filter(None, map(format_of, telling.values())), None)
+    if example is not None:
+        yield Finding(
+            Severity.WARNING,
+            "files tell conditions apart to those who take them to pieces, by "
+            f"{listed(list(telling))}",
+            _ENCODE.format(rate=example.frame_rate, width=example.width, height=example.height),
+        )
 
 
 def _loudness_findings(

@@ -129,6 +129,59 @@ def format_of(video: Path) -> VideoFormat | None:
         return None
 
 
+@dataclass(frozen=True, kw_only=True)
+class VideoStructure:
+    """What the index of a video tells of how it was encoded; no browser shows it.
+
+    Attributes
+    ----------
+    settings : bytes
+        What decoders of picture and sound are set up with.
+    pictures : int
+        How many there are.
+    order : tuple of (int, bool)
+        Of each picture as they are stored: its place as they are shown, and whether it can be
+        decoded on its own.
+    sounds : int
+        How many pieces the sound is encoded in; 0 without sound.
+    """
+
+    WORDS: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "settings": "settings of the encoder",
+            "pictures": "how many pictures there are",
+            "order": "which pictures are encoded from which others",
+            "sounds": "how long the sound lasts",
+        }
+    )
+    """What should be the same in videos that can stand beside each other."""
+
+    settings: bytes
+    pictures: int
+    order: tuple[tuple[int, bool], ...]
+    sounds: int
+
+
+def structure_of(video: Path) -> VideoStructure | None:
+    """Return what the index of a video tells; None where it cannot be opened or has no picture."""
+    try:
+        with av.open(str(video)) as container:
+            if not container.streams.video:
+                return None
+            streams: list[Any] = [*container.streams.video[:1], *container.streams.audio[:1]]
+            packets: list[Any] = [p for p in container.demux(streams) if p.pts is not None]
+            pictures = [packet for packet in packets if packet.stream is streams[0]]
+            shown = {pts: place for place, pts in enumerate(sorted(p.pts for p in pictures))}
+            return VideoStructure(
+                settings=b" ".join(s.codec_context.extradata or b"" for s in streams),
+                pictures=len(pictures),
+                order=tuple((shown[packet.pts], packet.is_keyframe) for packet in pictures),
+                sounds=len(packets) - len(pictures),
+            )
+    except (av.FFmpegError, OSError):
+        return None
+
+
 def loudness_of(video: Path) -> float | None:
     """Return how loud a video is in LUFS; None where it is silent, too short or damaged."""
     try:

@@ -23,6 +23,7 @@ from tests.encoded import Told, write_video
 from tests.finished_study import write_finished_study
 
 LOUD = Audio((0.4 * np.sin(np.arange(2 * SOUND_RATE) / 20)).astype(np.float32), SOUND_RATE)
+LONGER = Audio((0.1 * np.sin(np.arange(98_000) / 25)).astype(np.float32), SOUND_RATE)
 
 
 @pytest.fixture(scope="module")
@@ -153,6 +154,26 @@ def test_what_a_copy_cannot_make_alike_is_an_error(
     render(folder, processes=1)
 
     assert any(said in error for error in errors(folder))
+
+
+@pytest.mark.parametrize(
+    ("ours", "said"),
+    [
+        (Told(frames=62), "how many pictures there are"),
+        (Told(encoder={"g": "10"}), "which pictures are encoded from which others"),
+        (Told(encoder={"crf": "30"}), "settings of the encoder"),
+        (Told(sound=LONGER), "how long the sound lasts"),
+    ],
+)
+def test_what_only_tools_would_see_is_warned_of(
+    study: Callable[..., StudyFolder], ours: Told, said: str
+) -> None:
+    folder = study(ours=ours)
+    render(folder, processes=1)
+
+    warnings = errors(folder, Severity.WARNING)
+
+    assert [said in warning for warning in warnings] == [True]
 
 
 def test_a_louder_finished_video_is_warned_of(study: Callable[..., StudyFolder]) -> None:
