@@ -8,6 +8,7 @@ members' worths times a parameter for ties of that size (Turner, van Etten, Firt
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -131,23 +132,33 @@ def _stages(
     """Return every choice of the next best, who beat whom, and whose choice it was."""
     number = {name: place for place, name in enumerate(names)}
     codes, people = pd.factorize(rankings[cluster])
-    rows = rankings.assign(_condition=rankings["condition"].map(number), _person=codes)
+    known = (rankings["ranking"].notna() & rankings["rank"].notna()).to_numpy()
+    rankings, codes = rankings[known], codes[known]
+    placed: dict[int, dict[float, list[int]]] = {}
+    owner: dict[int, int] = {}
+    for ranking, person, condition, rank in zip(
+        pd.factorize(rankings["ranking"])[0].tolist(),
+        codes.tolist(),
+        rankings["condition"].map(number).tolist(),
+        rankings["rank"].tolist(),
+        strict=True,
+    ):
+        placed.setdefault(ranking, {}).setdefault(rank, []).append(condition)
+        owner.setdefault(ranking, person)
     stages: list[Stage] = []
     owners: list[int] = []
-    beats = np.zeros((len(names), len(names)))
-    for _, ranking in rows.groupby("ranking", sort=False):
-        levels = [
-            frozenset(level["_condition"].astype(int)) for _, level in ranking.groupby("rank")
-        ]
+    for ranking, by_rank in placed.items():
+        levels = [frozenset(by_rank[rank]) for rank in sorted(by_rank)]
         still = frozenset[int]().union(*levels)
         for level in levels:
             if len(still) > 1:
                 stages.append((still, level))
-                owners.append(int(ranking["_person"].iloc[0]))
-            for better in level:
-                for worse in still - {better}:
-                    beats[better, worse] += 1
+                owners.append(owner[ranking])
             still -= level
+    beats = np.zeros((len(names), len(names)))
+    for (still, level), count in Counter(stages).items():
+        for better in level:
+            beats[better, list(still - {better})] += count
     return stages, beats, (np.array(owners, np.intp), len(people))
 
 
