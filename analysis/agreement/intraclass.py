@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
@@ -102,10 +103,9 @@ def intraclass_correlation(
         If somebody answered twice about an item.
     """
     y = np.asarray(values, np.float64)
-    who = np.unique(raters, return_inverse=True)[1]
-    what = np.unique(items, return_inverse=True)[1]
+    who, what = pd.factorize(raters)[0], pd.factorize(items)[0]
     people, things = int(who.max(initial=-1)) + 1, int(what.max(initial=-1)) + 1
-    if len(np.unique(what * people + who)) < len(y):
+    if pd.Series(what * people + who).duplicated().any():
         raise InputError(
             "a participant answered twice about an item",
             remedy="Measure agreement for one question and one comparison at a time",

@@ -17,7 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.rankings.placements import Placements
+from analysis.rankings.placements import Placements, condition_columns
 from analysis.tied_ranks import tied_ranks
 
 Floats = NDArray[np.float64]
@@ -92,9 +92,7 @@ def blocks_of_ratings(answers: pd.DataFrame, conditions: Sequence[str]) -> Block
     conditions : sequence of str
         In the order wanted.
     """
-    columns = pd.Index(list(conditions)).get_indexer(
-        pd.Index(answers["condition"].to_numpy(object))
-    )
+    columns = condition_columns(answers["condition"], conditions)
     own = columns >= 0
     people = pd.factorize(answers["participant"])[0][own]
     return _blocks(conditions, people, columns[own], answers["value"].to_numpy(np.float64)[own])

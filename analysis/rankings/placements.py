@@ -83,24 +83,31 @@ def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
     InputError
         If somebody placed a condition of a segment twice.
     """
-    own = answers[answers["condition"].isin(list(conditions))]
-    people, participant_names = pd.factorize(own["participant"])
-    things, segment_names = pd.factorize(own["segment"])
-    cells = people.astype(np.intp) * (len(segment_names) + 1) + things
-    kinds, rows = np.unique(cells, return_inverse=True)
-    columns = pd.Index(list(conditions)).get_indexer(pd.Index(own["condition"].to_numpy(object)))
-    if len(np.unique(rows * len(conditions) + columns)) < len(own):
+    columns = condition_columns(answers["condition"], conditions)
+    own = columns >= 0
+    people, participant_names = pd.factorize(answers["participant"][own])
+    things, segment_names = pd.factorize(answers["segment"][own])
+    width = max(len(segment_names), 1)
+    cells, rows = np.unique(people * width + things, return_inverse=True)
+    given = np.full((len(cells), len(conditions)), np.nan)
+    if pd.Series(rows * len(conditions) + columns[own]).duplicated().any():
         raise InputError(
             "a participant placed a condition twice in one segment",
             remedy="Summarise one question and one set at a time",
         )
-    given = np.full((len(kinds), len(conditions)), np.nan)
-    given[rows, columns] = own["rank"].to_numpy(np.float64)
+    given[rows, columns[own]] = answers["rank"].to_numpy(np.float64)[own]
     return Placements(
         conditions=tuple(conditions),
         given=given,
-        participants=kinds // (len(segment_names) + 1),
-        segments=kinds % (len(segment_names) + 1),
+        participants=cells // width,
+        segments=cells % width,
         participant_names=tuple(map(str, participant_names)),
         segment_names=tuple(map(str, segment_names)),
     )
+
+
+def condition_columns(names: pd.Series[str], conditions: Sequence[str]) -> NDArray[np.intp]:
+    """Return the place of each name among `conditions`, -1 for those that are not there."""
+    codes, kinds = pd.factorize(names)
+    place = {condition: number for number, condition in enumerate(conditions)}
+    return np.array([place.get(kind, -1) for kind in kinds], np.intp)[codes]
