@@ -65,6 +65,11 @@ def _default_processes() -> int:
 study_folder = click.argument("folder", type=_StudyFolderType())
 """The study folder; it must exist."""
 
+optional_study_folder: Callable[[Callable[..., None]], Callable[..., None]] = click.argument(
+    "folder", required=False, type=_StudyFolderType()
+)
+"""A study folder, which must exist, or none."""
+
 processes: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--processes",
     type=click.IntRange(1, _MOST_PROCESSES),

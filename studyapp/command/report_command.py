@@ -2,15 +2,102 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
-from studyapp.command.arguments import study_folder
+from analysis.results.left_out import MAX_CATCH_FAILURES
+from analysis.tables.layouts import LAYOUTS
+from motion.errors import InputError
+from studyapp.command.arguments import optional_study_folder
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.reporting import report
+from studyapp.stages.reporting import report, report_table
 
 
 @click.command("report")
-@study_folder
-def command(folder: StudyFolder) -> None:
-    """Write the report of the study FOLDER: preferences and metrics, side by side."""
-    click.echo(f"The report is {report(folder)}")
+@optional_study_folder
+@click.option(
+    "--responses",
+    type=click.Path(path_type=Path),
+    help="Report a table of answers, CSV or Parquet, of any platform instead of a study; its "
+    "columns are described in docs/report-contract.md.",
+)
+@click.option("--protocol", type=click.Choice(list(LAYOUTS)), help="How the table was answered.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="The folder that gets results.json, report.html and tables.",
+)
+@click.option(
+    "--max-catch-failures",
+    type=click.IntRange(0),
+    metavar="N",
+    help="Of a table: exclude who failed more than N catch trials.  "
+    f"[default: {MAX_CATCH_FAILURES}]",
+)
+@click.option(
+    "--margin",
+    type=click.FloatRange(0, min_open=True),
+    help="Of a table: the largest difference that does not matter, stated before the answers were "
+    "seen; of a win share from one half (such as 0.05), of two mean ratings in scores.",
+)
+def command(
+    folder: StudyFolder | None,
+    responses: Path | None,
+    protocol: str | None,
+    out: Path | None,
+    max_catch_failures: int | None,
+    margin: float | None,
+) -> None:
+    """Write the report of the study FOLDER: preferences and metrics, side by side.
+
+    Or of a table of answers: --responses FILE --protocol NAME --out DIR.
+    """
+    of_table = {
+        "--responses": responses,
+        "--protocol": protocol,
+        "--out": out,
+        "--max-catch-failures": max_catch_failures,
+        "--margin": margin,
+    }
+    if folder is not None:
+        _refuse([name for name, value in of_table.items() if value is not None])
+        click.echo(f"The report is {report(folder)}")
+        return
+    if responses is None or protocol is None or out is None:
+        _refuse_incomplete([name for name in _NEEDED if of_table[name] is None])
+        return
+    page = report_table(
+        responses,
+        protocol,
+        out,
+        max_catch_failures=(
+            MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
+        ),
+        margin=margin,
+    )
+    click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
+
+
+_NEEDED = ("--responses", "--protocol", "--out")
+
+
+def _refuse(given: list[str]) -> None:
+    if given:
+        raise InputError(
+            f"{', '.join(given)} cannot be given with a study folder, which states all that itself",
+            remedy="Leave out either the folder or the options",
+        )
+
+
+def _refuse_incomplete(missing: list[str]) -> None:
+    if len(missing) == len(_NEEDED):
+        raise InputError(
+            "there is nothing to report",
+            remedy="Give a study folder, or a table with --responses FILE --protocol NAME "
+            "--out DIR",
+        )
+    raise InputError(
+        f"{', '.join(missing)} is missing for the report of a table",
+        remedy="Give --responses FILE --protocol NAME --out DIR",
+    )

@@ -1,10 +1,12 @@
-"""The report of a study: its answers, its motions, and what to say about both."""
+"""The report of a study, or of a table of answers from any platform."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from analysis.report import KnownShare, ReportInputs, write_report
+from analysis.results.report import analyse_table
+from analysis.results.writing import write_table_report
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.protocols.pairwise import pairwise
 from studyapp.rehearsal.record import read_truth
@@ -54,6 +56,17 @@ def report(folder: StudyFolder) -> Path:
         completed=answers.completed(),
     )
     return write_report(inputs, folder.report)
+
+
+def report_table(
+    responses: Path, protocol: str, out: Path, *, max_catch_failures: int, margin: float | None
+) -> Path:
+    """Write the report of a platform's table of answers into `out` and return its page.
+
+    See `analyse_table`; it needs no study folder.
+    """
+    found = analyse_table(responses, protocol, max_catch_failures=max_catch_failures, margin=margin)
+    return write_table_report(found, out)
 
 
 def _known_shares(folder: StudyFolder) -> dict[tuple[str, str], KnownShare]:

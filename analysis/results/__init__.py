@@ -1,0 +1,1 @@
+"""From checked answers to the results that `results.json` holds."""

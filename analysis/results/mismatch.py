@@ -1,0 +1,107 @@
+"""Results of mismatch trials: one motion with its own speech and with another's."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from analysis.preferences.win_share import holm
+from analysis.results.agreement import Agreement, agreement_of
+from analysis.results.estimate import Estimate
+from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
+from analysis.results.left_out import LeftOut
+from analysis.results.place import ConditionPlace
+from analysis.results.preference import Preference, left_share, preference
+from analysis.results.sided import sided
+from analysis.tables.answers import AnswerTable
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatchedCondition(Preference, ConditionPlace):
+    """How far a condition's own speech is preferred; `Preference`'s one is own, its other other.
+
+    Attributes
+    ----------
+    p_holm : float
+        `clmm.p`, corrected over all conditions and questions of the report.
+    """
+
+    p_holm: float = math.nan
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnSideBias:
+    """How often the left side is preferred, ties counting one half; how often own was there."""
+
+    left_share: Estimate
+    own_on_left: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class MismatchResults:
+    """All of them.
+
+    Attributes
+    ----------
+    conditions : tuple of MatchedCondition
+        In the order of sets, conditions and questions.
+    side_bias, agreement : mapping of question to result
+        See `ByQuestion`.
+    """
+
+    conditions: tuple[MatchedCondition, ...]
+    side_bias: ByQuestion[OwnSideBias]
+    agreement: ByQuestion[Agreement]
+
+
+def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
+    """Analyse mismatch trials.
+
+    Parameters
+    ----------
+    table : AnswerTable
+        Of the mismatch layout.
+    left_out : LeftOut
+        Who is left out.
+    """
+    found = [
+        MatchedCondition(
+            set=set_name(table, name),
+            condition=table.conditions[place],
+            question=question,
+            **vars(
+                preference(answers, _own_on_right(answers), left_out.exclusions, ("own", "other"))
+            ),
+        )
+        for name, question, part in parts(table, table.shown)
+        for place in range(len(table.conditions))
+        if not (answers := part[codes(part, "condition") == place]).empty
+    ]
+    corrected = holm([one.clmm.p for one in found])
+    return MismatchResults(
+        conditions=tuple(replace(one, p_holm=p) for one, p in zip(found, corrected, strict=True)),
+        side_bias=by_question(table, left_out.analysed, _side_bias),
+        agreement=by_question(table, left_out.analysed, _agreement),
+    )
+
+
+def _own_on_right(answers: pd.DataFrame) -> NDArray[np.bool_]:
+    return np.asarray(answers["right_speech"] == "own", bool)
+
+
+def _side_bias(answers: pd.DataFrame) -> OwnSideBias:
+    return OwnSideBias(
+        left_share=left_share(answers), own_on_left=float((~_own_on_right(answers)).mean())
+    )
+
+
+def _agreement(answers: pd.DataFrame) -> Agreement:
+    """Agree about a segment's condition: how far its own speech is preferred."""
+    count = len(answers["condition"].cat.categories)
+    items = codes(answers, "segment") * count + codes(answers, "condition")
+    towards = sided(answers, _own_on_right(answers)).towards
+    return agreement_of(towards, codes(answers, "participant"), items)

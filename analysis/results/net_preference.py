@@ -1,0 +1,117 @@
+"""The net preference in a cumulative link mixed model of the answers as given, left to right."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
+from analysis.results.sided import SidedAnswers
+from motion.errors import InputError
+
+UNTOLD_SIDE: Final = (
+    "always shown on the same side: a preference for it cannot be told from one for the side"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NetPreference:
+    """The cumulative link mixed model's net preference, in logits.
+
+    Attributes
+    ----------
+    estimate, se : float
+        Above 0 in favour of what is asked about.
+    p : float
+        By the likelihood ratio.
+    wald_p : float
+        By the standard error.
+    loglik : float
+        By Laplace's approximation.
+    sd_participant, sd_segment : float
+        How much the preference differs between participants and between segments.
+    thresholds : tuple of float
+        Between neighbouring answers.
+    answers_given : tuple of int
+        The answers that somebody gave; the thresholds lie between them.
+    n : int
+        Answers.
+    remark : str
+        What limits the result; empty where nothing does.
+    reason : str
+        Why there is none; empty where there is one.
+    """
+
+    estimate: float = math.nan
+    se: float = math.nan
+    p: float = math.nan
+    wald_p: float = math.nan
+    loglik: float = math.nan
+    sd_participant: float = math.nan
+    sd_segment: float = math.nan
+    thresholds: tuple[float, ...] = ()
+    answers_given: tuple[int, ...] = ()
+    n: int
+    remark: str = ""
+    reason: str = ""
+
+
+def net_preference(answers: SidedAnswers) -> NetPreference:
+    """Fit ``response ~ s + (0 + s | participant) + (0 + s | segment)``, s = ±1 for the side.
+
+    The thresholds absorb what favours a side; ties stay the middle answer.
+    """
+    given = tuple(np.unique(answers.responses).tolist())
+    unknown = NetPreference(n=len(answers.responses), answers_given=given)
+    reason = _why_not(answers)
+    if reason:
+        return replace(unknown, reason=reason)
+    side = np.where(answers.on_right, 1.0, -1.0)
+    random = (
+        RandomEffect(name="participant", groups=answers.participants, multiplier=side),
+        RandomEffect(name="segment", groups=answers.segments, multiplier=side),
+    )
+    try:
+        full = fit(answers.responses, {"side": side}, random)
+        reduced = fit(answers.responses, {}, random)
+    except InputError as error:
+        return replace(unknown, reason=error.what)
+    if not full.converged:
+        return replace(unknown, reason=full.remark)
+    return replace(
+        unknown,
+        estimate=full.estimates["side"],
+        se=full.standard_errors["side"],
+        p=likelihood_ratio(full, reduced)[2] if reduced.converged else math.nan,
+        wald_p=full.wald_p("side"),
+        loglik=full.log_likelihood,
+        sd_participant=full.deviations["participant"],
+        sd_segment=full.deviations["segment"],
+        thresholds=full.thresholds,
+        remark=_remark(full, reduced),
+    )
+
+
+def _why_not(answers: SidedAnswers) -> str:
+    if not len(answers.responses):
+        return "no answers"
+    if len(np.unique(answers.participants)) < 2:
+        return "one participant"
+    if len(np.unique(answers.segments)) < 2:
+        return "one segment"
+    if not answers.towards.any():
+        return "all answers are ties"
+    if np.ptp(answers.responses) == 0:
+        return "all answers alike"
+    if answers.on_right.all() or not answers.on_right.any():
+        return UNTOLD_SIDE
+    return ""
+
+
+def _remark(full: OrdinalFit, reduced: OrdinalFit) -> str:
+    if not reduced.converged:
+        return f"Without the preference the model did not converge. {full.remark}".strip()
+    return full.remark

@@ -1,0 +1,152 @@
+"""Results of pairwise comparisons."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from analysis.preferences.win_share import holm
+from analysis.responses import ANALYSED_KINDS
+from analysis.results.agreement import Agreement, agreement_of
+from analysis.results.estimate import Estimate
+from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
+from analysis.results.left_out import LeftOut
+from analysis.results.margin import Equivalent, equivalent
+from analysis.results.place import PairPlace
+from analysis.results.preference import Preference, left_share, preference
+from analysis.results.sided import sided
+from analysis.results.strengths import Strengths, strengths_of
+from analysis.tables.answers import AnswerTable
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison(Preference, PairPlace):
+    """What is preferred; `Preference`'s one is a, its other is b.
+
+    Attributes
+    ----------
+    p_holm : float
+        `clmm.p`, corrected over all comparisons and questions of the report.
+    """
+
+    p_holm: float = math.nan
+
+
+@dataclass(frozen=True, kw_only=True)
+class SideBias:
+    """How often the left side is preferred, ties counting one half; and how often a was there."""
+
+    left_share: Estimate
+    a_on_left: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairwiseResults:
+    """All of them.
+
+    Attributes
+    ----------
+    comparisons : tuple of Comparison
+        In the order of sets, conditions and questions.
+    side_bias, agreement, bradley_terry : mapping of question to result
+        See `ByQuestion`.
+    equivalence : tuple of Equivalent
+        In the order of `comparisons`; empty where no margin was stated.
+    """
+
+    comparisons: tuple[Comparison, ...]
+    side_bias: ByQuestion[SideBias]
+    agreement: ByQuestion[Agreement]
+    bradley_terry: ByQuestion[Strengths]
+    equivalence: tuple[Equivalent, ...]
+
+
+def pairwise_results(
+    table: AnswerTable, left_out: LeftOut, margin: float | None = None
+) -> PairwiseResults:
+    """Analyse pairwise comparisons.
+
+    Parameters
+    ----------
+    table : AnswerTable
+        Of the pairwise layout.
+    left_out : LeftOut
+        Who is left out.
+    margin : float, optional
+        Difference of a win share from one half that does not matter.
+    """
+    analysed = left_out.analysed
+    found = _comparisons(table, left_out.exclusions)
+    corrected = holm([one.clmm.p for one in found])
+    comparisons = tuple(replace(one, p_holm=p) for one, p in zip(found, corrected, strict=True))
+    return PairwiseResults(
+        comparisons=comparisons,
+        side_bias=by_question(table, analysed, _side_bias),
+        agreement=by_question(table, analysed, _agreement),
+        bradley_terry=by_question(table, analysed, strengths_of),
+        equivalence=tuple(_equivalent(one, margin) for one in comparisons if margin is not None),
+    )
+
+
+def _comparisons(table: AnswerTable, excluded: Mapping[str, str]) -> list[Comparison]:
+    """Return every pair that was shown in a main or repeated trial, with every question."""
+    count = len(table.conditions)
+    found = []
+    for name, question, part in parts(table, table.shown):
+        first, second = codes(part, "left"), codes(part, "right")
+        pairs = np.minimum(first, second) * count + np.maximum(first, second)
+        analysed = part["kind"].isin(ANALYSED_KINDS).to_numpy(bool)
+        for pair in np.unique(pairs[analysed]).tolist():
+            a, b = divmod(pair, count)
+            chosen = pairs == pair
+            found.append(
+                Comparison(
+                    set=set_name(table, name),
+                    a=table.conditions[a],
+                    b=table.conditions[b],
+                    question=question,
+                    **vars(preference(part[chosen], (second == a)[chosen], excluded, ("a", "b"))),
+                )
+            )
+    return sorted(found, key=lambda one: _order(table, one))
+
+
+def _order(table: AnswerTable, one: Comparison) -> tuple[int, int, int, int]:
+    return (
+        table.sets.index(one.set or ""),
+        table.conditions.index(one.a),
+        table.conditions.index(one.b),
+        table.questions.index(one.question),
+    )
+
+
+def _equivalent(one: Comparison, margin: float) -> Equivalent:
+    share = one.win_share
+    return equivalent(
+        share.estimate - 0.5,
+        share.se,
+        margin,
+        freedom=min(share.participants, share.segments) - 1,
+        reason=share.reason,
+        of=PairPlace(set=one.set, a=one.a, b=one.b, question=one.question),
+    )
+
+
+def _side_bias(answers: pd.DataFrame) -> SideBias:
+    return SideBias(
+        left_share=left_share(answers),
+        a_on_left=float((codes(answers, "left") < codes(answers, "right")).mean()),
+    )
+
+
+def _agreement(answers: pd.DataFrame) -> Agreement:
+    """Agree about a segment's comparison: how far a is preferred to b in it."""
+    left, right = codes(answers, "left"), codes(answers, "right")
+    towards = sided(answers, right < left).towards
+    shown = np.stack([np.minimum(left, right), np.maximum(left, right), codes(answers, "segment")])
+    items = np.unique(shown, axis=1, return_inverse=True)[1].ravel()
+    return agreement_of(towards, codes(answers, "participant"), items.astype(np.intp))

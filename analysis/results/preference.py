@@ -1,0 +1,201 @@
+"""What answers for one thing and against another say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from analysis.preferences.clustered import clustered_mean
+from analysis.published.pooled import pooled_tests
+from analysis.responses import ANALYSED_KINDS
+from analysis.results.estimate import Estimate, estimate_of
+from analysis.results.grouping import codes, people
+from analysis.results.net_preference import NetPreference, net_preference
+from analysis.results.sided import SidedAnswers, sided
+from analysis.robustness.min_f import min_f
+from analysis.robustness.participant_means import group_means
+from analysis.robustness.sign_test import sign_test
+from analysis.robustness.wilcoxon import signed_rank
+
+
+@dataclass(frozen=True, kw_only=True)
+class Robustness:
+    """Tests that lean on fewer assumptions, to be read beside the headline.
+
+    Attributes
+    ----------
+    sign_p, wilcoxon_p : float
+        Exact sign and signed-rank tests of participants' mean preferences; they take the
+        segments as the only ones of interest.
+    min_f, min_f_p : float
+        min F′ over participants and segments, and its p; conservative.
+    reason : str
+        Why a number is missing.
+    """
+
+    sign_p: float
+    wilcoxon_p: float
+    min_f: float
+    min_f_p: float
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class AsPublished:
+    """What papers report: all answers taken as independent.
+
+    Attributes
+    ----------
+    binomial_p, wilcoxon_p : float
+        Pooled tests, ties dropped.
+    ignores : tuple of str
+        What they leave out of account.
+    reason : str
+        Why there are none.
+    """
+
+    binomial_p: float
+    wilcoxon_p: float
+    ignores: tuple[str, ...]
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unexcluded:
+    """The same numbers when nobody is excluded."""
+
+    n: int
+    share: Mapping[str, float]
+    win_share: Estimate
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preference:
+    """What answers for one thing (`one`) and against another (`other`) say.
+
+    Attributes
+    ----------
+    n, recruited, attentive : int
+        Answers; participants who took part, and those of them who are analysed.
+    counts : mapping of str to int
+        `<one>_strong`, `<one>_weak`, `equal`, `<other>_weak`, `<other>_strong`.
+    share : mapping of str to float
+        `<one>`, `<other>`, `equal`: percent of all answers.
+    win_share : Estimate
+        Of the one, ties counting one half, tested against one half.
+    clmm : NetPreference
+        In favour of the one.
+    robustness : Robustness
+        Secondary tests.
+    as_published : AsPublished
+        What pooled answers would say.
+    without_exclusions : Unexcluded
+        For comparison.
+    """
+
+    n: int
+    recruited: int
+    attentive: int
+    counts: Mapping[str, int]
+    share: Mapping[str, float]
+    win_share: Estimate
+    clmm: NetPreference
+    robustness: Robustness
+    as_published: AsPublished
+    without_exclusions: Unexcluded
+
+
+def preference(
+    answers: pd.DataFrame,
+    on_right: NDArray[np.bool_],
+    excluded: Collection[str],
+    names: tuple[str, str],
+) -> Preference:
+    """Analyse answers to one question about one thing against another.
+
+    Parameters
+    ----------
+    answers : DataFrame
+        Of practice, main and repeated trials, excluded participants included.
+    on_right : ndarray of bool, shape (N,)
+        Whether the one was shown on the right.
+    excluded : collection of str
+        Who is left out.
+    names : (str, str)
+        How results call the one and the other.
+    """
+    analysed = answers["kind"].isin(ANALYSED_KINDS).to_numpy(bool)
+    kept = ~answers["participant"].isin(list(excluded)).to_numpy(bool)
+    of_all = sided(answers[analysed], on_right[analysed])
+    of_kept = sided(answers[analysed & kept], on_right[analysed & kept])
+    return Preference(
+        n=len(of_kept.responses),
+        recruited=people(answers),
+        attentive=people(answers[kept]),
+        counts=_counts(of_kept, names),
+        share=_shares(of_kept, names),
+        win_share=win_share(of_kept),
+        clmm=net_preference(of_kept),
+        robustness=_robustness(of_kept),
+        as_published=_as_published(of_kept),
+        without_exclusions=Unexcluded(
+            n=len(of_all.responses), share=_shares(of_all, names), win_share=win_share(of_all)
+        ),
+    )
+
+
+def win_share(answers: SidedAnswers) -> Estimate:
+    """Return the share of wins, ties counting one half, tested against one half."""
+    return estimate_of(clustered_mean(answers.wins, answers.participants, answers.segments))
+
+
+def left_share(answers: pd.DataFrame) -> Estimate:
+    """Return the share of answers for the left side, ties counting one half."""
+    left = (1 - np.sign(answers["value"].to_numpy() - 3)) / 2
+    return estimate_of(
+        clustered_mean(left, codes(answers, "participant"), codes(answers, "segment"))
+    )
+
+
+def _robustness(answers: SidedAnswers) -> Robustness:
+    towards = answers.towards.astype(np.float64)
+    means = group_means(towards, answers.participants)
+    signs, ranks = sign_test(means), signed_rank(means)
+    both = min_f(towards, answers.participants, answers.segments)
+    return Robustness(
+        sign_p=signs.p_value,
+        wilcoxon_p=ranks.p_value,
+        min_f=both.statistic,
+        min_f_p=both.p_value,
+        reason=both.reason or signs.reason or ranks.reason,
+    )
+
+
+def _as_published(answers: SidedAnswers) -> AsPublished:
+    found = pooled_tests(answers.towards)
+    return AsPublished(
+        binomial_p=found.binomial.p_value,
+        wilcoxon_p=found.wilcoxon.p_value,
+        ignores=found.ignores,
+        reason=found.binomial.reason,
+    )
+
+
+def _counts(answers: SidedAnswers, names: tuple[str, str]) -> dict[str, int]:
+    one, other = names
+    levels = (f"{one}_strong", f"{one}_weak", "equal", f"{other}_weak", f"{other}_strong")
+    counts = np.bincount(2 - answers.towards, minlength=5).tolist()
+    return dict(zip(levels, counts, strict=True))
+
+
+def _shares(answers: SidedAnswers, names: tuple[str, str]) -> dict[str, float]:
+    """Return percent of all answers; NaN without any."""
+    total = len(answers.responses)
+    signs = np.bincount(1 - np.sign(answers.towards), minlength=3).tolist()
+    first, equal, second = (100 * count / total if total else math.nan for count in signs)
+    return {names[0]: first, names[1]: second, "equal": equal}

@@ -1,0 +1,247 @@
+"""Results of rankings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from analysis.rankings.friedman import blocks_of_rankings, friedman
+from analysis.rankings.kendall_w import kendall_w
+from analysis.rankings.placements import Placements, placements
+from analysis.rankings.summary import RankSummary, rank_summaries
+from analysis.results.estimate import Estimate, estimate_of
+from analysis.results.grouping import ByQuestion, by_question, codes, parts, people, set_name
+from analysis.results.left_out import LeftOut
+from analysis.results.place import ConditionPlace
+from analysis.results.strengths import ONE_PARTICIPANT, RankInterval, named, ranks_of
+from analysis.strengths.plackett_luce import plackett_luce
+from analysis.tables.answers import AnswerTable
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankedCondition(ConditionPlace):
+    """Where a condition is placed.
+
+    Attributes
+    ----------
+    n : int
+        Rankings that place it.
+    mean_rank, first_share : float
+        1 is best; the share of rankings in which it is best, ties sharing one.
+    rank_percent : mapping of int to float
+        How often it has each place, in percent, ties spread over their places.
+    mean_rank_interval, first_share_interval : Estimate
+        The same with intervals clustered by participant and segment; p against what chance gives.
+    remark : str
+        What limits the numbers.
+    """
+
+    n: int
+    mean_rank: float
+    first_share: float
+    rank_percent: Mapping[int, float]
+    mean_rank_interval: Estimate
+    first_share_interval: Estimate
+    remark: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Worths:
+    """Plackett-Luce worths, partial and tied rankings included.
+
+    Attributes
+    ----------
+    worths, errors : mapping of condition to float
+        Log worths, which add up to zero, and their errors clustered by participant.
+    ranks : mapping of condition to RankInterval
+        At 95 %.
+    ties : mapping of int to float
+        For each size of tie that occurs, the logarithm of its parameter.
+    loglik : float
+        At the estimates.
+    n, participants : int
+        Rankings, and participants.
+    remark, reason : str
+        What limits the result; why there is none.
+    """
+
+    worths: Mapping[str, float]
+    errors: Mapping[str, float]
+    ranks: Mapping[str, RankInterval]
+    ties: Mapping[int, float]
+    loglik: float
+    n: int
+    participants: int
+    remark: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class SegmentConcordance:
+    """Kendall's W of the rankings of one segment; `incomplete` ones are left out."""
+
+    segment: str
+    w: float
+    n: int
+    incomplete: int
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Concordance:
+    """How far participants agree.
+
+    Attributes
+    ----------
+    mean : float
+        Kendall's W, mean over segments that have one.
+    overall : float
+        Kendall's W of participants' mean ranks over segments.
+    n : int
+        Participants behind `overall`.
+    segments : tuple of SegmentConcordance
+        One per segment.
+    reason : str
+        Why `overall` is missing.
+    """
+
+    mean: float
+    overall: float
+    n: int
+    segments: tuple[SegmentConcordance, ...]
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Friedman:
+    """Friedman's test over participants' mean ranks, with Iman and Davenport's F; secondary.
+
+    It takes the segments as the only ones of interest.
+    """
+
+    statistic: float
+    p: float
+    n: int
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankingResults:
+    """All of them.
+
+    Attributes
+    ----------
+    conditions : tuple of RankedCondition
+        In the order of sets, questions and conditions.
+    plackett_luce, kendall_w, friedman : mapping of question to result
+        See `ByQuestion`.
+    """
+
+    conditions: tuple[RankedCondition, ...]
+    plackett_luce: ByQuestion[Worths]
+    kendall_w: ByQuestion[Concordance]
+    friedman: ByQuestion[Friedman]
+
+
+def ranking_results(table: AnswerTable, left_out: LeftOut) -> RankingResults:
+    """Analyse rankings.
+
+    Parameters
+    ----------
+    table : AnswerTable
+        Of the ranking layout.
+    left_out : LeftOut
+        Who is left out.
+    """
+    analysed = left_out.analysed
+    return RankingResults(
+        conditions=tuple(
+            _condition(set_name(table, name), question, one)
+            for name, question, answers in parts(table, analysed)
+            for one in rank_summaries(_placements(answers))
+        ),
+        plackett_luce=by_question(table, analysed, _worths),
+        kendall_w=by_question(table, analysed, _concordance),
+        friedman=by_question(table, analysed, _friedman),
+    )
+
+
+def _shown(answers: pd.DataFrame) -> tuple[str, ...]:
+    names = answers["condition"].cat.categories
+    return tuple(str(names[place]) for place in np.unique(codes(answers, "condition")))
+
+
+def _placements(answers: pd.DataFrame) -> Placements:
+    return placements(answers.rename(columns={"value": "rank"}), _shown(answers))
+
+
+def _condition(of: str | None, question: str, found: RankSummary) -> RankedCondition:
+    return RankedCondition(
+        set=of,
+        condition=found.condition,
+        question=question,
+        n=found.rankings,
+        mean_rank=found.mean_rank.estimate,
+        first_share=found.first_share.estimate,
+        rank_percent=dict(enumerate(found.rank_percent, start=1)),
+        mean_rank_interval=estimate_of(found.mean_rank),
+        first_share_interval=estimate_of(found.first_share),
+        remark=found.remark,
+    )
+
+
+def _worths(answers: pd.DataFrame) -> Worths:
+    names = _shown(answers)
+    who = codes(answers, "participant")
+    ranking = who * len(answers["segment"].cat.categories) + codes(answers, "segment")
+    rows = pd.DataFrame(
+        {
+            "ranking": ranking,
+            "condition": answers["condition"].to_numpy(object),
+            "rank": answers["value"].to_numpy(),
+            "participant": who,
+        }
+    )
+    found = plackett_luce(rows, conditions=names)
+    alone = people(answers) < 2
+    unknown = bool(found.reason)
+    return Worths(
+        worths=named(names, found.worths, hide=unknown),
+        errors=named(names, found.errors, hide=alone or unknown),
+        ranks={} if alone or unknown else ranks_of(names, found.worths, found.covariance, who),
+        ties={} if unknown else found.ties,
+        loglik=math.nan if unknown else found.log_likelihood,
+        n=found.rankings,
+        participants=found.participants,
+        remark=ONE_PARTICIPANT if alone else "",
+        reason=found.reason,
+    )
+
+
+def _concordance(answers: pd.DataFrame) -> Concordance:
+    found = kendall_w(_placements(answers))
+    return Concordance(
+        mean=found.mean,
+        overall=found.overall.estimate,
+        n=found.overall.n,
+        segments=tuple(
+            SegmentConcordance(
+                segment=one.segment,
+                w=one.estimate,
+                n=one.n,
+                incomplete=one.incomplete,
+                reason=one.reason,
+            )
+            for one in found.segments
+        ),
+        reason=found.overall.reason,
+    )
+
+
+def _friedman(answers: pd.DataFrame) -> Friedman:
+    found = friedman(blocks_of_rankings(_placements(answers)))
+    return Friedman(statistic=found.statistic, p=found.p_value, n=found.n, reason=found.reason)

@@ -1,0 +1,174 @@
+"""Results of ratings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from analysis.equivalence import equivalence_of_means
+from analysis.preferences.win_share import holm
+from analysis.ratings.table import RatingSummary, rating_table
+from analysis.results.agreement import Agreement, agreement_of
+from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
+from analysis.results.left_out import LeftOut
+from analysis.results.margin import Equivalent, within_margin
+from analysis.results.place import ConditionPlace, PairPlace
+from analysis.results.rating_contrasts import RatingContrast, rating_contrasts
+from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
+from analysis.tables.answers import AnswerTable
+
+
+@dataclass(frozen=True, kw_only=True)
+class RatedCondition(ConditionPlace):
+    """How a condition was rated.
+
+    Attributes
+    ----------
+    n : int
+        Ratings.
+    mean, sd : float
+        Of the single ratings.
+    low, high : float
+        95 % interval of the mean, clustered by participant and segment.
+    counts, at_least : mapping of int to number
+        How often each score was given; how many percent are that score or a higher one.
+    participants, segments : int
+        What it rests on.
+    method, reason : str
+        Which variance was used; why there is no interval.
+    """
+
+    n: int
+    mean: float
+    sd: float
+    low: float
+    high: float
+    counts: Mapping[int, int]
+    at_least: Mapping[int, float]
+    participants: int
+    segments: int
+    method: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class RatingResults:
+    """All of them.
+
+    Attributes
+    ----------
+    conditions : tuple of RatedCondition
+        In the order of sets, questions and conditions.
+    clmm, agreement : mapping of question to result
+        See `ByQuestion`.
+    contrasts : tuple of RatingContrast
+        In the order of sets, questions and conditions.
+    equivalence : tuple of Equivalent
+        Of participants' mean ratings; empty where no margin was stated.
+    """
+
+    conditions: tuple[RatedCondition, ...]
+    clmm: ByQuestion[RatingModel]
+    contrasts: tuple[RatingContrast, ...]
+    agreement: ByQuestion[Agreement]
+    equivalence: tuple[Equivalent, ...]
+
+
+def rating_results(
+    table: AnswerTable, left_out: LeftOut, margin: float | None = None
+) -> RatingResults:
+    """Analyse ratings.
+
+    Parameters
+    ----------
+    table : AnswerTable
+        Of the rating layout.
+    left_out : LeftOut
+        Who is left out.
+    margin : float, optional
+        Difference of two means, in scores, that does not matter.
+    """
+    analysed = left_out.analysed
+    conditions: list[RatedCondition] = []
+    differences: list[RatingContrast] = []
+    equivalents: list[Equivalent] = []
+    models: dict[tuple[str, str], RatingModel] = {}
+    for name, question, answers in parts(table, analysed):
+        shown = _conditions(table, answers)
+        of = set_name(table, name)
+        fitted, model = rating_model(answers, shown)
+        models[name, question] = model
+        conditions += [
+            _condition(of, question, one) for one in rating_table(answers, shown, _scores(table))
+        ]
+        differences += rating_contrasts(
+            of, question, answers, shown, fitted, models[name, question]
+        )
+        if margin is not None:
+            equivalents += _equivalents(of, question, answers, shown, margin)
+    corrected = holm([one.p for one in differences])
+    return RatingResults(
+        conditions=tuple(conditions),
+        clmm=nested(table, models),
+        contrasts=tuple(replace(c, p_holm=p) for c, p in zip(differences, corrected, strict=True)),
+        agreement=by_question(table, analysed, _agreement),
+        equivalence=tuple(equivalents),
+    )
+
+
+def _conditions(table: AnswerTable, answers: pd.DataFrame) -> tuple[str, ...]:
+    """Return the conditions that were rated, in the order of the table."""
+    return tuple(table.conditions[place] for place in np.unique(codes(answers, "condition")))
+
+
+def _scores(table: AnswerTable) -> tuple[int, ...]:
+    """Return the scale: five points at least, or the scores given where they are many."""
+    given = np.unique(table.shown["value"].to_numpy()).astype(int).tolist()
+    low, high = min(1, given[0]), max(5, given[-1])
+    return tuple(range(low, high + 1)) if high - low < MOST_SCORES else tuple(given)
+
+
+def _condition(of: str | None, question: str, found: RatingSummary) -> RatedCondition:
+    return RatedCondition(
+        set=of,
+        condition=found.condition,
+        question=question,
+        n=found.mean.answers,
+        mean=found.mean.estimate,
+        sd=found.sd,
+        low=found.mean.low,
+        high=found.mean.high,
+        counts=found.counts,
+        at_least=found.at_least,
+        participants=found.mean.participants,
+        segments=found.mean.segments,
+        method=found.mean.method,
+        reason=found.mean.reason,
+    )
+
+
+def _equivalents(
+    of: str | None, question: str, answers: pd.DataFrame, shown: tuple[str, ...], margin: float
+) -> list[Equivalent]:
+    """Test the means of those participants who rated both conditions."""
+    means = answers.pivot_table(
+        index="participant", columns="condition", values="value", aggfunc="mean", observed=True
+    )
+    return [
+        within_margin(
+            equivalence_of_means((means[a] - means[b]).dropna().to_numpy(np.float64), margin),
+            PairPlace(set=of, a=a, b=b, question=question),
+        )
+        for a, b in combinations(shown, 2)
+    ]
+
+
+def _agreement(answers: pd.DataFrame) -> Agreement:
+    """Agree about a segment's condition."""
+    count = len(answers["condition"].cat.categories)
+    items = codes(answers, "segment") * count + codes(answers, "condition")
+    return agreement_of(answers["value"].to_numpy(), codes(answers, "participant"), items)

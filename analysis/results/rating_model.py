@@ -1,0 +1,136 @@
+"""The cumulative link mixed model of ratings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
+from analysis.results.grouping import codes
+from motion.errors import InputError
+
+MOST_SCORES: Final = 21
+"""Different ratings up to which they are taken for ordered categories."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RatingModel:
+    """The model ``rating ~ condition + (1 | participant) + (1 | segment)``, in logits.
+
+    Attributes
+    ----------
+    reference : str
+        The condition whose effect, and its error, are zero.
+    estimates, se : mapping of condition to float
+        Above zero where a condition is rated better than the reference.
+    wald_p : mapping of condition to float
+        Of all others, by their errors.
+    statistic, df, p : float
+        Likelihood ratio of the model without conditions.
+    loglik : float
+        By Laplace's approximation.
+    sd_participant, sd_segment : float
+        How much ratings differ between participants and between segments.
+    thresholds : tuple of float
+        Between neighbouring scores of `scores_given`.
+    scores_given : tuple of int
+        The scores that somebody gave.
+    n : int
+        Ratings.
+    remark, reason : str
+        What limits the result; why there is none.
+    """
+
+    reference: str = ""
+    estimates: Mapping[str, float]
+    se: Mapping[str, float]
+    wald_p: Mapping[str, float]
+    statistic: float = math.nan
+    df: int = 0
+    p: float = math.nan
+    loglik: float = math.nan
+    sd_participant: float = math.nan
+    sd_segment: float = math.nan
+    thresholds: tuple[float, ...] = ()
+    scores_given: tuple[int, ...] = ()
+    n: int
+    remark: str = ""
+    reason: str = ""
+
+
+def rating_model(
+    answers: pd.DataFrame, shown: tuple[str, ...]
+) -> tuple[OrdinalFit | None, RatingModel]:
+    """Fit the ratings of one question; also return the fit, None where there is none.
+
+    Parameters
+    ----------
+    answers : DataFrame
+        Main and repeated trials.
+    shown : tuple of str
+        Conditions that were rated; the first is the reference.
+    """
+    ratings = answers["value"].to_numpy().astype(np.int64)
+    scores = tuple(np.unique(ratings).tolist())
+    names = answers["condition"].to_numpy(object)
+    unknown = RatingModel(
+        reference=shown[0],
+        estimates=dict.fromkeys(shown, math.nan),
+        se=dict.fromkeys(shown, math.nan),
+        wald_p=dict.fromkeys(shown[1:], math.nan),
+        scores_given=scores,
+        n=len(ratings),
+    )
+    random = [
+        RandomEffect(name=name, groups=codes(answers, name)) for name in ("participant", "segment")
+    ]
+    reason = _why_no_model(shown, scores, random)
+    if reason:
+        return None, replace(unknown, reason=reason)
+    covariates = {name: (names == name).astype(np.float64) for name in shown[1:]}
+    try:
+        full = fit(ratings, covariates, random)
+        reduced = fit(ratings, {}, random)
+    except InputError as error:
+        return None, replace(unknown, reason=error.what)
+    if not full.converged:
+        return full, replace(unknown, reason=full.remark)
+    known = replace(
+        unknown,
+        estimates={shown[0]: 0.0, **full.estimates},
+        se={shown[0]: 0.0, **full.standard_errors},
+        wald_p={name: full.wald_p(name) for name in shown[1:]},
+        loglik=full.log_likelihood,
+        sd_participant=full.deviations["participant"],
+        sd_segment=full.deviations["segment"],
+        thresholds=full.thresholds,
+        remark=full.remark,
+    )
+    if not reduced.converged:
+        remark = f"Without conditions the model did not converge. {full.remark}".strip()
+        return full, replace(known, remark=remark)
+    statistic, freedom, p = likelihood_ratio(full, reduced)
+    return full, replace(known, statistic=statistic, df=freedom, p=p)
+
+
+def _why_no_model(
+    shown: tuple[str, ...], scores: tuple[int, ...], random: list[RandomEffect]
+) -> str:
+    if len(shown) < 2:
+        return "one condition"
+    for effect in random:
+        if len(np.unique(effect.groups)) < 2:
+            return f"one {effect.name}"
+    if len(scores) < 2:
+        return "all ratings alike"
+    if len(scores) > MOST_SCORES:
+        return (
+            f"{len(scores)} different ratings are no ordered categories; means and Cliff's delta "
+            "stand"
+        )
+    return ""

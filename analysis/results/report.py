@@ -1,0 +1,182 @@
+"""The results of one table of answers, from the file to `results.json`."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Final
+
+from threadpoolctl import threadpool_limits
+
+from analysis.exclusions import RuleOutcome
+from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out
+from analysis.results.mismatch import MismatchResults, mismatch_results
+from analysis.results.pairwise import PairwiseResults, pairwise_results
+from analysis.results.ranking import RankingResults, ranking_results
+from analysis.results.rating import RatingResults, rating_results
+from analysis.tables.answers import AnswerTable
+from analysis.tables.layouts import LAYOUTS
+from analysis.tables.reading import read_answers
+from motion.errors import InputError
+
+PROTOCOLS: Final = tuple(LAYOUTS)
+"""Names of the protocols that a table can be of."""
+
+Results = PairwiseResults | RatingResults | RankingResults | MismatchResults
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """What the results were computed from, and by what."""
+
+    file: str
+    sha256: str
+    motionjury: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What the researcher decided."""
+
+    max_catch_failures: int
+    margin: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Participants:
+    """How many there are in the table, and how many every rule kept."""
+
+    recruited: int
+    attentive: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableReport:
+    """Everything that `results.json` holds.
+
+    Attributes
+    ----------
+    protocol : str
+        Name of the protocol.
+    source : Source
+        What it was computed from.
+    settings : Settings
+        What the researcher decided.
+    participants : Participants
+        How many.
+    rules : tuple of RuleOutcome
+        Rules of exclusion in the order in which they were applied, and whom they removed.
+    exclusions : dict of str to str
+        Each participant left out, and the reason.
+    conditions_shown, questions, sets : tuple of str
+        In the order of appearance; no sets where the table has none.
+    notes : tuple of str
+        What the table holds that is not analysed.
+    remark : str
+        Why there is nothing to report; empty where there is something.
+    results : Results
+        What the protocol gives.
+    """
+
+    protocol: str
+    source: Source
+    settings: Settings
+    participants: Participants
+    rules: tuple[RuleOutcome, ...]
+    exclusions: dict[str, str]
+    conditions_shown: tuple[str, ...]
+    questions: tuple[str, ...]
+    sets: tuple[str, ...]
+    notes: tuple[str, ...]
+    remark: str
+    results: Results
+
+    def keys(self) -> dict[str, object]:
+        """Return what `results.json` holds, the protocol's results beside everything else."""
+        own: dict[str, object] = {**vars(self)}
+        del own["results"]
+        return own | vars(self.results)
+
+
+def analyse_table(
+    path: Path,
+    protocol: str,
+    *,
+    max_catch_failures: int = MAX_CATCH_FAILURES,
+    margin: float | None = None,
+) -> TableReport:
+    """Read a platform's table and analyse it.
+
+    Parameters
+    ----------
+    path : Path
+        CSV or Parquet; see ``docs/report-contract.md`` for its columns.
+    protocol : {'pairwise', 'rating', 'ranking', 'mismatch'}
+        How the answers were asked for.
+    max_catch_failures : int
+        Failed catch trials that a participant may have.
+    margin : float, optional
+        Largest difference that does not matter, stated before the answers were seen: of a win
+        share from one half, of two mean ratings in scores.
+
+    Raises
+    ------
+    InputError
+        If the table cannot be used, or the protocol has no test of equivalence.
+    """
+    if margin is not None and protocol not in ("pairwise", "rating"):
+        raise InputError(
+            f"a {protocol} study has no test of equivalence", remedy="Leave the margin out"
+        )
+    if margin is not None and not 0 < margin < float("inf"):
+        raise InputError(
+            f"the margin of equivalence is {margin:g}",
+            remedy="State the largest difference that does not matter, above zero",
+        )
+    table = read_answers(path, LAYOUTS[protocol])
+    left_out = leave_out(table, max_catch_failures)
+    # The models' matrices are small: more threads cost more than they bring.
+    with threadpool_limits(limits=1, user_api="blas"):
+        results = _results(table, left_out, margin)
+    return TableReport(
+        protocol=protocol,
+        source=Source(
+            file=path.name,
+            sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+            motionjury=metadata.version("motionjury"),
+        ),
+        settings=Settings(max_catch_failures=max_catch_failures, margin=margin),
+        participants=Participants(recruited=left_out.recruited, attentive=left_out.attentive),
+        rules=left_out.rules,
+        exclusions=left_out.exclusions,
+        conditions_shown=table.conditions,
+        questions=table.questions,
+        sets=table.sets if table.has_sets else (),
+        notes=table.notes,
+        remark=_remark(table, left_out),
+        results=results,
+    )
+
+
+def _results(table: AnswerTable, left_out: LeftOut, margin: float | None) -> Results:
+    match table.protocol:
+        case "pairwise":
+            return pairwise_results(table, left_out, margin)
+        case "rating":
+            return rating_results(table, left_out, margin)
+        case "ranking":
+            return ranking_results(table, left_out)
+        case _:
+            return mismatch_results(table, left_out)
+
+
+def _remark(table: AnswerTable, left_out: LeftOut) -> str:
+    if left_out.everyone.empty:
+        return "The table holds no answers to main or repeated trials: there is nothing to report."
+    if left_out.analysed.empty:
+        return "Every participant who answered is excluded: there is nothing to report."
+    if table.protocol != "mismatch" and len(table.conditions) < 2:
+        return "There is one condition: nothing can be compared."
+    return ""

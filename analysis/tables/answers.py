@@ -1,0 +1,51 @@
+"""A checked table of answers, whatever protocol they were given in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pandas as pd
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AnswerTable:
+    """Answers that can be relied on.
+
+    Attributes
+    ----------
+    protocol : str
+        How they were asked for.
+    answers : DataFrame
+        One row for each answer of practice, main, repeated and catch trials: `participant`,
+        `segment`, `question`, `set`, `kind`, `trial`, `correct_side` and the protocol's columns
+        as categories, NaN where a cell is empty; `value`, the answer; `seconds`, how long it
+        took, NaN where that is not known.
+    participants : tuple of str
+        Everybody who is in the table, in the order of appearance.
+    marked : dict of str to str
+        Who is marked as excluded, and why.
+    conditions, questions, sets : tuple of str
+        Of main and repeated trials, in the order of appearance in the table; the only set is
+        '' where there is no such column.
+    notes : tuple of str
+        What the table holds that is not analysed, in sentences.
+    """
+
+    protocol: str
+    answers: pd.DataFrame
+    participants: tuple[str, ...]
+    marked: dict[str, str]
+    conditions: tuple[str, ...]
+    questions: tuple[str, ...]
+    sets: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def has_sets(self) -> bool:
+        """Whether the answers are kept apart by set."""
+        return self.sets not in ((), ("",))
+
+    @property
+    def shown(self) -> pd.DataFrame:
+        """Answers of practice, main and repeated trials."""
+        return self.answers[self.answers["kind"] != "catch"]

@@ -1,0 +1,152 @@
+"""The cells of a table in a file, as text: CSV or Parquet."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from motion.errors import InputError
+
+PARQUET: Final = (".parquet", ".pq")
+"""Endings of Parquet files; everything else is read as CSV."""
+
+_SEPARATORS: Final = (",", ";", "\t")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cells:
+    """What a file holds.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    rows : DataFrame
+        Text, empty where there is nothing; rows without any text are left out.
+    numbers : Index
+        How a person finds each row: in CSV the line, the header being 1; in Parquet counted
+        from 1.
+    ignored : tuple of str
+        Columns that were not asked for.
+    """
+
+    path: Path
+    rows: pd.DataFrame
+    numbers: pd.Index[int]
+    ignored: tuple[str, ...]
+
+    def part(self, rows: NDArray[np.bool_]) -> Cells:
+        """Return some of the rows."""
+        return replace(
+            self, rows=self.rows[rows].reset_index(drop=True), numbers=self.numbers[rows]
+        )
+
+    def place(self, row: int, column: str) -> str:
+        """Say where a cell is; `row` counts from 0."""
+        return f"{self.path.name}, row {self.numbers[row]}, column {column}"
+
+
+def read_cells(path: Path, wanted: Sequence[str], required: Sequence[str]) -> Cells:
+    """Read the columns `wanted` of a file as text.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column of `required` is missing, or one occurs twice.
+    """
+    try:
+        if path.suffix.lower() in PARQUET:
+            header = list(pq.read_schema(path).names)
+            _check_header(path, header, required)
+            rows = _parquet(path, [name for name in header if name in wanted])
+            first = 1
+        else:
+            header, separator = _csv_header(path)
+            _check_header(path, header, required)
+            rows = _csv(path, header, separator)[[name for name in header if name in wanted]]
+            first = 2
+    except FileNotFoundError:
+        raise InputError("there is no such file", where=path, remedy="Check the path") from None
+    except OSError as error:
+        raise InputError(
+            f"the file cannot be read: {error.strerror or error}",
+            where=path,
+            remedy="Check the path, and that it is CSV in UTF-8 or Parquet",
+        ) from error
+    except (UnicodeDecodeError, csv.Error, pd.errors.ParserError, pa.ArrowInvalid) as error:
+        raise InputError(
+            f"neither CSV in UTF-8 nor Parquet: {' '.join(str(error).split())}",
+            where=path,
+            remedy="Save the table as CSV in UTF-8, or as Parquet with the ending .parquet",
+        ) from error
+    rows = rows.reset_index(drop=True)
+    filled = (rows != "").any(axis=1)
+    return Cells(
+        path=path,
+        rows=rows[filled].reset_index(drop=True),
+        numbers=rows.index[filled] + first,
+        ignored=tuple(name for name in header if name not in wanted and name),
+    )
+
+
+def _check_header(path: Path, header: Sequence[str], required: Sequence[str]) -> None:
+    missing = [name for name in required if name not in header]
+    if missing:
+        raise InputError(
+            f"column {', '.join(missing)} is missing; there are {', '.join(header) or 'none'}",
+            where=path,
+            remedy=f"Name the columns {', '.join(required)}",
+        )
+    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if twice:
+        raise InputError(
+            f"column {', '.join(twice)} occurs twice", where=path, remedy="Keep one of them"
+        )
+
+
+def _csv_header(path: Path) -> tuple[list[str], str]:
+    """Return the headings and what separates them: a comma, a semicolon or a tabulator."""
+    with path.open(encoding="utf-8-sig", newline="") as stream:
+        start = stream.readline()
+        stream.seek(0)
+        separator = max(_SEPARATORS, key=start.count)
+        names = next(csv.reader(stream, delimiter=separator), [])
+    return [name.strip() for name in names], separator
+
+
+def _csv(path: Path, header: Sequence[str], separator: str) -> pd.DataFrame:
+    names = [name or f"column {place}" for place, name in enumerate(header)]
+    return pd.read_csv(
+        path,
+        sep=separator,
+        names=names,
+        skiprows=1,
+        dtype=str,
+        keep_default_na=False,
+        na_filter=False,
+        skip_blank_lines=False,
+        index_col=False,
+        encoding="utf-8-sig",
+    ).fillna("")
+
+
+def _parquet(path: Path, names: Sequence[str]) -> pd.DataFrame:
+    table = pq.read_table(path, columns=list(names)).to_pandas()
+    return pd.DataFrame({name: _text(table[name]) for name in names}, columns=list(names))
+
+
+def _text(column: pd.Series[Any]) -> pd.Series[str]:
+    """Return a column as text; whole numbers that a gap made into fractions stay whole."""
+    values: pd.Series[Any] = column
+    if pd.api.types.is_float_dtype(column.dtype):
+        values = column.astype("Float64").convert_dtypes()
+    return values.astype("str").where(column.notna().to_numpy(bool), "")
