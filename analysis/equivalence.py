@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.finite import finite
 from analysis.tied_ranks import ROUNDING
 from motion.errors import InputError
 
@@ -145,7 +146,7 @@ def equivalence_of_means(differences: Floats, margin: float | tuple[float, float
     margin : float or (float, float)
         See `equivalence`.
     """
-    differences = np.asarray(differences, np.float64)
+    differences = finite(differences)
     count = len(differences)
     if count < 2:
         alone = float(differences[0]) if count else math.nan

@@ -15,6 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.finite import finite
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -102,7 +103,7 @@ def intraclass_correlation(
     InputError
         If somebody answered twice about an item.
     """
-    y = np.asarray(values, np.float64)
+    y = finite(values)
     who, what = pd.factorize(raters)[0], pd.factorize(items)[0]
     people, things = int(who.max(initial=-1)) + 1, int(what.max(initial=-1)) + 1
     if pd.Series(what * people + who).duplicated().any():

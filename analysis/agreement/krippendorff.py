@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.finite import finite
 from analysis.resampling.two_way import percentile_interval
 from motion.errors import InputError
 
@@ -84,14 +85,14 @@ def krippendorff_alpha(
     InputError
         If somebody answered twice about an item.
     """
-    table = pd.DataFrame({"value": values, "rater": raters, "item": items})
+    table = pd.DataFrame({"value": finite(values), "rater": raters, "item": items})
     if table.duplicated(["rater", "item"]).any():
         raise InputError(
             "a participant answered twice about an item",
             remedy="Measure agreement for one question and one comparison at a time",
         )
     table = table[table.groupby("item")["rater"].transform("size") > 1]
-    domain, codes = np.unique(table["value"].to_numpy(np.float64), return_inverse=True)
+    domain, codes = np.unique(table["value"].to_numpy(), return_inverse=True)
     rows = pd.factorize(table["item"])[0]
     count = int(rows.max(initial=-1)) + 1
     unknown = Alpha(

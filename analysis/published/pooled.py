@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.finite import finite
 from analysis.robustness.sign_test import SignTest, sign_test
 from analysis.robustness.wilcoxon import SignedRank, signed_rank
 
@@ -64,7 +65,7 @@ def pooled_tests(towards_first: NDArray[np.number]) -> Pooled:
         Answers, turned so that they count from -2 (clearly the second condition) over 0 (no
         difference) to 2 (clearly the first).
     """
-    answers = np.asarray(towards_first, np.float64)
+    answers = finite(towards_first)
     signs, count = sign_test(answers), len(answers)
     return Pooled(
         binomial=signs,

@@ -17,6 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.finite import finite
 from analysis.rankings.placements import Placements, condition_columns
 from analysis.tied_ranks import tied_ranks
 
@@ -95,7 +96,7 @@ def blocks_of_ratings(answers: pd.DataFrame, conditions: Sequence[str]) -> Block
     columns = condition_columns(answers["condition"], conditions)
     own = columns >= 0
     people = pd.factorize(answers["participant"])[0][own]
-    return _blocks(conditions, people, columns[own], answers["value"].to_numpy(np.float64)[own])
+    return _blocks(conditions, people, columns[own], finite(answers["value"].to_numpy()[own]))
 
 
 def blocks_of_rankings(rankings: Placements) -> Blocks:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.clustered_variance import clustered_variance
+from analysis.finite import finite
 
 Floats = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ def cliffs_delta(
     participants, segments : ndarray, shape (N,)
         Who rated what.
     """
-    y = np.asarray(values, np.float64)
+    y = finite(values)
     who = np.unique(participants, return_inverse=True)[1]
     what = np.unique(segments, return_inverse=True)[1]
     first, second = int(of_first.sum()), int((~of_first).sum())

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.finite import finite
 from analysis.robustness.participant_means import group_means
 from analysis.tied_ranks import ROUNDING
 
@@ -23,6 +24,8 @@ class MinF:
     ----------
     estimate : float
         Mean of all answers; NaN without any.
+    low, high : float
+        Ends of its 95 % interval, conservative as the test is; NaN where there is none.
     f_participants, f_items : float
         F of the test over participants' means and over items' means; infinite where those are
         all alike.
@@ -39,6 +42,8 @@ class MinF:
     """
 
     estimate: float
+    low: float
+    high: float
     f_participants: float
     f_items: float
     statistic: float
@@ -63,10 +68,12 @@ def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.g
     participants, items : ndarray, shape (N,)
         Who answered about what.
     """
-    values = np.asarray(values, np.float64)
+    values = finite(values)
     by_participant, by_item = group_means(values, participants), group_means(values, items)
     unknown = MinF(
         estimate=float(values.mean()) if len(values) else math.nan,
+        low=math.nan,
+        high=math.nan,
         f_participants=math.nan,
         f_items=math.nan,
         statistic=math.nan,
@@ -79,20 +86,23 @@ def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.g
     for count, one in ((len(by_participant), "participant"), (len(by_item), "segment")):
         if count < 2:
             return replace(unknown, reason=f"one {one}" if count else "no answers")
-    noise_participants, noise_items = _noise(by_participant), _noise(by_item)
-    found = replace(unknown, f_participants=_f(noise_participants), f_items=_f(noise_items))
-    noise = noise_participants + noise_items
     if not values.any():
         return replace(unknown, reason="all answers are zero")
-    if not noise:
-        return replace(found, reason="all answers alike")
-    if math.isinf(noise):
-        smaller = min(found.participants, found.items)
-        return replace(found, statistic=0.0, freedom=smaller - 1.0, p_value=1.0)
-    freedom = noise**2 / (
-        noise_participants**2 / (found.participants - 1) + noise_items**2 / (found.items - 1)
+    of_participants, of_items = _variance(by_participant), _variance(by_item)
+    if not of_participants + of_items:
+        return replace(unknown, reason="all answers alike")
+    found = replace(
+        unknown,
+        f_participants=_f(by_participant, of_participants),
+        f_items=_f(by_item, of_items),
     )
-    statistic = 1 / noise
+    freedom = _freedom(of_participants, of_items, found)
+    reach = float(stats.t(freedom).ppf(0.975)) * math.sqrt(of_participants + of_items)
+    found = replace(found, low=found.estimate - reach, high=found.estimate + reach)
+    if not (found.f_participants and found.f_items):
+        return replace(found, statistic=0.0, freedom=freedom, p_value=1.0)
+    noise = 1 / found.f_participants, 1 / found.f_items
+    statistic, freedom = 1 / sum(noise), _freedom(*noise, found)
     return replace(
         found,
         statistic=statistic,
@@ -101,15 +111,23 @@ def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.g
     )
 
 
-def _noise(means: Floats) -> float:
-    """Return 1 / F: the variance of the mean in units of its square; infinite for a mean of 0."""
-    centre, scale = float(means.mean()), float(np.abs(means).max())
-    if abs(centre) <= ROUNDING * scale:
-        return math.inf
-    if float(np.ptp(means)) <= ROUNDING * scale:
+def _variance(means: Floats) -> float:
+    """Return the variance of the mean of `means`; 0 where they are alike but for rounding."""
+    if float(np.ptp(means)) <= ROUNDING * float(np.abs(means).max()):
         return 0.0
-    return float(means.var(ddof=1)) / len(means) / centre**2
+    return float(means.var(ddof=1)) / len(means)
 
 
-def _f(noise: float) -> float:
-    return math.inf if noise == 0 else 1 / noise
+def _f(means: Floats, variance: float) -> float:
+    """Return the square of t of the mean of `means`."""
+    centre = float(means.mean())
+    if abs(centre) <= ROUNDING * float(np.abs(means).max()):
+        return 0.0
+    return centre**2 / variance if variance else math.inf
+
+
+def _freedom(of_participants: float, of_items: float, found: MinF) -> float:
+    """Return the degrees of freedom of a sum of two variances (Satterthwaite 1946)."""
+    return (of_participants + of_items) ** 2 / (
+        of_participants**2 / (found.participants - 1) + of_items**2 / (found.items - 1)
+    )

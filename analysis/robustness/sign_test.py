@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.finite import finite
 from analysis.tied_ranks import ROUNDING
 
 Floats = NDArray[np.float64]
@@ -28,6 +29,8 @@ class SignTest:
         Two-sided p of the share being one half; NaN without any.
     above, below, zeros : int
         Number of values.
+    method : str
+        Which test; empty where there is none.
     reason : str
         Why there is no test; empty where there is one.
     """
@@ -39,6 +42,7 @@ class SignTest:
     above: int
     below: int
     zeros: int
+    method: str = ""
     reason: str = ""
 
 
@@ -50,7 +54,7 @@ def sign_test(values: Floats) -> SignTest:
     values : ndarray, shape (N,)
         One per independent unit: participants' means, not single answers.
     """
-    values = np.asarray(values, np.float64)
+    values = finite(values)
     nearly = ROUNDING * np.abs(values).max(initial=0.0)
     above, below = int((values > nearly).sum()), int((values < -nearly).sum())
     zeros = len(values) - above - below
@@ -75,4 +79,5 @@ def sign_test(values: Floats) -> SignTest:
         above=above,
         below=below,
         zeros=zeros,
+        method="exact binomial, zeros dropped",
     )

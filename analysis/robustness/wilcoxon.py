@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.finite import finite
 from analysis.tied_ranks import ROUNDING, tied_ranks
 
 Floats = NDArray[np.float64]
@@ -82,7 +83,7 @@ def signed_rank(values: Floats, *, zeros: Zeros = "dropped") -> SignedRank:
     zeros : {'dropped', 'pratt'}
         Values of zero are left out before ranking (Wilcoxon), or after it (Pratt 1959).
     """
-    values = np.asarray(values, np.float64)
+    values = finite(values)
     size = np.abs(values)
     nonzero = size > ROUNDING * size.max(initial=0.0)
     unknown = SignedRank(

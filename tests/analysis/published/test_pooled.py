@@ -7,7 +7,6 @@ import pytest
 from scipy import stats
 
 from analysis.published.pooled import pooled_tests
-from analysis.validity import Design, simulate
 
 
 def test_it_is_what_the_plain_tests_give():
@@ -27,9 +26,17 @@ def test_it_says_what_it_ignores():
 
 
 def test_it_finds_what_is_not_there_where_participants_differ():
-    design = Design(participants=22, segments=24, effect=0, participant_sd=0.6, segment_sd=0.45)
     generator = np.random.default_rng(2)
-    found = [pooled_tests(simulate(design, generator)[0]).wilcoxon.p_value for _ in range(100)]
+
+    def study() -> np.ndarray:
+        latent = (
+            generator.normal(0, 0.6, (22, 1))
+            + generator.normal(0, 0.45, (1, 24))
+            + generator.logistic(size=(22, 24))
+        )
+        return (np.sign(latent) * np.digitize(np.abs(latent), [0.45, 1.6])).ravel()
+
+    found = [pooled_tests(study()).wilcoxon.p_value for _ in range(100)]
     assert np.mean(np.array(found) < 0.05) > 0.15
 
 
