@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 import re
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from itertools import product
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import pytest
 from flask import Flask
@@ -13,7 +20,7 @@ from sqlalchemy.orm import selectinload
 from werkzeug.test import TestResponse
 
 from studyapp.models import Trial, Video
-from studyapp.web.running import running
+from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import ANSWERS, WATCHED, Visitor
@@ -138,3 +145,140 @@ def test_a_video_two_ahead_is_not_served(app: Flask, two_videos: list[Trial]) ->
         third = list(session.scalars(LOADED))[2]
 
     assert fetch(app.test_client(), third).status_code == 404
+
+
+def settled(visitor: Visitor) -> None:
+    visitor.begin().watch()
+    assert visitor.post(visitor.page())[0] == 303
+
+
+def completed(visitor: Visitor) -> None:
+    visitor.begin()
+    while visitor.page().soup.select("#answers"):
+        visitor.watch()
+        assert visitor.post(visitor.page())[0] == 303
+
+
+def withdrawn(visitor: Visitor) -> None:
+    visitor.begin()
+    assert visitor.client.post(f"{visitor.address}/withdraw").status_code == 303
+
+
+def not_begun(visitor: Visitor) -> None:
+    visitor.page()
+
+
+OVER: list[tuple[Callable[[Visitor], Any], int]] = [
+    (settled, 0),
+    (completed, 0),
+    (completed, 5),
+    (withdrawn, 0),
+    (not_begun, 0),
+    (Visitor.begin, 2),
+    (Visitor.begin, 5),
+]
+"""What happens, and which trial's video is not to be had then."""
+
+ASKED: list[tuple[str, dict[str, str]]] = [
+    ("GET", {}),
+    ("HEAD", {}),
+    ("GET", {"Range": "bytes=0-99"}),
+    ("GET", {"Range": "bytes=99999999-"}),
+    ("GET", {"If-None-Match": "*"}),
+    ("GET", {"If-Modified-Since": "Thu, 01 Jan 2026 00:00:00 GMT"}),
+    ("GET", {"Range": "bytes=0-99", "If-Range": "a"}),
+]
+
+
+@pytest.mark.parametrize(("happens", "index"), OVER)
+def test_a_token_whose_time_is_not_now_is_like_none_at_all(
+    app: Flask, clock: SetClock, happens: Callable[[Visitor], Any], index: int
+) -> None:
+    visitor = Visitor(app, clock).enrol()
+    with app.app_context(), running().database.reading() as session:
+        token = list(session.scalars(LOADED))[index].videos[0].token
+    happens(visitor)
+    with app.app_context():
+        here = running()
+
+    for (method, headers), prefix in product(ASKED, (None, "/inner/")):
+        attach(app, replace(here, accel_prefix=prefix))
+        answers = [
+            app.test_client().open(
+                f"/media/{name}.mp4", method=method, headers=headers, buffered=True
+            )
+            for name in (token, "A" * len(token))
+        ]
+        assert [answer.status_code for answer in answers] == [404, 404]
+        assert answers[0].data == answers[1].data
+        assert list(answers[0].headers) == list(answers[1].headers)
+        assert "X-Accel-Redirect" not in answers[0].headers
+
+
+def test_nobody_can_report_or_blame_the_video_of_another_one(app: Flask, clock: SetClock) -> None:
+    mine, theirs = (Visitor(app, clock).enrol().begin() for _ in range(2))
+    page, other = mine.page(), theirs.page()
+    their_video = other.value("#pair", "data-watched-url").rpartition("/")[2]
+    clock.advance(seconds=4)
+
+    reported = mine.client.post(f"{mine.address}/watched/{their_video}", json=WATCHED)
+    blamed = mine.client.post(
+        f"{mine.address}/unplayable", data={"trial": page.trial, "video": their_video}
+    )
+    answered = mine.client.post(page.action, data={"trial": other.trial, **ANSWERS})
+
+    assert {reported.status_code, blamed.status_code, answered.status_code} <= {403, 422}
+    assert theirs.page().value("#pair", "data-watched") == "[]"
+    assert theirs.page().trial == other.trial
+    for refused in (reported, blamed, answered):
+        assert visible_secrets(everything(refused)) == []
+
+
+def steps(request: Callable[[], TestResponse]) -> list[str]:
+    """Return which functions of the study app run, one after the other, to answer a request.
+
+    Left out is what is done once for each trial before: it tells the position alone.
+    """
+    ran: list[str] = []
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        if event == "call" and "/studyapp/" in frame.f_code.co_filename:
+            ran.append(frame.f_code.co_qualname)
+
+    sys.setprofile(note)
+    try:
+        assert request().status_code in (200, 303)
+    finally:
+        sys.setprofile(None)
+    return [name for name in ran if name != "Trial.settled" and not name.endswith("<genexpr>")]
+
+
+def test_the_same_is_done_for_every_kind_of_trial_and_every_condition(
+    app: Flask, clock: SetClock
+) -> None:
+    visitor = Visitor(app, clock).enrol().begin()
+    done: dict[str, list[list[str]]] = {"page": [], "video": [], "watched": [], "answered": []}
+    with app.app_context(), running().database.reading() as session:
+        kinds = [trial.kind for trial in session.scalars(LOADED)]
+    visitor.page()
+    for _ in kinds:
+        page = visitor.page()
+        clock.advance(seconds=4)
+        watched = page.value("#pair", "data-watched-url")
+        data = {"trial": page.trial, **ANSWERS}
+        requests = {
+            "page": partial(visitor.client.get, visitor.address),
+            "video": partial(visitor.client.get, page.value("#pair", "src"), buffered=True),
+            "watched": partial(visitor.client.post, watched, json=WATCHED),
+            "answered": partial(visitor.client.post, page.action, data=data),
+        }
+        for name, request in requests.items():
+            done[name].append(steps(request))
+
+    # The first page draws what later ones know, and the last trial has none to fetch ahead.
+    middle = slice(1, -1)
+    assert "catch" in kinds[middle]
+    assert "main" in kinds[middle]
+    for name, each in done.items():
+        assert each[1], name
+        assert all(ran == each[1] for ran in each[middle]), name
