@@ -1,44 +1,42 @@
-"""All metrics of all conditions of a study, over the clips that participants saw."""
+"""All metrics of all conditions, over the clips that participants saw or a folder holds."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+import multiprocessing
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.beat_alignment import PRESETS, beat_alignment
-from analysis.metrics.diversity import l1_deviation, mean_pair_distance, motion_features
-from analysis.metrics.jerk import HANDS, HANDS_UNFILTERED, jerk
-from analysis.metrics.joint_positions import (
-    UPPER_BODY_JOINTS,
-    common_frame_rate,
-    joint_positions,
-    select,
+from analysis.metrics.clip_scores import pose_settings
+from analysis.metrics.diversity import mean_pair_distance, motion_features
+from analysis.metrics.joint_motion import JointMotionStore
+from analysis.metrics.joint_positions import common_frame_rate
+from analysis.metrics.presets import REPORT, combined
+from analysis.metrics.recorded_spread import ClipExtent, recorded_spread
+from analysis.metrics.result import Better, MetricResult
+from analysis.metrics.segment_scores import (
+    Bench,
+    ClipScore,
+    Excerpt,
+    SegmentFiles,
+    SegmentScores,
+    SkippedFile,
+    recorded_extent,
+    segment_scores,
 )
-from analysis.metrics.result import MetricResult
-from motion.audio import read_audio
-from motion.formats import read_clip
-from motion.speech_onsets import DETECTOR, speech_onsets
+from motion.errors import InputError
+from motion.formats import read_motion
+from motion.formats.clip_npz import read_frame_rate
 
-FloatArray = NDArray[np.float64]
-Excerpt = tuple[Path, float, float]
-"""A recording, and where in it an excerpt starts and ends, in seconds."""
-
-_JERKS: Final = (HANDS, HANDS_UNFILTERED)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClipScore:
-    """One metric of one clip."""
-
-    condition: str
-    segment: str
-    result: MetricResult
+Show = Callable[[int, int], None]
+_Task = TypeVar("_Task")
+_Found = TypeVar("_Found")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +58,8 @@ class ConditionScore:
         As in `MetricResult`.
     reason : str
         Why clips have no score; empty where all have one.
+    better : {'lower', 'higher', 'near the reference', 'unsaid'}
+        Which scores speak for a condition.
     """
 
     condition: str
@@ -71,15 +71,29 @@ class ConditionScore:
     clips: int
     settings: Mapping[str, str]
     reason: str
+    better: Better = "unsaid"
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudyMetrics:
-    """Everything measured: by clip, and by condition in the order the conditions were given."""
+    """Everything measured: by clip, and by condition in the order the conditions were given.
+
+    Attributes
+    ----------
+    frame_rate : float
+        Frames per second at which clips were compared; NaN without clips.
+    clips : tuple of ClipScore
+        By condition, then segment.
+    conditions : tuple of ConditionScore
+        By condition.
+    skipped : tuple of SkippedFile
+        Files that could not be used.
+    """
 
     frame_rate: float
     clips: tuple[ClipScore, ...]
     conditions: tuple[ConditionScore, ...]
+    skipped: tuple[SkippedFile, ...] = ()
 
 
 def study_metrics(
@@ -87,81 +101,208 @@ def study_metrics(
     speech: Mapping[str, Excerpt],
     *,
     frozen: Collection[str] = (),
+    recorded: Mapping[str, Path] | None = None,
+    presets: Iterable[str] = (REPORT,),
+    own_files: bool = True,
+    skip_unusable: bool = False,
+    store: JointMotionStore | None = None,
+    processes: int = 1,
+    on_progress: Show | None = None,
 ) -> StudyMetrics:
     """Measure the clips of every condition at one frame rate, on one body.
 
     Parameters
     ----------
     clips : mapping of condition to mapping of segment to path
-        The study's own motion files.
+        Motion files.
     speech : mapping of segment to (recording, start, end)
         What each segment says; a segment without speech gets no beat alignment.
     frozen : collection of str
         Channels that the study holds still in its videos.
+    recorded : mapping of segment to path, optional
+        Recorded motion of the same speech, for metrics that compare with it.
+    presets : iterable of str
+        Names in `analysis.metrics.presets.PRESETS`.
+    own_files : bool
+        Whether the motion files are a study's own, read as they stand; files from elsewhere are of
+        any format and put into the study's world.
+    skip_unusable : bool
+        Whether files that cannot be used are left out and named, rather than an error.
+    store : JointMotionStore, optional
+        Where joint positions are kept between runs; what this run does not use is removed.
+    processes : int
+        How many segments are measured at once.
+    on_progress : callable, optional
+        Called with segments done and all segments.
 
     Raises
     ------
     InputError
-        If a motion or a recording cannot be read.
+        If a preset is unknown, or if a file cannot be used and is not to be skipped.
     """
-    motions = {
-        condition: {segment: read_clip(path) for segment, path in sorted(paths.items())}
-        for condition, paths in clips.items()
-    }
-    rates = {clip.frame_rate for found in motions.values() for clip in found.values()}
-    if not rates:
-        return StudyMetrics(frame_rate=math.nan, clips=(), conditions=())
-    frame_rate = common_frame_rate(rates)
-    onsets = {segment: _onsets(excerpt) for segment, excerpt in sorted(speech.items())}
+    preset = combined(presets)
+    recordings = dict(recorded or {})
+    if not recordings:
+        preset = preset.without_recordings()
+    rates, usable, skipped = _frame_rates([*clips.values(), recordings], own_files)
+    found = [_segment(name, clips, recordings, speech, usable) for name in _segments(clips)]
+    found = [files for files in found if files.clips]
+    if not skip_unusable and skipped:
+        raise skipped[0].error()
+    if not found:
+        return StudyMetrics(frame_rate=math.nan, clips=(), conditions=(), skipped=tuple(skipped))
+    bench = Bench(
+        frame_rate=common_frame_rate(rates),
+        frozen=tuple(frozen),
+        preset=preset,
+        store=store,
+        own_files=own_files,
+    )
+    with _Workers(processes) as workers:
+        if preset.needs_recorded_spread:
+            files = sorted({f.recorded for f in found if f.recorded is not None})
+            extents = workers.each(_ExtentOf(bench), files, None)
+            bench = replace(bench, spread=recorded_spread(e for e in extents if e is not None))
+        measured = workers.each(_ScoresOf(bench), found, on_progress)
+    skipped += list(dict.fromkeys(file for one in measured for file in one.skipped))
+    if not skip_unusable and skipped:
+        raise skipped[0].error()
+    if store is not None:
+        store.forget_others({place for one in measured for place in one.kept})
+    return _collected(tuple(clips), measured, bench, tuple(skipped))
+
+
+@dataclass(frozen=True)
+class _ScoresOf:
+    bench: Bench
+
+    def __call__(self, files: SegmentFiles) -> SegmentScores:
+        return segment_scores(files, self.bench)
+
+
+@dataclass(frozen=True)
+class _ExtentOf:
+    bench: Bench
+
+    def __call__(self, path: Path) -> ClipExtent | None:
+        return recorded_extent(path, self.bench)
+
+
+class _Workers:
+    """Does tasks in this process, or in several; results come in the order of the tasks."""
+
+    def __init__(self, processes: int) -> None:
+        self._pool = None
+        if processes > 1:
+            context = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(processes, mp_context=context)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+
+    def each(
+        self, do: Callable[[_Task], _Found], tasks: Sequence[_Task], on_progress: Show | None
+    ) -> list[_Found]:
+        """Return what `do` finds out about each of `tasks`."""
+        show = on_progress or (lambda done, total: None)
+        if self._pool is None:
+            results = []
+            for number, task in enumerate(tasks, start=1):
+                results.append(do(task))
+                show(number, len(tasks))
+            return results
+        futures = [self._pool.submit(do, task) for task in tasks]
+        for number, _ in enumerate(as_completed(futures), start=1):
+            show(number, len(tasks))
+        return [future.result() for future in futures]
+
+
+def _frame_rates(
+    files: Iterable[Mapping[str, Path]], own_files: bool
+) -> tuple[list[float], set[Path], list[SkippedFile]]:
+    """Return the frame rates that occur, the files that state one, and those that do not."""
+    rates: set[float] = set()
+    usable: set[Path] = set()
+    skipped = []
+    for path in dict.fromkeys(path for paths in files for path in paths.values()):
+        try:
+            if own_files or path.suffix == ".npz":
+                rates.add(read_frame_rate(path))
+            else:
+                rates.add(read_motion(path).frame_rate)
+            usable.add(path)
+        except InputError as error:
+            skipped.append(SkippedFile.because(error))
+    return sorted(rates), usable, skipped
+
+
+def _segments(clips: Mapping[str, Mapping[str, Path]]) -> list[str]:
+    return sorted({segment for paths in clips.values() for segment in paths})
+
+
+def _segment(
+    name: str,
+    clips: Mapping[str, Mapping[str, Path]],
+    recordings: Mapping[str, Path],
+    speech: Mapping[str, Excerpt],
+    usable: Collection[Path],
+) -> SegmentFiles:
+    recorded = recordings.get(name)
+    return SegmentFiles(
+        segment=name,
+        clips={
+            condition: paths[name]
+            for condition, paths in clips.items()
+            if name in paths and paths[name] in usable
+        },
+        recorded=recorded if recorded in usable else None,
+        speech=speech.get(name),
+    )
+
+
+def _collected(
+    conditions: Sequence[str],
+    measured: Sequence[SegmentScores],
+    bench: Bench,
+    skipped: tuple[SkippedFile, ...],
+) -> StudyMetrics:
     by_clip: list[ClipScore] = []
     by_condition: list[ConditionScore] = []
-    for condition, found in motions.items():
-        positions = {
-            segment: joint_positions(clip, frame_rate, frozen) for segment, clip in found.items()
-        }
+    for condition in conditions:
         scores = [
-            ClipScore(condition=condition, segment=segment, result=result)
-            for segment, moving in positions.items()
-            for result in _clip_metrics(moving, onsets.get(segment), frame_rate)
+            score
+            for segment in measured
+            for score in segment.scores
+            if score.condition == condition
         ]
         by_clip += scores
         by_condition += _summaries(condition, scores)
-        by_condition += _pair_distance(condition, list(positions.values()), frame_rate)
-    return StudyMetrics(frame_rate=frame_rate, clips=tuple(by_clip), conditions=tuple(by_condition))
-
-
-def _onsets(excerpt: Excerpt) -> FloatArray:
-    recording, start, end = excerpt
-    return speech_onsets(read_audio(recording).cut(start, end))
-
-
-def _clip_metrics(
-    positions: FloatArray, onsets: FloatArray | None, frame_rate: float
-) -> Iterator[MetricResult]:
-    if onsets is not None:
-        for preset in PRESETS:
-            found = beat_alignment(
-                select(positions, preset.joints),
-                onsets,
-                frame_rate=frame_rate,
-                settings=preset,
-                detector=DETECTOR,
-            )
-            yield from (found.above_chance, found.score, found.chance, found.motion_beats)
-    for settings in _JERKS:
-        measured = select(positions, settings.joints)
-        yield jerk(measured, frame_rate=frame_rate, settings=settings)
-    yield l1_deviation(select(positions, UPPER_BODY_JOINTS), settings=_pose_settings(frame_rate))
+        bodies = [
+            segment.upper_bodies[condition]
+            for segment in measured
+            if condition in segment.upper_bodies
+        ]
+        by_condition += _pair_distance(condition, bodies, bench.frame_rate)
+    return StudyMetrics(
+        frame_rate=bench.frame_rate,
+        clips=tuple(by_clip),
+        conditions=tuple(by_condition),
+        skipped=skipped,
+    )
 
 
 def _pair_distance(
-    condition: str, clips: list[FloatArray], frame_rate: float
+    condition: str, clips: Sequence[NDArray[np.float32]], frame_rate: float
 ) -> Iterator[ConditionScore]:
     if not clips:
         return
     result = mean_pair_distance(
-        motion_features([select(positions, UPPER_BODY_JOINTS) for positions in clips]),
-        settings=_pose_settings(frame_rate)
+        motion_features([clip.astype(np.float64) for clip in clips]),
+        settings=pose_settings(frame_rate)
         | {"distance": "root mean square over frames and joints, clips cut to the shortest"},
     )
     yield ConditionScore(
@@ -174,20 +315,15 @@ def _pair_distance(
         clips=len(clips),
         settings=result.settings,
         reason=result.reason,
+        better=result.better,
     )
 
 
-def _pose_settings(frame_rate: float) -> dict[str, str]:
-    return {
-        "joints": ", ".join(UPPER_BODY_JOINTS),
-        "frame rate": f"{frame_rate:g} fps",
-        "positions": "relative to the pelvis, default body, metres",
-    }
-
-
-def _summaries(condition: str, scores: list[ClipScore]) -> Iterator[ConditionScore]:
-    for name in dict.fromkeys(score.result.name for score in scores):
-        results = [score.result for score in scores if score.result.name == name]
+def _summaries(condition: str, scores: Sequence[ClipScore]) -> Iterator[ConditionScore]:
+    by_name: dict[str, list[MetricResult]] = {}
+    for score in scores:
+        by_name.setdefault(score.result.name, []).append(score.result)
+    for name, results in by_name.items():
         values = np.array([result.value for result in results if not result.reason])
         reasons = [result.reason for result in results if result.reason]
         why = "; ".join(
@@ -204,4 +340,5 @@ def _summaries(condition: str, scores: list[ClipScore]) -> Iterator[ConditionSco
             clips=len(results),
             settings=results[0].settings,
             reason=why,
+            better=results[0].better,
         )

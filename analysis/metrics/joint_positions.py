@@ -1,4 +1,4 @@
-"""Joint positions that metrics measure: every clip on the same body, at the same frame rate."""
+"""Which joints metrics measure, and at which frame rate clips are compared."""
 
 from __future__ import annotations
 
@@ -8,11 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.clip import MotionClip
-from motion.freeze import freeze
-from motion.resample import resample
-from motion.rest_pose import REST_JOINTS
-from motion.skeleton import forward_kinematics, joint_index
+from motion.skeleton import LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS, joint_index
 
 FloatArray = NDArray[np.float64]
 
@@ -33,6 +29,22 @@ WRISTS: Final = ("left_wrist", "right_wrist")
 
 UPPER_BODY_JOINTS: Final = ("neck", "head", *ARM_JOINTS)
 
+GESTURE_JOINTS: Final = (
+    "spine1",
+    "spine2",
+    "spine3",
+    "neck",
+    "head",
+    *(
+        f"{side}_{joint}"
+        for side in ("left", "right")
+        for joint in ("collar", "shoulder", "elbow", "wrist")
+    ),
+    *LEFT_HAND_JOINTS,
+    *RIGHT_HAND_JOINTS,
+)
+"""Joints whose rotations make a gesture: everything above the pelvis except the face."""
+
 
 def common_frame_rate(frame_rates: Collection[float]) -> float:
     """Return the rate at which clips of different rates are compared: the slowest, at most 30.
@@ -41,30 +53,6 @@ def common_frame_rate(frame_rates: Collection[float]) -> float:
     interpolated frame is smooth by construction, which flatters jerk.
     """
     return min(HIGHEST_FRAME_RATE, *frame_rates)
-
-
-def joint_positions(
-    clip: MotionClip, frame_rate: float, frozen: Collection[str] = ()
-) -> FloatArray:
-    """Return where all joints are, on the default body, whatever the clip's own shape.
-
-    Parameters
-    ----------
-    clip : MotionClip
-        Any frame rate.
-    frame_rate : float
-        Frames per second of the result.
-    frozen : collection of str
-        Channels that the study holds still in its videos (`motion.freeze`).
-
-    Returns
-    -------
-    ndarray, shape (T, 55, 3)
-        Positions in metres relative to the pelvis, y up.
-    """
-    seen = freeze(resample(clip, frame_rate), frozen)
-    positions = forward_kinematics(seen.poses, np.zeros_like(seen.trans), REST_JOINTS)[0]
-    return positions - positions[:, :1]
 
 
 def select(positions: FloatArray, joints: Sequence[str]) -> FloatArray:

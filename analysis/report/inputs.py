@@ -9,7 +9,7 @@ from typing import Literal
 
 import pandas as pd
 
-from analysis.metrics.conditions import Excerpt
+from analysis.metrics.segment_scores import Excerpt
 from motion.errors import InputError
 from motion.segment import Segment
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
-from motion.clip import EXPRESSION_COUNT, MotionClip
+from motion.clip import EXPRESSION_COUNT, MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.files import replacing
 from motion.skeleton import BODY_JOINTS, FACE_JOINTS, JOINT_COUNT
@@ -93,6 +93,23 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
         raise InputError(error.what, where=path, remedy=error.remedy) from error
 
 
+def read_frame_rate(path: Path) -> float:
+    """Return the frame rate that the ``.npz`` file at `path` states, without reading its motion.
+
+    Raises
+    ------
+    InputError
+        As `read_clip`, where the file states no usable frame rate.
+    """
+    path = Path(path)
+    try:
+        frame_rate = _frame_rate(_load(path, only=_RATE_KEYS))
+        check_frame_rate(frame_rate)
+    except InputError as error:
+        raise InputError(error.what, where=path, remedy=error.remedy) from error
+    return frame_rate
+
+
 def has_provenance(path: Path) -> bool:
     """Return whether the ``.npz`` file at `path` was written by `write_clip`."""
     with zipfile.ZipFile(path) as archive:
@@ -109,8 +126,8 @@ def tells_fingers_from_mean_hands(path: Path) -> bool:
         return "model" in archive and str(archive["model"]) == _BEAT2_MODEL
 
 
-def _load(path: Path) -> Arrays:
-    """Return all arrays of the file by key."""
+def _load(path: Path, *, only: Collection[str] | None = None) -> Arrays:
+    """Return all arrays of the file by key, or those whose key is in `only`."""
     if not path.is_file():
         raise InputError("there is no such motion file", remedy="Check the path")
     if not zipfile.is_zipfile(path):
@@ -122,7 +139,8 @@ def _load(path: Path) -> Arrays:
         with np.load(path, allow_pickle=False) as archive:
             _check_size(archive.zip)
             for key in archive.files:
-                arrays[key] = _array(archive, key)
+                if only is None or key in only:
+                    arrays[key] = _array(archive, key)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, MemoryError) as error:
         raise InputError("the archive is damaged", remedy="Copy or export it again") from error
     return arrays

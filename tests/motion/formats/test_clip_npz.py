@@ -10,7 +10,7 @@ from hypothesis import given
 
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.clip_npz import has_provenance, read_clip, write_clip
+from motion.formats.clip_npz import has_provenance, read_clip, read_frame_rate, write_clip
 from tests.motion.random_clips import assert_same_clip, clips, random_clip
 
 
@@ -210,3 +210,20 @@ def test_a_header_that_promises_more_than_memory_is_refused(tmp_path: Path, fram
 def test_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"gone\.npz: there is no such motion file"):
         read_clip(tmp_path / "gone.npz")
+
+
+@pytest.mark.parametrize("key", ["mocap_frame_rate", "mocap_framerate", "fps"])
+def test_the_frame_rate_is_known_without_the_motion(tmp_path: Path, key: str) -> None:
+    path = save(tmp_path / "a.npz", **{"mocap_frame_rate": None, key: 24.0, "poses": np.zeros(1)})
+    assert read_frame_rate(path) == 24.0
+
+
+def test_a_file_without_a_usable_frame_rate_is_named(tmp_path: Path) -> None:
+    for rate, said in ((None, "no frame rate"), (0.0, "not usable"), (np.nan, "")):
+        path = save(tmp_path / "a.npz", mocap_frame_rate=rate)
+        with pytest.raises(InputError, match=said) as refused:
+            read_frame_rate(path)
+        assert str(path) in str(refused.value)
+    (tmp_path / "b.npz").write_bytes(b"PK\x03\x04 cut off")
+    with pytest.raises(InputError, match=r"b\.npz"):
+        read_frame_rate(tmp_path / "b.npz")

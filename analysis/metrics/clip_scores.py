@@ -1,0 +1,201 @@
+"""All metrics of one clip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from analysis.metrics.absolute_error import S2UE_FRAME_RATE, S2UE_JOINTS, absolute_error
+from analysis.metrics.acceleration_error import acceleration_error
+from analysis.metrics.beat_alignment import beat_alignment
+from analysis.metrics.correct_motion import CorrectSettings, percent_correct_motion
+from analysis.metrics.diversity import l1_deviation
+from analysis.metrics.foot_sliding import FEET, foot_sliding
+from analysis.metrics.jerk import jerk
+from analysis.metrics.joint_motion import JointMotion
+from analysis.metrics.joint_positions import GESTURE_JOINTS, UPPER_BODY_JOINTS, select
+from analysis.metrics.presets import Preset
+from analysis.metrics.recorded_spread import RecordedSpread
+from analysis.metrics.result import MetricResult
+from analysis.metrics.velocity_error import velocity_error
+from motion.speech_onsets import DETECTOR
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredClip:
+    """What metrics look at in one clip.
+
+    Attributes
+    ----------
+    joints : JointMotion
+        Where the joints are.
+    rotations : ndarray, shape (T, G, 3), or None
+        Axis-angle of `analysis.metrics.joint_positions.GESTURE_JOINTS`, where a preset needs them.
+    """
+
+    joints: JointMotion
+    rotations: FloatArray | None = None
+
+
+def clip_metrics(
+    clip: MeasuredClip,
+    *,
+    frame_rate: float,
+    preset: Preset,
+    onsets: FloatArray | None = None,
+    recorded: MeasuredClip | None = None,
+    spread: RecordedSpread | None = None,
+) -> Iterator[MetricResult]:
+    """Yield every metric of `preset` that the given material allows.
+
+    Parameters
+    ----------
+    clip : MeasuredClip
+        The clip that is measured.
+    frame_rate : float
+        Frames per second of both clips.
+    preset : Preset
+        Which metrics, and how.
+    onsets : ndarray or None
+        Onsets of the speech in seconds; without them there is no beat alignment.
+    recorded : MeasuredClip or None
+        The recording of the same speech; without it there are no errors.
+    spread : RecordedSpread or None
+        Of all recordings; without it there is nothing that is normalised by them.
+    """
+    positions = clip.joints.relative
+    if onsets is not None:
+        yield from _beats(positions, onsets, frame_rate, preset)
+    for settings in preset.jerks:
+        measured = select(positions, settings.joints)
+        yield jerk(measured, frame_rate=frame_rate, settings=settings)
+    if preset.mean_pose_deviation:
+        yield l1_deviation(select(positions, UPPER_BODY_JOINTS), settings=pose_settings(frame_rate))
+    if preset.foot_sliding:
+        world = positions + clip.joints.pelvis[:, None]
+        yield foot_sliding(select(world, FEET), frame_rate=frame_rate)
+    if recorded is not None:
+        yield from _correct(clip, recorded, frame_rate, preset, spread)
+        yield from _velocity_errors(positions, recorded.joints.relative, frame_rate, preset)
+        if spread is not None:
+            yield from _point_errors(
+                positions, recorded.joints.relative, frame_rate, preset, spread
+            )
+
+
+def pose_settings(frame_rate: float) -> dict[str, str]:
+    """Return what positions of the upper body are, in words."""
+    return {
+        "joints": ", ".join(UPPER_BODY_JOINTS),
+        "frame rate": f"{frame_rate:g} fps",
+        "positions": "relative to the pelvis, default body, metres",
+    }
+
+
+def _beats(
+    positions: FloatArray, onsets: FloatArray, frame_rate: float, preset: Preset
+) -> Iterator[MetricResult]:
+    for settings in preset.beats:
+        found = beat_alignment(
+            select(positions, settings.joints),
+            onsets,
+            frame_rate=frame_rate,
+            settings=settings,
+            detector=DETECTOR,
+        )
+        yield from (
+            found.above_chance,
+            found.score,
+            found.opposite,
+            found.chance,
+            found.motion_beats,
+        )
+
+
+def _correct(
+    clip: MeasuredClip,
+    recorded: MeasuredClip,
+    frame_rate: float,
+    preset: Preset,
+    spread: RecordedSpread | None,
+) -> Iterator[MetricResult]:
+    for settings in preset.correct:
+        both = [_represented(one, settings, spread) for one in (clip, recorded)]
+        if both[0] is None or both[1] is None:
+            continue
+        found = percent_correct_motion(both[0], both[1], settings=settings)
+        joints: tuple[str, ...] = UPPER_BODY_JOINTS
+        if settings.representation != "positions":
+            joints = GESTURE_JOINTS
+        measured = {"joints": ", ".join(joints), "frame rate": f"{frame_rate:g} fps"}
+        yield replace(found, settings={**found.settings, **measured})
+
+
+def _represented(
+    clip: MeasuredClip, settings: CorrectSettings, spread: RecordedSpread | None
+) -> FloatArray | None:
+    """Return the motion in the representation of `settings`; None where that is not known."""
+    if settings.representation == "positions":
+        return select(clip.joints.relative, UPPER_BODY_JOINTS)
+    if clip.rotations is None:
+        return None
+    if settings.representation == "normalised rotations":
+        return None if spread is None else spread.normalised(clip.rotations)
+    turns = Rotation.from_rotvec(clip.rotations.reshape(-1, 3))
+    # At a gimbal lock the third angle is taken as 0, which is one of the right answers.
+    angles = turns.as_euler("XYZ", degrees=True, suppress_warnings=True)
+    return np.asarray(angles.reshape(clip.rotations.shape))
+
+
+def _velocity_errors(
+    positions: FloatArray, recorded: FloatArray, frame_rate: float, preset: Preset
+) -> Iterator[MetricResult]:
+    for norm in preset.velocity_errors:
+        yield velocity_error(
+            select(positions, UPPER_BODY_JOINTS),
+            select(recorded, UPPER_BODY_JOINTS),
+            frame_rate=frame_rate,
+            norm=norm,
+            settings=pose_settings(frame_rate),
+        )
+
+
+def _point_errors(
+    positions: FloatArray,
+    recorded: FloatArray,
+    frame_rate: float,
+    preset: Preset,
+    spread: RecordedSpread,
+) -> Iterator[MetricResult]:
+    if not (preset.absolute_errors or preset.acceleration_errors):
+        return
+    rate = min(frame_rate, S2UE_FRAME_RATE)
+    generated, other = (
+        _slower(select(points, S2UE_JOINTS), frame_rate, rate) for points in (positions, recorded)
+    )
+    for settings in preset.absolute_errors:
+        yield absolute_error(
+            generated, other, frame_rate=rate, settings=settings, scale=spread.scale
+        )
+    for settings in preset.acceleration_errors:
+        yield acceleration_error(
+            generated, other, frame_rate=rate, settings=settings, scale=spread.scale
+        )
+
+
+def _slower(points: FloatArray, frame_rate: float, wanted: float) -> FloatArray:
+    """Return points at a lower frame rate, interpolated on straight lines."""
+    if wanted == frame_rate:
+        return points
+    place = np.arange(max(1, round(len(points) * wanted / frame_rate))) * frame_rate / wanted
+    place = np.minimum(place, len(points) - 1)
+    before = place.astype(int)
+    after = np.minimum(before + 1, len(points) - 1)
+    share = (place - before)[:, None, None]
+    return np.asarray((1 - share) * points[before] + share * points[after])

@@ -1,0 +1,118 @@
+"""What a clip's joints do on the default body: computed once per clip, and kept on disk."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.clip import MotionClip
+from motion.files import replacing
+from motion.freeze import freeze
+from motion.ground import stand_on_ground
+from motion.resample import resample
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import JOINT_COUNT, forward_kinematics
+from motion.source_version import imported_sources, source_version
+
+FloatArray = NDArray[np.float64]
+
+_SUFFIX: Final = ".npy"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointMotion:
+    """Where the joints of one clip are.
+
+    Attributes
+    ----------
+    relative : ndarray, shape (T, 55, 3), float64
+        Positions relative to the pelvis in metres, y up.
+    pelvis : ndarray, shape (T, 3), float64
+        Where the pelvis is in the world, in metres, the feet standing on the ground as in videos.
+        All values are of single precision, whether they were computed or read.
+    """
+
+    relative: FloatArray
+    pelvis: FloatArray
+
+
+def joint_motion(clip: MotionClip, frame_rate: float, frozen: Collection[str] = ()) -> JointMotion:
+    """Return where all joints are, on the default body, whatever the clip's own shape.
+
+    Parameters
+    ----------
+    clip : MotionClip
+        Any frame rate.
+    frame_rate : float
+        Frames per second of the result.
+    frozen : collection of str
+        Channels that the study holds still in its videos (`motion.freeze`).
+    """
+    seen = stand_on_ground(freeze(resample(clip, frame_rate), frozen), REST_JOINTS)
+    relative = forward_kinematics(seen.poses, np.zeros_like(seen.trans), REST_JOINTS)[0]
+    relative -= relative[:, :1]
+    pelvis = REST_JOINTS[0] + seen.trans
+    return _unpacked(np.concatenate([relative, pelvis[:, None]], axis=1).astype(np.float32))
+
+
+class JointMotionStore:
+    """Joint motions kept in a folder, found again by the content of the motion file.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first joint motion is kept.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._version = source_version(imported_sources([__name__]), ["numpy", "scipy"])
+
+    def place(self, motion: Path, frame_rate: float, frozen: Collection[str]) -> Path:
+        """Return where the joint motion of the file `motion` is kept, whether it is there or not.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        """
+        settings = f"{self._version} {frame_rate!r} {sorted(frozen)}".encode()
+        digest = hashlib.sha256(settings + b"\0" + motion.read_bytes()).hexdigest()
+        return self.folder / f"{digest[:32]}{_SUFFIX}"
+
+    @staticmethod
+    def read(place: Path) -> JointMotion | None:
+        """Return what is kept at `place`; None where nothing whole is."""
+        try:
+            packed = np.load(place, allow_pickle=False)
+        except (OSError, ValueError, EOFError):
+            return None
+        if packed.ndim != 3 or packed.shape[1:] != (JOINT_COUNT + 1, 3):
+            return None
+        return _unpacked(packed)
+
+    @staticmethod
+    def keep(place: Path, motion: JointMotion) -> None:
+        """Keep `motion` at `place`, in one step."""
+        packed = np.concatenate([motion.relative, motion.pelvis[:, None]], axis=1)
+        with replacing(place) as draft, draft.open("wb") as file:
+            np.save(file, packed.astype(np.float32))
+
+    def forget_others(self, used: Collection[Path]) -> None:
+        """Remove what is kept but no longer `used`."""
+        if not self.folder.is_dir():
+            return
+        for path in self.folder.glob(f"*{_SUFFIX}"):
+            if path not in used:
+                path.unlink(missing_ok=True)
+
+
+def _unpacked(packed: NDArray[np.float32]) -> JointMotion:
+    values = packed.astype(np.float64)
+    return JointMotion(relative=values[:, :JOINT_COUNT], pelvis=values[:, JOINT_COUNT])

@@ -1,0 +1,148 @@
+"""Named presets: which metrics a paper reports, each computed as that paper computed it.
+
+Metrics of embeddings (Fréchet distances, feature variance) are not among them: they need a feature
+network, and take its embeddings as arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final, TypeVar
+
+from analysis.metrics import beat_alignment, correct_motion
+from analysis.metrics.absolute_error import MAJE, PointSettings
+from analysis.metrics.acceleration_error import MACE_POSES
+from analysis.metrics.beat_alignment import BeatSettings
+from analysis.metrics.correct_motion import CorrectSettings
+from analysis.metrics.jerk import GENEA, HANDS, HANDS_UNFILTERED, JerkSettings
+from analysis.metrics.velocity_error import Norm
+from motion.errors import InputError
+
+_Settings = TypeVar("_Settings")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preset:
+    """Metrics to compute, with their settings.
+
+    Attributes
+    ----------
+    beats : tuple of BeatSettings
+        Beat alignments; they need speech.
+    jerks : tuple of JerkSettings
+        Jerks.
+    mean_pose_deviation, pair_distance : bool
+        Diversity within clips, and between clips.
+    foot_sliding : bool
+        Sliding of the feet.
+    correct : tuple of CorrectSettings
+        Percents of correct motion; they need recorded motion, as do all that follow.
+    absolute_errors, acceleration_errors : tuple of PointSettings
+        Errors of joints in a box of one metre.
+    velocity_errors : tuple of {'L1', 'L2'}
+        Velocity errors.
+    """
+
+    beats: tuple[BeatSettings, ...] = ()
+    jerks: tuple[JerkSettings, ...] = ()
+    mean_pose_deviation: bool = False
+    pair_distance: bool = False
+    foot_sliding: bool = False
+    correct: tuple[CorrectSettings, ...] = ()
+    absolute_errors: tuple[PointSettings, ...] = ()
+    acceleration_errors: tuple[PointSettings, ...] = ()
+    velocity_errors: tuple[Norm, ...] = ()
+
+    @property
+    def needs_recorded_spread(self) -> bool:
+        """Whether all recordings must be looked at before the first clip is measured."""
+        return bool(self.absolute_errors or self.acceleration_errors) or any(
+            settings.representation == "normalised rotations" for settings in self.correct
+        )
+
+    @property
+    def needs_rotations(self) -> bool:
+        """Whether rotations are measured besides positions."""
+        return self.needs_recorded_spread or any(
+            settings.representation != "positions" for settings in self.correct
+        )
+
+    def without_recordings(self) -> Preset:
+        """Return what of this can be measured without recorded motion."""
+        return replace(
+            self, correct=(), absolute_errors=(), acceleration_errors=(), velocity_errors=()
+        )
+
+
+REPORT: Final = "report"
+
+PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
+    {
+        REPORT: Preset(
+            beats=beat_alignment.PRESETS,
+            jerks=(HANDS, HANDS_UNFILTERED),
+            mean_pose_deviation=True,
+            pair_distance=True,
+        ),
+        "amuse": Preset(
+            beats=(beat_alignment.AMUSE,),
+            jerks=(HANDS_UNFILTERED,),
+            correct=(correct_motion.AMUSE,),
+        ),
+        "beat": Preset(
+            beats=(beat_alignment.BEAT,),
+            mean_pose_deviation=True,
+            correct=(correct_motion.BEAT,),
+        ),
+        "diffsheg": Preset(
+            beats=(beat_alignment.BEAT,),
+            pair_distance=True,
+            correct=(correct_motion.DIFFSHEG,),
+        ),
+        "genea": Preset(jerks=(GENEA,)),
+        "s2ue": Preset(absolute_errors=(MAJE,), acceleration_errors=(MACE_POSES,)),
+        "talkshow": Preset(beats=(beat_alignment.TALKSHOW,)),
+        "physical": Preset(
+            jerks=(HANDS, HANDS_UNFILTERED), foot_sliding=True, velocity_errors=("L1", "L2")
+        ),
+    }
+)
+"""By name; 'report' is what every report shows, 'physical' what asks for no paper."""
+
+
+def combined(names: Iterable[str]) -> Preset:
+    """Return one preset with the metrics of all that are named, each once.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown.
+    """
+    together = Preset()
+    for name in names:
+        if name not in PRESETS:
+            raise InputError(
+                f"unknown preset {name!r}", remedy=f"Use any of {', '.join(sorted(PRESETS))}"
+            )
+        together = _both(together, PRESETS[name])
+    return together
+
+
+def _both(one: Preset, other: Preset) -> Preset:
+    return Preset(
+        beats=_once(one.beats + other.beats),
+        jerks=_once(one.jerks + other.jerks),
+        mean_pose_deviation=one.mean_pose_deviation or other.mean_pose_deviation,
+        pair_distance=one.pair_distance or other.pair_distance,
+        foot_sliding=one.foot_sliding or other.foot_sliding,
+        correct=_once(one.correct + other.correct),
+        absolute_errors=_once(one.absolute_errors + other.absolute_errors),
+        acceleration_errors=_once(one.acceleration_errors + other.acceleration_errors),
+        velocity_errors=_once(one.velocity_errors + other.velocity_errors),
+    )
+
+
+def _once(settings: tuple[_Settings, ...]) -> tuple[_Settings, ...]:
+    return tuple(dict.fromkeys(settings))
