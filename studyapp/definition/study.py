@@ -158,6 +158,7 @@ class Study(Section, ABC):
                 stimulus=stimulus,
                 values=self.values(question, trial),
                 reasons=question.reason_names,
+                shares_reasons=self.is_ordered,
             )
             for stimulus in (
                 range(1, len(trial.conditions) + 1) if self.asks_each_stimulus else (None,)
@@ -201,6 +202,11 @@ class Study(Section, ABC):
         return False
 
     @property
+    def is_ordered(self) -> bool:
+        """Whether the answers to a question are ranks, which only together say something."""
+        return False
+
+    @property
     def follows_votes(self) -> bool:
         """Whether what is shown depends on what was answered before."""
         return False
@@ -239,6 +245,13 @@ class Study(Section, ABC):
     def has_recording(self) -> bool:
         """Whether real recorded motion takes part."""
         return GROUND_TRUTH in self.conditions
+
+    @property
+    def only_generated(self) -> bool:
+        """Whether generators make all motion: of files and videos nobody knows what they show."""
+        return not self.has_recording and all(
+            condition.generator is not None for condition in self.conditions.values()
+        )
 
     def is_finished(self, condition: str) -> bool:
         """Tell whether finished videos of `condition` are brought, so that it has no motion."""

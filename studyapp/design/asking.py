@@ -26,12 +26,15 @@ class Ask:
         What may be answered.
     reasons : tuple of str
         Names of the reasons that may be ticked beside the answer.
+    shares_reasons : bool
+        Whether they are ticked once for all answers to the question, as beside an order.
     """
 
     question: str
     stimulus: int | None = None
     values: Sequence[int]
     reasons: tuple[str, ...] = ()
+    shares_reasons: bool = False
 
     @property
     def key(self) -> AnswerKey:
@@ -46,7 +49,7 @@ class Ask:
     @property
     def reasons_field(self) -> str:
         """Name of the check boxes with reasons."""
-        return f"{self.field}:reasons"
+        return f"{self.question if self.shares_reasons else self.field}:reasons"
 
 
 class Trial(Protocol):

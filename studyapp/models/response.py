@@ -33,7 +33,8 @@ class Response(Base):
         What it means is the question's: a preference from -2, clearly A, to 2, clearly B; a
         label from 1 to 5; a slider from 0 to 100; a rank from 1.
     reasons : list of str
-        Names of the reasons ticked beside it.
+        Names of the reasons ticked beside it; beside each rank of an order, those ticked once for
+        all of it.
     """
 
     __tablename__ = "responses"

@@ -52,16 +52,8 @@ def judge(study: Study, rater: Rater, trial: SeenTrial) -> Judgement:
         values = {ask.key: rater.rate(trial, ask) for ask in asks}
     else:
         values = {ask.key: rater.prefer(trial, ask) for ask in asks}
-    reasons = {ask.key: rater.reasons(trial, ask) for ask in _reasoned(study, asks)}
+    reasons = {ask.key: rater.reasons(trial, ask) for ask in asks if ask.reasons}
     return Judgement(asks=asks, values=values, reasons=reasons)
-
-
-def _reasoned(study: Study, asks: tuple[Ask, ...]) -> list[Ask]:
-    """Return the asks beside which the page offers reasons: once for a whole ranking."""
-    offered = [ask for ask in asks if ask.reasons]
-    if not isinstance(study, RankingStudy):
-        return offered
-    return [ask for ask in offered if ask.stimulus == 1]
 
 
 def _ranked(

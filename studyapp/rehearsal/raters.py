@@ -121,8 +121,8 @@ class Rater:
         return ranks(felt, tie_within=self.population.weak if ties else None)
 
     def reasons(self, trial: SeenTrial, ask: Ask) -> tuple[str, ...]:
-        """Return the reasons it ticks beside an answer."""
-        draws = stream(self.seed, "reasons", self.name, trial.position, ask.field)
+        """Return the reasons it ticks beside an answer, or once for all that share them."""
+        draws = stream(self.seed, "reasons", self.name, trial.position, ask.reasons_field)
         ticked = draws.random(len(ask.reasons)) < self.population.reasons
         return tuple(name for name, tick in zip(ask.reasons, ticked, strict=True) if tick)
 

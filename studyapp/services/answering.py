@@ -33,7 +33,7 @@ def answer(
         The trial that was answered.
     fields : mapping of field name to texts
         As the form sent them: one whole number for each `Ask.field` of the trial, and the
-        names of any reasons ticked under its `Ask.reasons_field`.
+        names of any reasons ticked under their `Ask.reasons_field`.
 
     Raises
     ------

@@ -64,7 +64,8 @@ def responses_table(database: Database, *, withdrawn: bool = False) -> pd.DataFr
     `comparison` names the pair: `reference` is the one the study puts first. Of a catch trial,
     `other` is the visibly flawed condition and `reference` the one it is shown beside. These
     columns are empty for other trials. An answer about one stimulus names it in `stimulus` (its
-    number), `condition` and `speech`, which are empty for answers about the whole trial.
+    number), `condition` and `speech`, which are empty for answers about the whole trial. The
+    `reasons` ticked for an order stand beside each of its ranks.
 
     Returns
     -------

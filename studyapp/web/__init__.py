@@ -7,12 +7,12 @@ participant. What programs may rely on:
 ==============================  ================================================================
 ``GET /``                       the first page: eligibility where the study asks for it, whose
                                 form posts to ``/consent`` and leads to the consent page, or
-                                back to a study session already begun; else consent at once. The consent form posts to ``/`` and leads to
-                                ``/take/<token>``. Both forms carry ``visit`` and, where the
-                                recruiter gave them in the address, ``PROLIFIC_PID``,
-                                ``STUDY_ID`` and ``SESSION_ID``; questions about the participant
-                                are fields ``form:<question>``, and the consent form carries
-                                those of eligibility unseen.
+                                back to a study session already begun; else consent at once. The
+                                consent form posts to ``/`` and leads to ``/take/<token>``. Both
+                                forms carry ``visit`` and, where the recruiter gave them in the
+                                address, ``PROLIFIC_PID``, ``STUDY_ID`` and ``SESSION_ID``;
+                                questions about the participant are fields ``form:<question>``,
+                                and the consent form carries those of eligibility unseen.
 ``GET /take/<token>``           where the participant stands: sound check, questions,
                                 instructions, a trial, a break, the end.
 ``POST /take/<token>/sound-check``  the form ``<form id="sound-check">``: ``digits`` as they are
@@ -26,7 +26,8 @@ participant. What programs may rely on:
                                 for each question one radio group of its name, values -2 (clearly
                                 A) to 2 (clearly B); an answer about one video is named
                                 ``<question>:<number>``, reasons ticked beside an answer
-                                ``<its name>:reasons``. The same answers may be sent twice.
+                                ``<its name>:reasons``, for an order ``<question>:reasons``.
+                                The same answers may be sent twice.
 ``POST /take/<token>/unplayable``  the form ``<form id="unplayable">``: ``trial``, and ``video``,
                                 one of the tokens that its buttons send; a trial of one video
                                 needs none.

@@ -156,6 +156,11 @@ class RankingStudy(Study):
         """Every motion gets a rank."""
         return True
 
+    @property
+    def is_ordered(self) -> bool:
+        """The ranks of all motions make one order."""
+        return True
+
     def problem(self, trial: Trial, answers: Answers) -> Message | None:
         """Say on which question the ranks make no order."""
         asked = [question for question in self.questions if question.belongs_to(trial.part)]

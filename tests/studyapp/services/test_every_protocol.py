@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
 from sqlalchemy import select
 
+from studyapp.definition.questions import Reason
 from studyapp.models import Trial
 from studyapp.services.answering import answer
 from studyapp.services.database import Database
@@ -192,7 +194,8 @@ def test_the_reference_comes_first_is_watched_and_not_ranked(arrive: Arrive) -> 
         ({"realism:0": ["1"]}, "does not ask"),
         ({"realism": ["1"]}, "does not ask"),
         ({"realism:2": ["1", "2"]}, "not one of the choices"),
-        ({"realism:1:reasons": ["face"]}, "reason was ticked"),
+        ({"realism:reasons": ["face"]}, "reason was ticked"),
+        ({"realism:1:reasons": ["face"]}, "does not ask"),
     ],
 )
 def test_a_ranking_that_is_none_is_refused(
@@ -204,6 +207,29 @@ def test_a_ranking_that_is_none_is_refused(
     with pytest.raises(UnacceptableError, match=said):
         send(participant, shown, some_answers(shown) | changes)
     assert exported(participant).empty
+
+
+def test_reasons_of_an_order_are_ticked_once_and_stand_beside_each_of_its_ranks(
+    arrive: Arrive,
+) -> None:
+    participant = arrive("ranking")
+    reason = Reason(name="hands", text="the hands")
+    study = participant.served.study
+    asked = tuple(q.model_copy(update={"reasons": (reason,)}) for q in study.questions)
+    participant.served = replace(
+        participant.served, study=study.model_copy(update={"questions": asked})
+    )
+    shown = watch_all(participant)
+    fields = some_answers(shown) | {"realism:reasons": ["hands"]}
+
+    send(participant, shown, fields)
+    send(participant, shown, fields)
+
+    table = exported(participant)
+    assert set(table["question"]) == {"realism"}
+    assert table["reasons"].tolist() == ["hands"] * len(shown.asks)
+    with pytest.raises(ConflictError):
+        send(participant, shown, some_answers(shown))
 
 
 def test_one_video_of_several_does_not_open_the_answers(arrive: Arrive) -> None:

@@ -317,13 +317,29 @@ def instructions(folder: Path) -> str:
     return re.sub(r"\s+", " ", text)
 
 
+GENERATED = (
+    ("[conditions.rule_based]", '[conditions.rule_based]\ngenerator = "rule_based"'),
+    (
+        "[conditions.mismatched]",
+        '[conditions.mismatched]\ngenerator = "mismatched"\nsource = "rule_based"',
+    ),
+)
+
+
 def test_instructions_say_that_no_motion_is_recorded(tiny_study: Path) -> None:
+    rewrite(tiny_study, *GENERATED)
     text = instructions(tiny_study)
 
     assert "made by a computer" in text
     assert "Judge the gestures, not the face" in text
     assert "kept still" not in text
     assert "practice" not in text
+
+
+def test_of_motion_that_is_brought_nobody_says_who_made_it(tiny_study: Path) -> None:
+    rewrite(tiny_study, GENERATED[0])
+
+    assert "made by a computer" not in instructions(tiny_study)
 
 
 def test_instructions_follow_the_study(tiny_study: Path) -> None:

@@ -96,9 +96,12 @@ def test_every_question_has_a_field_of_its_own_and_a_choice(design: Any) -> None
 
     for trial in plan:
         asks = study.asks(trial)
-        fields = [name for ask in asks for name in (ask.field, ask.reasons_field)]
+        shared = {(ask.question, ask.reasons_field) for ask in asks if ask.shares_reasons}
+        own = [ask.reasons_field for ask in asks if not ask.shares_reasons]
+        fields = [*(ask.field for ask in asks), *own, *(field for _, field in shared)]
         assert asks
         assert len(set(fields)) == len(fields)
+        assert len(shared) == len({question for question, _ in shared})
         assert all(len(ask.values) > 1 for ask in asks)
 
 
