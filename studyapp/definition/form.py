@@ -25,7 +25,7 @@ class FormQuestion(Section):
     Attributes
     ----------
     kind : {'text', 'choice', 'number', 'scale'}
-        A line to write, one of `choices`, a number from `low` to `high`, or a step of a scale
+        Something to write, one of `choices`, a number from `low` to `high`, or a step of a scale
         from `low` to `high` with `choices` at its two ends.
     choices : tuple of str
         See `kind`.
@@ -89,19 +89,32 @@ class FormQuestion(Section):
         if not answer.strip():
             missing = Message("Question {number} is not answered yet.", number=number)
             return missing if self.required else None
-        match self.kind:
-            case "text":
-                fits = len(answer) <= LONGEST_TEXT
-            case "choice":
-                fits = answer in self.choices
-            case _:
-                whole = re.fullmatch(r"-?[0-9]{1,9}", answer) is not None
-                fits = whole and self.low <= int(answer) <= self.high
-        if fits:
+        if self.kind == "text":
+            if len(answer) <= LONGEST_TEXT:
+                return None
+            return Message(
+                "The answer to question {number} is longer than {most} characters.",
+                number=number,
+                most=LONGEST_TEXT,
+            )
+        if self.kind == "number":
+            if _is_whole(answer) and self.low <= int(answer) <= self.high:
+                return None
+            return Message(
+                "Question {number} needs a whole number from {low} to {high}.",
+                number=number,
+                low=self.low,
+                high=self.high,
+            )
+        if answer in self.offered:
             return None
         return Message(
             "Question {number} has an answer that is not one of those offered.", number=number
         )
+
+
+def _is_whole(answer: str) -> bool:
+    return re.fullmatch(r"-?[0-9]{1,9}", answer) is not None
 
 
 class Form(Section):

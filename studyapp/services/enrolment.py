@@ -21,6 +21,7 @@ from studyapp.services.form_answers import entrance_answers
 from studyapp.services.places import least_filled, release_stale, take_allocation_turn
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.sound_check import left_unheard
 from studyapp.services.versions import present_version
 from studyapp.services.votes import votes_so_far
 
@@ -68,7 +69,8 @@ class Arrival:
 def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str:
     """Give the arriving participant a study session and return its token.
 
-    Whoever has one already gets that one back, whatever its state.
+    Whoever has one already gets that one back, whatever its state. Only who left at the sound
+    check begins anew: they had seen nothing yet.
 
     Raises
     ------
@@ -82,15 +84,16 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
 
 
 def enrolled(database: Database, arrival: Arrival) -> str | None:
-    """Return the token of the arriving participant's study session, None if there is none yet."""
+    """Return the token of the study session that the arriving participant comes back to, if any."""
     with database.reading() as session:
-        return session.scalars(select(StudySession.token).where(_is_same(arrival))).first()
+        known = session.scalars(select(StudySession).where(_is_same(arrival))).first()
+        return None if known is None or left_unheard(known) else known.token
 
 
 def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str:
     take_allocation_turn(session)
     known = session.scalars(select(StudySession).where(_is_same(arrival))).first()
-    if known is not None:
+    if known is not None and not left_unheard(known):
         return known.token
     if not served.study.open:
         raise StudyFullError(
@@ -106,6 +109,9 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
             "Thank you for your interest. A place may open again: you can try later with the "
             "same link.",
         )
+    if known is not None:
+        session.delete(known)
+        session.flush()  # no two study sessions may have the same name
     study_session = StudySession(
         token=secrets.token_urlsafe(TOKEN_BYTES),
         visit=arrival.visit,

@@ -130,9 +130,24 @@ def _answers(
 
 
 def _check_answers(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
-    for number, question in enumerate(study.form.asked(stage), start=1):
-        problem = question.problem(fields.get(question.name, "").strip(), number)
-        if problem is not None:
-            raise UnacceptableError(
-                "{problem}", "The other answers you gave are kept.", problem=problem
-            )
+    asked = enumerate(study.form.asked(stage), start=1)
+    given = {number: (q, fields.get(q.name, "").strip()) for number, q in asked}
+    problems = {number: q.problem(answer, number) for number, (q, answer) in given.items()}
+    wrong = {number: problem for number, problem in problems.items() if problem is not None}
+    if len(wrong) == 1:
+        (problem,) = wrong.values()
+        raise UnacceptableError(
+            "{problem}", "The other answers you gave are kept.", problem=problem
+        )
+    if wrong and not any(given[number][1] for number in wrong):
+        raise UnacceptableError(
+            "Questions {numbers} are not answered yet.",
+            "The other answers you gave are kept.",
+            numbers=tuple(wrong),
+        )
+    if wrong:
+        raise UnacceptableError(
+            "Questions {numbers} have no answer yet, or one that cannot be accepted.",
+            "The other answers you gave are kept.",
+            numbers=tuple(wrong),
+        )

@@ -44,7 +44,7 @@ def problems_of(stage: Stage, given: Mapping[str, str]) -> dict[str, str]:
 def form_fields() -> dict[str, str]:
     """Return the answers about the participant that were sent, under their questions' names."""
     return {
-        name.removeprefix(FORM_FIELD): value
+        name.removeprefix(FORM_FIELD): value.replace("\r\n", "\n")  # as the browser counts it
         for name, value in request.form.items()
         if name.startswith(FORM_FIELD)
     }

@@ -10,6 +10,7 @@ from jinja2 import StrictUndefined
 
 from motion.errors import InputError
 from studyapp.clock import Clock
+from studyapp.definition.form import LONGEST_TEXT
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
@@ -71,7 +72,7 @@ def create_app(
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
     app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
     app.jinja_env.undefined = StrictUndefined
-    app.jinja_env.globals["window_name"] = window_name
+    app.jinja_env.globals.update(window_name=window_name, longest_text=LONGEST_TEXT)
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
     here = Running(
         served=served,

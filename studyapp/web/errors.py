@@ -48,11 +48,23 @@ WORDS: Final = {
         Message("That was too much to send at once."),
         Message("Please go back and try again."),
     ),
+    416: (
+        Message("The video has no such part."),
+        Message("Please reload the page; nothing you answered is lost."),
+    ),
 }
-OTHER_WORDS: Final = (
+NOT_UNDERSTOOD: Final = (
+    Message("Your browser's request could not be understood."),
+    Message("Please go back and try again; what you answered before is stored."),
+)
+"""Of every other request that is at fault itself."""
+
+OUR_FAULT: Final = (
     Message("Something went wrong on our side."),
     Message("What you answered before is stored. Please wait a moment and try again."),
 )
+
+FIRST_FAULT_OF_OURS: Final = 500
 
 
 def wants_json() -> bool:
@@ -75,12 +87,13 @@ def register_error_pages(app: Flask) -> None:
         cause = error.orig if isinstance(error, OperationalError) else error
         words = (str(cause).splitlines() or [""])[0]
         app.logger.error("The database cannot be used: %s (%s)", words, type(cause).__name__)
-        return _page(OTHER_WORDS, 503)
+        return _page(OUR_FAULT, 503)
 
     @app.errorhandler(HTTPException)
     def fail(error: HTTPException) -> ResponseReturnValue:
-        status = error.code or 500
-        return _page(WORDS.get(status, OTHER_WORDS), status)
+        status = error.code or FIRST_FAULT_OF_OURS
+        others = OUR_FAULT if status >= FIRST_FAULT_OF_OURS else NOT_UNDERSTOOD
+        return _page(WORDS.get(status, others), status)
 
 
 def note(refusal: RefusalError) -> None:

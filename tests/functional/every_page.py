@@ -111,7 +111,7 @@ def fill(page: Page, app: Flask) -> None:
         if choices.count():
             choices.first.check()
         else:
-            field.locator("input").fill("30")
+            field.locator("input, textarea").fill("30")
     if page.locator("#digits").count():
         page.locator("#digits").fill(spoken_digits(page, app))
 

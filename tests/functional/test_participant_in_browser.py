@@ -205,7 +205,7 @@ def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, ad
 
     page.reload()
 
-    expect(page.locator("#watched")).to_have_text("Watched: still 1 s")
+    expect(page.locator("#watched")).to_have_text("Still to watch: 1 s")
 
 
 def test_the_back_button_is_harmless(page: Page, address: str, database: Database) -> None:
@@ -280,7 +280,7 @@ def test_skipping_to_the_end_does_not_count(page: Page, address: str) -> None:
     page.get_by_role("button", name="Play both").click()
     wait_for_video(page, "ended")
 
-    expect(page.locator("#watched")).to_have_text("Watched: still 2 s")
+    expect(page.locator("#watched")).to_have_text("Still to watch: 2 s")
 
 
 def test_playing_without_sound_does_not_count_and_says_so(page: Page, address: str) -> None:

@@ -1,11 +1,10 @@
 // Cards that are put in order by clicks, by dragging, or by keys. The menus beside them hold the
 // answer; they can be used instead, and work alone where there is no script.
 
+import { addDragging } from "./dragging.js";
 import { freeRanks, gap, isOrder, placed, twice } from "./order.js";
 import { recall, remember } from "./storage.js";
 import { listed, say } from "./words.js";
-
-const DRAGGED_FROM = 5; // pixels that a press has moved
 
 function made(tag, name) {
   const element = document.createElement(tag);
@@ -134,54 +133,6 @@ class Ranking {
     if (ranks.includes(0) || gap(ranks) === undefined) return "";
     return say("No video is {place}: please leave no rank out.", { place: this.words[gap(ranks)] });
   }
-}
-
-// A press that moves carries the card with it; one that does not is a click.
-function addDragging(card, { over, drop, click }) {
-  let start = null;
-  let carried = false;
-  let target = null;
-
-  function aim(place) {
-    target?.classList.remove("target");
-    target = place;
-    target?.classList.add("target");
-  }
-
-  function settle() {
-    aim(null);
-    start = null;
-    card.classList.remove("carried");
-    card.style.transform = "";
-  }
-
-  card.addEventListener("pointerdown", (event) => {
-    if (event.button) return;
-    start = { x: event.clientX, y: event.clientY };
-    carried = false;
-    card.setPointerCapture(event.pointerId);
-  });
-  card.addEventListener("pointermove", (event) => {
-    if (!start) return;
-    const [x, y] = [event.clientX - start.x, event.clientY - start.y];
-    if (!carried && Math.hypot(x, y) < DRAGGED_FROM) return;
-    carried = true;
-    card.classList.add("carried");
-    card.style.transform = `translate(${x}px, ${y}px)`;
-    aim(over(event.clientX, event.clientY));
-  });
-  card.addEventListener("pointerup", () => {
-    const place = carried && start ? target : null;
-    settle();
-    if (place) drop(place);
-  });
-  card.addEventListener("pointercancel", settle);
-  card.addEventListener("keydown", (event) => event.key === "Escape" && settle());
-  card.addEventListener("click", (event) => {
-    // The click that ends a drag; one by a key has no detail.
-    if (carried && event.detail) carried = false;
-    else click();
-  });
 }
 
 // All rankings of a page, as cards or as menus: what was chosen holds for the pages to come.

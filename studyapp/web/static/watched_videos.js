@@ -1,7 +1,9 @@
 // The watch evidence of all videos of a trial, and what of them is still missing in words.
 
 import { WatchEvidence } from "./watch_evidence.js";
-import { listed, say } from "./words.js";
+import { listed, say, sayCount } from "./words.js";
+
+const LISTED = 3; // more of them are counted
 
 export class WatchedVideos extends EventTarget {
   constructor(videos, stalls) {
@@ -27,6 +29,7 @@ export class WatchedVideos extends EventTarget {
     const labels = this.unwatched.map(({ label }) => label);
     if (!labels.length) return "";
     if (!labels[0]) return say("play the pair to the end");
+    if (labels.length > LISTED) return sayCount("watch {count} video", "watch {count} videos", labels.length);
     return say("watch {videos}", { videos: listed(labels) });
   }
 
@@ -41,12 +44,8 @@ export class WatchedVideos extends EventTarget {
 
   get words() {
     if (this.why) return this.why;
-    const [first] = this.each;
-    if (!first.label) {
-      if (first.missing <= 0) return say("Watched ✓");
-      return say("Watched: still {seconds} s", { seconds: Math.ceil(first.missing) });
-    }
-    return say("Watched: {videos}", { videos: this.each.map(state).join(" · ") });
+    if (!this.unwatched.length) return say("Watched ✓");
+    return say("Still to watch: {videos}", { videos: this.unwatched.map(rest).join(" · ") });
   }
 
   async report() {
@@ -54,7 +53,7 @@ export class WatchedVideos extends EventTarget {
   }
 }
 
-function state({ label, missing }) {
-  if (missing <= 0) return `${label} ✓`;
-  return say("{video} – still {seconds} s", { video: label, seconds: Math.ceil(missing) });
+function rest({ label, missing }) {
+  const seconds = Math.ceil(missing);
+  return label ? say("{video} {seconds} s", { video: label, seconds }) : say("{seconds} s", { seconds });
 }

@@ -131,8 +131,19 @@ def test_the_same_answers_twice_are_stored_once_and_others_are_refused(
 def test_an_answer_that_cannot_be_one_stores_nothing(asking: Participant) -> None:
     come(asking, **ADULT)
 
-    with pytest.raises(UnacceptableError, match="Question 1 has an answer"):
+    with pytest.raises(UnacceptableError, match="Question 1 needs a whole number from 18 to 120"):
         tell(asking, "demographics", {"age": "17"})
+    assert asking.look().form == "demographics"
+
+
+def test_every_question_that_needs_another_answer_is_named(asking: Participant) -> None:
+    come(asking, **ADULT)
+    too_long = "x" * 2001
+
+    with pytest.raises(UnacceptableError, match="Questions 1 and 2 have no answer yet, or one"):
+        tell(asking, "demographics", {"age": "", "work": too_long})
+    with pytest.raises(UnacceptableError, match="to question 2 is longer than 2000 characters"):
+        tell(asking, "demographics", {"age": "31", "work": too_long})
     assert asking.look().form == "demographics"
 
 

@@ -10,9 +10,15 @@ from studyapp.definition.study import Study
 from studyapp.design.stimulus import Stimulus
 from studyapp.models import StudySession
 from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.enrolment import Arrival, enrol, enrolled
+from studyapp.services.export import study_sessions_table
 from studyapp.services.form_answers import answer_form
-from studyapp.services.refusal import ConflictError, UnacceptableError
+from studyapp.services.refusal import (
+    ConflictError,
+    StudyFullError,
+    UnacceptableError,
+    UnknownAddressError,
+)
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sound_check import check_sound, digits_to_speak, leave_unheard
 from studyapp.services.versions import open_study
@@ -128,6 +134,69 @@ def test_leaving_is_open_after_three_tries_and_gives_the_place_back(listener: Pa
     assert listener.look().state == "withdrawn"
     assert listener.look().left_unheard
     assert stored(listener).sound_tries == 3
+
+
+def test_who_left_unheard_and_comes_again_begins_anew_as_one_study_session(
+    listener: Participant,
+) -> None:
+    left = listener.token
+    for _ in range(3):
+        hear(listener, wrong(digits(listener)))
+    leave_unheard(listener.database, listener.served, left, listener.clock)
+    assert enrolled(listener.database, Arrival(visit="visit")) is None
+
+    listener.enrol()
+
+    assert listener.token != left
+    assert listener.look().sound_tries == 0
+    assert enrolled(listener.database, Arrival(visit="visit")) == listener.token
+    assert len(study_sessions_table(listener.database)) == 1
+    with pytest.raises(UnknownAddressError):
+        replace(listener, token=left).look()
+
+
+@pytest.mark.parametrize("recruiter", ["left", "other"])
+def test_the_recruiters_name_of_who_left_unheard_may_be_used_again(
+    tiny_study: Path, database: Database, clock: SetClock, recruiter: str
+) -> None:
+    listener = listening(tiny_study, database, clock)
+    names = Arrival(recruiter_participant="left", recruiter_study="study")
+    listener.token = enrol(database, listener.served, names, clock)
+    for _ in range(3):
+        hear(listener, wrong(digits(listener)))
+    leave_unheard(database, listener.served, listener.token, clock)
+
+    again = replace(names, recruiter_participant=recruiter)
+    token = enrol(database, listener.served, again, clock)
+
+    assert token != listener.token
+    assert len(study_sessions_table(database)) == (1 if recruiter == "left" else 2)
+
+
+def test_who_left_unheard_is_told_so_still_when_the_study_is_full_meanwhile(
+    listener: Participant,
+) -> None:
+    for _ in range(3):
+        hear(listener, wrong(digits(listener)))
+    leave_unheard(listener.database, listener.served, listener.token, listener.clock)
+    for number in range(4):
+        enrol(listener.database, listener.served, Arrival(visit=f"v{number}"), listener.clock)
+
+    with pytest.raises(StudyFullError):
+        enrol(listener.database, listener.served, Arrival(visit="visit"), listener.clock)
+
+    assert listener.look().left_unheard
+
+
+def test_who_withdraws_otherwise_at_the_sound_check_does_not_begin_anew(
+    listener: Participant,
+) -> None:
+    hear(listener, wrong(digits(listener)))
+    withdraw(listener.database, listener.token, listener.clock)
+    left = listener.token
+
+    assert enrolled(listener.database, Arrival(visit="visit")) == left
+    assert listener.enrol().token == left
 
 
 def test_who_heard_it_in_the_end_and_withdraws_has_not_left_unheard(

@@ -18,6 +18,7 @@ from tests.studyapp.services.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
+from tests.studyapp.web.walking import Walker
 
 SCALE = """
 [[form.demographics]]
@@ -96,6 +97,25 @@ def test_questions_are_asked_before_the_instructions_and_can_be_corrected(asking
     assert accepted.status_code == 303
     assert stored(asking) == {"adult": "yes", "age": "21", "work": "", "often": "3"}
     assert PageReader(client.get(address or "").text).heading == "What you will do"
+
+
+def test_a_closing_question_has_room_for_several_lines(asking: Flask, clock: SetClock) -> None:
+    with asking.app_context():
+        attach(asking, replace(running(), clock=clock))
+    *_, asked, _ = Walker(asking, clock).pages()
+    assert asked.one("textarea")["name"] == "form:comment"
+    assert stored(asking)["comment"] == "–"
+
+
+def test_lines_are_counted_and_stored_as_the_browser_counts_them(asking: Flask) -> None:
+    _, _, address = at_the_entrance(asking, "yes")
+    client = asking.test_client()
+    page = PageReader(client.get(address or "").text)
+    lines = "x" * 1990 + "\r\n" * 5 + "x" * 5
+
+    client.post(page.action, data={"form:age": "21", "form:work": lines, "form:often": "3"})
+
+    assert stored(asking)["work"] == lines.replace("\r\n", "\n")
 
 
 @pytest.fixture

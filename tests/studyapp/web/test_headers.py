@@ -4,7 +4,8 @@ import re
 from pathlib import Path
 
 import pytest
-from flask import Flask
+from flask import Flask, abort
+from werkzeug.exceptions import default_exceptions
 
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import Visitor
@@ -61,6 +62,19 @@ def test_a_request_that_is_too_large_is_refused(app: Flask) -> None:
 
     assert answer.status_code == 413
     assert "too much" in answer.text
+
+
+@pytest.mark.parametrize("status", sorted(default_exceptions))
+def test_only_a_failure_of_ours_is_called_ours(app: Flask, status: int) -> None:
+    @app.get("/fails")
+    def fails() -> str:
+        abort(status)
+
+    answer = app.test_client().get("/fails")
+
+    assert answer.status_code == status
+    assert ("went wrong on our side" in answer.text) == (status >= 500)
+    assert re.search(r"(is|are) stored|is lost|[Gg]o back", answer.text)
 
 
 def test_a_failure_of_ours_is_a_friendly_page_and_logged_without_the_address(

@@ -80,13 +80,15 @@ def filled(page: PageReader) -> dict[str, str]:
     """Return acceptable answers to the form of `page`: the first choice of everything."""
     form = page.soup.select_one("form#answers") or page.one("main form[method=post]")
     answers: dict[str, str] = {}
-    for field in form.select("input[name], select[name]"):
+    for field in form.select("input[name], select[name], textarea[name]"):
         if field.get("type") != "checkbox":
             answers.setdefault(str(field["name"]), _value(field))
     return answers
 
 
 def _value(field: Tag) -> str:
+    if field.name == "textarea":
+        return "–"
     match field.get("type"):
         case "number":
             return str(field["min"])
