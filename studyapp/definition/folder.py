@@ -65,6 +65,16 @@ class StudyFolder:
         """Folder of figures for a paper; they name conditions and are never served."""
         return self.root / "figures"
 
+    @property
+    def joint_positions(self) -> Path:
+        """Folder in which metrics keep what they computed; it may be removed at any time."""
+        return self.root / ".joint-positions"
+
+    @property
+    def metrics(self) -> Path:
+        """Automatic metrics, by condition and by clip."""
+        return self.root / "metrics.parquet"
+
     def clip(self, condition: str, segment: str) -> Path:
         """Return the motion clip of `condition` for `segment`."""
         return self.root / "motion" / condition / f"{segment}.npz"

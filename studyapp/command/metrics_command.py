@@ -1,0 +1,142 @@
+"""`motionjury metrics`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import click
+
+from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from analysis.metrics.presets import PRESETS
+from analysis.metrics.score_tables import check_ending, write_scores
+from motion.errors import InputError
+from studyapp.command.arguments import optional_study_folder
+from studyapp.command.arguments import processes as processes_option
+from studyapp.command.progress import progress
+from studyapp.definition.folder import StudyFolder
+from studyapp.stages.measuring import measure_folders, measure_study
+
+_NAMED: Final = 10
+"""Files that could not be used are named up to this many; the rest are counted."""
+
+_folder = click.Path(path_type=Path, file_okay=False)
+
+
+@click.command("metrics")
+@optional_study_folder
+@click.option("--generated", type=_folder, help="Motion files, or a folder of them per condition.")
+@click.option("--reference", type=_folder, help="Recorded motion of the same speech.")
+@click.option("--speech", type=_folder, help="Recordings named as the motion files are.")
+@click.option(
+    "--preset",
+    "presets",
+    type=click.Choice(sorted(PRESETS)),
+    multiple=True,
+    help="Which metrics, computed as which paper does; may be repeated. All by default.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Where scores go, those of every clip too: .csv, .json or .parquet. By default "
+    "metrics.parquet in the study folder.",
+)
+@click.option(
+    "--cache",
+    type=_folder,
+    help="With --generated: keep joint positions here for the next run. A study keeps its own.",
+)
+@processes_option
+def command(
+    folder: StudyFolder | None,
+    generated: Path | None,
+    reference: Path | None,
+    speech: Path | None,
+    presets: tuple[str, ...],
+    out: Path | None,
+    cache: Path | None,
+    processes: int,
+) -> None:
+    """Compute automatic metrics of the study FOLDER, or of motion files without any study.
+
+    Metrics that compare with recorded motion need the condition ground_truth, or --reference;
+    beat alignment needs the study's speech, or --speech.
+    """
+    if (folder is None) == (generated is None):
+        raise InputError(
+            "metrics are computed of a study or of folders, not of both or neither",
+            remedy="Give a study folder, or --generated with a folder of motion files",
+        )
+    if folder is not None and (reference or speech or cache):
+        raise InputError(
+            "a study has its own reference, speech and joint positions",
+            remedy="Leave out --reference, --speech and --cache, or give --generated",
+        )
+    target = out if folder is None else out or folder.metrics
+    if target is not None:
+        check_ending(target)
+    wanted = presets or tuple(PRESETS)
+    with progress("metrics", "segment") as show:
+        if folder is not None:
+            metrics = measure_study(folder, presets=wanted, processes=processes, on_progress=show)
+        elif generated is not None:
+            metrics = measure_folders(
+                generated,
+                reference,
+                speech,
+                presets=wanted,
+                processes=processes,
+                cache=cache,
+                on_progress=show,
+            )
+    click.echo(_table(metrics.conditions))
+    _say_what_is_missing(metrics)
+    if target is not None:
+        write_scores(metrics, target)
+        click.echo(f"Wrote {len(metrics.clips)} scores of clips to {target}")
+    if not metrics.clips:
+        raise InputError(
+            "no motion file could be measured", remedy="Mend what is named above and run it again"
+        )
+
+
+def _table(scores: Sequence[ConditionScore]) -> str:
+    """Return a row per metric and a column per condition, mean ± spread between clips."""
+    conditions = list(dict.fromkeys(score.condition for score in scores))
+    names = list(dict.fromkeys(score.name for score in scores))
+    found = {(score.name, score.condition): score for score in scores}
+    rows = [["metric", *conditions, "better"]]
+    for name in names:
+        of_name = [found.get((name, condition)) for condition in conditions]
+        first = next(score for score in of_name if score is not None)
+        unit = f", {first.unit}" if first.unit else ""
+        better = "" if first.better == "unsaid" else first.better
+        rows.append([f"{name}{unit}", *map(_value, of_name), better])
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = (
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        for row in rows
+    )
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _value(score: ConditionScore | None) -> str:
+    if score is None or math.isnan(score.value):
+        return "–"
+    spread = "" if math.isnan(score.spread) else f" ± {score.spread:.2g}"
+    return f"{score.value:.4g}{spread}"
+
+
+def _say_what_is_missing(metrics: StudyMetrics) -> None:
+    """Say why scores are missing, and which files were left out."""
+    for score in metrics.conditions:
+        if score.reason:
+            click.echo(f"{score.condition}, {score.name}: {score.reason}", err=True)
+    for file in metrics.skipped[:_NAMED]:
+        click.echo(f"skipped: {file.error()}", err=True)
+    if metrics.skipped:
+        count = len(metrics.skipped)
+        more = f", {count - _NAMED} of them not named here" if count > _NAMED else ""
+        click.echo(f"{count} {'file' if count == 1 else 'files'} skipped{more}.", err=True)

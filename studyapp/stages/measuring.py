@@ -1,0 +1,187 @@
+"""Automatic metrics of a study, or of folders of motion files without any study."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Final
+
+from analysis.metrics.conditions import StudyMetrics, study_metrics
+from analysis.metrics.joint_motion import JointMotionStore
+from analysis.metrics.segment_scores import Excerpt
+from motion.errors import InputError
+from motion.segments_table import SEGMENTS_FILE, read_segments
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import GROUND_TRUTH
+
+Show = Callable[[int, int], None]
+
+_MOTION: Final = (".npz", ".npy", ".bvh")
+_SPEECH: Final = (".wav", ".flac", ".mp3", ".ogg", ".m4a")
+
+
+def measure_study(
+    folder: StudyFolder,
+    *,
+    presets: Sequence[str],
+    processes: int,
+    on_progress: Show | None = None,
+) -> StudyMetrics:
+    """Measure every condition of a study that has motion files.
+
+    The recordings are those of the condition ``ground_truth``, where the study has it. Joint
+    positions are kept in the study folder, so that the next run reads them.
+
+    Raises
+    ------
+    InputError
+        If the study or its segments cannot be read, or no condition has a motion file.
+    """
+    study = folder.study()
+    segments = tuple(folder.segments())
+    shown = dict.fromkeys((*study.conditions, study.catch.condition))
+    clips = {
+        condition: {
+            segment.name: folder.clip(condition, segment.name)
+            for segment in segments
+            if folder.clip(condition, segment.name).is_file()
+        }
+        for condition in shown
+    }
+    clips = {condition: files for condition, files in clips.items() if files}
+    if not clips:
+        raise InputError(
+            "the study has no motion file",
+            where=folder.root / "motion",
+            remedy="Make motion with 'motionjury generate' or bring it with 'motionjury import'",
+        )
+    return study_metrics(
+        clips,
+        {
+            segment.name: (folder.speech / segment.wav, segment.start, segment.end)
+            for segment in segments
+        },
+        frozen=study.freeze,
+        recorded=clips.get(GROUND_TRUTH),
+        presets=presets,
+        skip_unusable=True,
+        store=JointMotionStore(folder.joint_positions),
+        processes=processes,
+        on_progress=on_progress,
+    )
+
+
+def measure_folders(
+    generated: Path,
+    reference: Path | None,
+    speech: Path | None,
+    *,
+    presets: Sequence[str],
+    processes: int,
+    cache: Path | None = None,
+    on_progress: Show | None = None,
+) -> StudyMetrics:
+    """Measure the motion files of a folder, or of each folder in it, as one condition each.
+
+    Parameters
+    ----------
+    generated : Path
+        ``<segment>.npz`` (or .npy, .bvh), or ``<condition>/<segment>.npz``.
+    reference : Path or None
+        ``<segment>.npz`` with the recorded motion of the same speech; measured too.
+    speech : Path or None
+        ``<segment>.wav``, or a table ``segments.csv`` with the recordings it names.
+    presets, processes, on_progress
+        As for `analysis.metrics.conditions.study_metrics`.
+    cache : Path or None
+        Where joint positions are kept between runs.
+
+    Raises
+    ------
+    InputError
+        If a folder is missing or holds no such file, or two files are of one segment.
+    """
+    clips = _conditions(generated)
+    recorded = _files(reference, _MOTION, "motion") if reference else None
+    if reference is not None and recorded is not None:
+        if reference.resolve().name in clips:
+            raise InputError(
+                f"a generated condition is called {reference.resolve().name!r} as the reference is",
+                where=reference,
+                remedy="Rename one of the folders",
+            )
+        clips = {reference.resolve().name: recorded, **clips}
+        if not set(recorded) & {name for files in clips.values() for name in files}:
+            raise InputError(
+                "no reference has the name of a generated motion",
+                where=reference,
+                remedy="Give files of one speech one name in both folders",
+            )
+    return study_metrics(
+        clips,
+        _speech(speech) if speech is not None else {},
+        recorded=recorded,
+        presets=presets,
+        own_files=False,
+        skip_unusable=True,
+        store=JointMotionStore(cache) if cache is not None else None,
+        processes=processes,
+        on_progress=on_progress,
+    )
+
+
+def _conditions(folder: Path) -> dict[str, dict[str, Path]]:
+    """Return the motion files of `folder`, or of each folder in it, by condition."""
+    _check_folder(folder)
+    inner = sorted(path for path in folder.iterdir() if path.is_dir() and path.name[0] != ".")
+    if not _listed(folder, _MOTION) and any(_listed(path, _MOTION) for path in inner):
+        return {
+            path.name: _files(path, _MOTION, "motion") for path in inner if _listed(path, _MOTION)
+        }
+    return {folder.resolve().name: _files(folder, _MOTION, "motion")}
+
+
+def _files(folder: Path, endings: Sequence[str], what: str) -> dict[str, Path]:
+    """Return the files of `folder` by the name of their segment."""
+    _check_folder(folder)
+    found: dict[str, Path] = {}
+    for path in _listed(folder, endings):
+        if path.stem in found:
+            raise InputError(
+                f"{found[path.stem].name} and {path.name} are of one segment",
+                where=folder,
+                remedy="Keep one of them",
+            )
+        found[path.stem] = path
+    if not found:
+        raise InputError(
+            f"there is no {what} file in the folder",
+            where=folder,
+            remedy=f"Give a folder of files that end in {', '.join(endings)}",
+        )
+    return found
+
+
+def _listed(folder: Path, endings: Sequence[str]) -> list[Path]:
+    return sorted(
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in endings and path.name[0] != "." and path.is_file()
+    )
+
+
+def _speech(folder: Path) -> dict[str, Excerpt]:
+    _check_folder(folder)
+    if (folder / SEGMENTS_FILE).is_file():
+        return {
+            segment.name: (folder / segment.wav, segment.start, segment.end)
+            for segment in read_segments(folder)
+        }
+    files = _files(folder, _SPEECH, "speech")
+    return {segment: (path, 0.0, math.inf) for segment, path in files.items()}
+
+
+def _check_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        raise InputError("there is no such folder", where=folder, remedy="Check the path")
