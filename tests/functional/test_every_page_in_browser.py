@@ -7,13 +7,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from flask import Flask
 from playwright.sync_api import Browser, Page, expect
+from sqlalchemy import update
 
+from studyapp.models import StudySession
+from studyapp.web.running import attach, running
 from tests.functional.browsing import IN_A_BROWSER, LAPTOP, launched, watched_page
 from tests.functional.every_page import fill, shown, spoken_digits, walk
 from tests.functional.shown_studies import NAMES, write_shown_study
@@ -150,6 +155,65 @@ def test_no_page_beside_the_way_has_a_severe_barrier(browser: Browser, tmp_path:
         found["phone"] = barriers(phone)
         phone.close()
 
+    assert {name: each for name, each in found.items() if each} == {}
+
+
+def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
+    """Come to the pages of trouble with places, answers and videos; give the name of each."""
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    page.get_by_role("button", name="Begin").click()
+    expect(page.locator("#answers")).to_be_visible()
+    # As a browser without scripts sends it.
+    page.locator("#answers").evaluate("form => form.submit()")
+    expect(page.locator("#problem")).to_contain_text("not answered yet")
+    yield "trial-problem"
+    page.route("**/media/*", lambda route: route.abort())
+    page.goto(page.url.removesuffix("/answers"))
+    expect(page.locator(".fault").first).to_be_visible()
+    page.locator(".trouble summary").click()
+    yield "trial-fault"
+    first = page.url
+    page.evaluate("sessionStorage.clear()")
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("has all the participants")
+    yield "full"
+    with app.app_context(), running().database.writing() as session:
+        session.execute(
+            update(StudySession).values(last_active_at=datetime(2026, 1, 1, tzinfo=UTC))
+        )
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    expect(page.get_by_role("button", name="Begin")).to_be_visible()
+    page.goto(first)
+    expect(page.get_by_role("heading", level=1)).to_contain_text("taken meanwhile")
+    yield "lapsed"
+    with app.app_context():
+        here = running()
+    closed = here.study.model_copy(update={"open": False})
+    attach(app, replace(here, served=replace(here.served, study=closed)))
+    page.evaluate("sessionStorage.clear()")
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("takes no new participants")
+    yield "closed"
+
+
+def test_no_page_of_trouble_has_a_severe_barrier(browser: Browser, tmp_path: Path) -> None:
+    write_shown_study(tmp_path / "labels", "labels")
+    definition = tmp_path / "labels" / "study.toml"
+    text = definition.read_text("utf-8")
+    definition.write_text(text.replace("participants = 50", "participants = 1"), "utf-8")
+    with shown(tmp_path / "labels") as (address, app):
+        page = browser.new_context(viewport=LAPTOP).new_page()  # type: ignore[arg-type]
+        found = {}
+        for name in in_trouble(page, address, app):
+            photograph(page, f"trouble-{name}")
+            found[name] = barriers(page)
+        page.context.close()
+
+    assert list(found) == ["trial-problem", "trial-fault", "full", "lapsed", "closed"]
     assert {name: each for name, each in found.items() if each} == {}
 
 
