@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-render bench-serve soak soak-render pictures screens clean
+.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-render bench-serve bench-statistics bench-validity soak soak-render pictures screens clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -50,13 +50,21 @@ format: $(VENV)/.installed  ## Format the code.
 
 bench: setup  ## Measure rendering speed and the validity of the statistics.
 	$(BIN)/python -m renderer.benchmark
-	$(BIN)/python -m analysis.validity
+	$(BIN)/python -m analysis.validity --studies 100
 
 bench-adaptive: setup  ## Simulate how much sooner adaptive pairs find an order, and draw it.
 	$(BIN)/python -m studyapp.bench.adaptive_pairs docs/adaptive.png
 
 bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
 	$(BIN)/python -m renderer.benchmark
+
+bench-statistics: setup  ## Measure the statistics beside R's ordinal and choix, which it installs for itself.
+	@scripts/debian-packages r-cran-ordinal || echo "Without R's ordinal, only the rest is compared."
+	@test -d build/choix || $(BIN)/pip install --quiet --no-deps --target build/choix choix==0.4.1
+	OPENBLAS_NUM_THREADS=1 PYTHONPATH=build/choix $(BIN)/python -m analysis.bench.statistics
+
+bench-validity: setup  ## Simulate studies with known truth: false positives, coverage and power of every headline.
+	$(BIN)/python -m analysis.validity
 
 bench-serve: setup setup-database  ## Measure the study's server under simulated participants.
 	$(BIN)/python -m studyapp.bench.serve_benchmark

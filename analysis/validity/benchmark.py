@@ -1,0 +1,231 @@
+"""How the report's numbers fare: ``python -m analysis.validity``.
+
+Simulates studies with known truth and prints, for every headline number and beside the tests of
+papers, how often it finds an effect that is not there, how often its 95 % interval contains the
+truth, and how often it finds an effect that is there, each with its Monte-Carlo error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import re
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from itertools import repeat
+from typing import Final
+
+import numpy as np
+
+from analysis.validity.conclusions import (
+    AGREED_RATINGS,
+    PREFERENCES,
+    RANKINGS,
+    RATINGS,
+    VOTES,
+    Protocol,
+)
+from analysis.validity.realised import Realised, Tally, tally
+from analysis.validity.studies import Design
+
+BLOCK: Final = 20
+"""Studies that one process simulates in a turn."""
+
+EFFECT: Final = 0.4
+"""Of the studies that have one, in logits."""
+
+SPREADS: Final = ((0.0, 0.0), (0.6, 0.0), (0.6, 0.45), (1.0, 0.8))
+"""How much participants and items vary, in logits."""
+
+FEW: Final = (6, 3)
+"""Items of small studies."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment:
+    """A protocol in the designs that it is simulated with.
+
+    Attributes
+    ----------
+    name : str
+        For the table.
+    protocol : Protocol
+        What is simulated and concluded.
+    designs : tuple of Design
+        Without an effect.
+    share : float
+        Of the studies asked for, how many are simulated; those that take long get fewer.
+    """
+
+    name: str
+    protocol: Protocol
+    designs: tuple[Design, ...]
+    share: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One line of the table."""
+
+    experiment: str
+    design: Design
+    number: str
+    naive: bool
+    realised: Realised
+
+
+def _designs(
+    participants: int, items: int, few: Sequence[int], spreads: Sequence[tuple[float, float]]
+) -> tuple[Design, ...]:
+    """Return studies of one size in which answers vary more and more, and some with few items."""
+    crossed = [
+        Design(participants=participants, items=items, effect=0.0, participant_sd=p, item_sd=i)
+        for p, i in spreads
+    ]
+    clustered = Design(participants=25, items=items, effect=0.0, participant_sd=0.6, item_sd=0.45)
+    return (*crossed, *(replace(clustered, items=count) for count in few))
+
+
+EXPERIMENTS: Final = (
+    Experiment(name="pairs", protocol=PREFERENCES, designs=_designs(22, 24, FEW, SPREADS)),
+    Experiment(
+        name="ratings", protocol=RATINGS, designs=_designs(22, 24, FEW[:1], SPREADS), share=0.5
+    ),
+    Experiment(
+        name="ratings, one taste",
+        protocol=AGREED_RATINGS,
+        designs=_designs(22, 24, (), SPREADS[2:3]),
+        share=0.5,
+    ),
+    Experiment(name="votes", protocol=VOTES, designs=_designs(22, 24, FEW[:1], SPREADS)),
+    Experiment(name="rankings", protocol=RANKINGS, designs=_designs(22, 8, FEW[1:], SPREADS)),
+)
+
+
+def measure(
+    experiment: Experiment, *, studies: int, seed: int, pool: Executor | None = None
+) -> list[Row]:
+    """Simulate `studies` studies of each design without an effect and as many with one.
+
+    The result depends on `seed` but not on the number of processes in `pool`.
+    """
+    map_ = pool.map if pool else map
+    count = max(1, round(studies * experiment.share))
+    rows = []
+    for number, design in enumerate(experiment.designs):
+        counted = []
+        for effect in (0.0, EFFECT):
+            made = replace(design, effect=effect)
+            truths = experiment.protocol.truths(made)
+            seeds = np.random.SeedSequence([seed, number, int(effect > 0)]).spawn(count)
+            blocks = [seeds[start : start + BLOCK] for start in range(0, count, BLOCK)]
+            total: dict[str, Tally] = {}
+            for part in map_(
+                _simulated, repeat(experiment.protocol), repeat(made), repeat(truths), blocks
+            ):
+                total = {name: total.get(name, Tally()) + own for name, own in part.items()}
+            counted.append(total)
+        for name, without in counted[0].items():
+            rows.append(
+                Row(
+                    experiment=experiment.name,
+                    design=design,
+                    number=name,
+                    naive=name in experiment.protocol.naive,
+                    realised=Realised.of(without, counted[1][name]),
+                )
+            )
+    return rows
+
+
+def overall(rows: Sequence[Row]) -> str:
+    """Return the verdict on one number over all designs: the worst, and where it was found."""
+    for verdict in ("not a headline", "not a headline (within error)", "conservative"):
+        where = [_described(row.design) for row in rows if row.realised.verdict == verdict]
+        if where:
+            return verdict + (f" at {'; '.join(where)}" if len(where) < len(rows) else "")
+    return "headline"
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Simulate, and print the table, the verdicts and the last lines."""
+    parser = argparse.ArgumentParser(description="Simulate studies with a known truth.")
+    parser.add_argument("--studies", type=int, default=1000, help="of each design and effect")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    parser.add_argument("--only", choices=[e.name for e in EXPERIMENTS], help="one kind of study")
+    asked = parser.parse_args(arguments)
+    began = time.monotonic()
+    rows: list[Row] = []
+    print(f"Effect {EFFECT} logits where there is one; ± is one Monte-Carlo standard error.")
+    print(_HEAD.format(*_COLUMNS))
+    with _processes(asked.processes) as pool:
+        for experiment in EXPERIMENTS:
+            if asked.only in (None, experiment.name):
+                own = measure(experiment, studies=asked.studies, seed=asked.seed, pool=pool)
+                rows += own
+                print("\n".join(map(_line, own)), flush=True)
+    print()
+    numbers: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        numbers.setdefault((row.experiment, row.number), []).append(row)
+    for (name, number), own in numbers.items():
+        naive = " (as papers do)" if own[0].naive else ""
+        print(f"{name}: {number}{naive}: {overall(own)}")
+    print()
+    for (name, number), own in numbers.items():
+        found = [row.realised for row in own]
+        key = re.sub(r"[^a-z0-9]+", "_", f"{name} {number}".lower().replace("'", "")).strip("_")
+        print(f"{key}_most_false_positives: {max(r.false_positives.value for r in found):.3f}")
+        if not np.isnan(found[0].coverage.value):
+            print(f"{key}_least_coverage: {min(r.coverage.value for r in found):.3f}")
+    print(f"studies: {asked.studies}")
+    print(f"seconds: {time.monotonic() - began:.0f}")
+
+
+_COLUMNS: Final = (
+    "study", "people x items, SDs", "number", "false +", "covered", "power", "none", "verdict",
+)  # fmt: skip
+_HEAD: Final = "{:18} {:20} {:40} {:>11} {:>11} {:>11} {:>5}  {}"
+
+
+def _line(row: Row) -> str:
+    found = row.realised
+    shares = [
+        "-" if np.isnan(share.value) else f"{share.value:.3f}±{share.error:.3f}"
+        for share in (found.false_positives, found.coverage, found.power)
+    ]
+    verdict = f"as papers do: {found.verdict}" if row.naive else found.verdict
+    return _HEAD.format(
+        row.experiment, _described(row.design), row.number, *shares, f"{found.silent:.2f}", verdict
+    )
+
+
+def _described(design: Design) -> str:
+    return f"{design.participants} x {design.items}, {design.participant_sd:g}/{design.item_sd:g}"
+
+
+def _simulated(
+    protocol: Protocol,
+    design: Design,
+    truths: Mapping[str, float],
+    seeds: Sequence[np.random.SeedSequence],
+) -> dict[str, Tally]:
+    return tally(protocol, design, truths, map(np.random.default_rng, seeds))
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Executor | None]:
+    """Give processes of one thread each; None for this one alone."""
+    if count < 2:
+        yield None
+        return
+    # New processes, not forks: the number of threads is read when the libraries load.
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(count, mp_context=context) as pool:
+        yield pool
