@@ -255,3 +255,19 @@ def test_a_pair_fits_a_laptop_and_no_page_is_wider_than_a_phone(
             box = video.bounding_box()
             assert box is not None
             assert box["height"] >= 300
+
+
+@pytest.mark.parametrize("language", ["en", "de", "ja"])
+def test_what_is_missing_of_six_videos_stands_on_one_line_beside_next(
+    language: str, browser: Browser, tmp_path: Path
+) -> None:
+    write_shown_study(tmp_path / "ranking", "ranking", language=language)
+    with shown(tmp_path / "ranking") as (address, app), watched_page(browser, address) as page:
+        next(state for state in walk(page, address, app) if state.endswith("trial"))
+        missing, onward = page.locator("#watched"), page.locator("#next")
+        expect(missing).to_contain_text("E")
+        photograph(page, f"ranking-{language}")
+        rows = [place.bounding_box() for place in (missing, onward)]
+
+    beside, button = (row for row in rows if row is not None)
+    assert button["y"] < beside["y"] + beside["height"] / 2 < button["y"] + button["height"]

@@ -53,7 +53,9 @@ export class WatchedVideos extends EventTarget {
   }
 }
 
-function rest({ label, missing }) {
+// Seconds only where they tell something: six of them would need a second line.
+function rest({ label, missing, needed }) {
   const seconds = Math.ceil(missing);
-  return label ? say("{video} {seconds} s", { video: label, seconds }) : say("{seconds} s", { seconds });
+  if (!label) return say("{seconds} s", { seconds });
+  return missing < needed ? say("{video} {seconds} s", { video: label, seconds }) : label;
 }
