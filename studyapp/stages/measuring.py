@@ -105,19 +105,20 @@ def measure_folders(
     clips = _conditions(generated)
     recorded = _files(reference, _MOTION, "motion") if reference else None
     if reference is not None and recorded is not None:
-        if reference.resolve().name in clips:
+        name = reference.resolve().name
+        if name in clips:
             raise InputError(
-                f"a generated condition is called {reference.resolve().name!r} as the reference is",
+                f"a generated condition is called {name!r} as the reference is",
                 where=reference,
                 remedy="Rename one of the folders",
             )
-        clips = {reference.resolve().name: recorded, **clips}
-        if not set(recorded) & {name for files in clips.values() for name in files}:
+        if not any(set(recorded) & set(files) for files in clips.values()):
             raise InputError(
                 "no reference has the name of a generated motion",
                 where=reference,
                 remedy="Give files of one speech one name in both folders",
             )
+        clips = {name: recorded, **clips}
     return study_metrics(
         clips,
         _speech(speech) if speech is not None else {},

@@ -5,7 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from analysis.metrics import segment_scores
 from analysis.metrics.conditions import study_metrics
+from analysis.metrics.joint_motion import JointMotionStore
+from analysis.metrics.presets import PRESETS
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from motion.formats import write_clip
@@ -83,3 +86,131 @@ def test_a_missing_motion_is_named(study, tmp_path):
     clips["static"]["c"] = tmp_path / "nowhere.npz"
     with pytest.raises(InputError, match=r"nowhere\.npz"):
         study_metrics(clips, speech)
+
+
+@pytest.fixture
+def recorded_study(tmp_path, study, waving):
+    """Return a study of which the motion of 'still' is the recording itself."""
+    clips, speech = study
+    recorded = {}
+    for number, segment in enumerate("ab"):
+        recorded[segment] = tmp_path / "recorded" / f"{segment}.npz"
+        write_clip(recorded[segment], waving(amplitude=0.5 + 0.1 * number, frequency=0.8))
+    clips["recorded"] = dict(recorded)
+    clips["copied"] = {}
+    for segment, path in recorded.items():
+        clips["copied"][segment] = tmp_path / "copied" / f"{segment}.npz"
+        clips["copied"][segment].parent.mkdir(exist_ok=True)
+        clips["copied"][segment].write_bytes(path.read_bytes())
+    return clips, speech, recorded
+
+
+ERRORS = {
+    "mean absolute error (MAJE, s2ue)",
+    "mean acceleration error (MAcE-P, s2ue)",
+    "velocity error (L1)",
+    "velocity error (L2)",
+}
+
+
+def test_beside_recordings_a_copy_is_perfect_and_other_motion_is_not(recorded_study):
+    clips, _, recorded = recorded_study
+    metrics = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
+    for name in ERRORS:
+        assert of(metrics, "copied", name).value == 0
+        assert of(metrics, "waving", name).value > 0
+        assert of(metrics, "waving", name).better == "lower"
+    for preset in ("amuse", "beat", "diffsheg"):
+        name = f"percent of correct motion ({preset})"
+        assert of(metrics, "copied", name).value == 1
+        assert of(metrics, "waving", name).value < 1
+        assert "left_wrist" in of(metrics, "copied", name).settings["joints"]
+    assert not {s.name for s in metrics.conditions if s.condition == "recorded"} & ERRORS
+    assert of(metrics, "recorded", "foot sliding").value == 0
+    assert all(s.settings["frame rate"] for s in metrics.conditions)
+
+
+def test_without_recordings_nothing_is_compared_with_them(study):
+    metrics = study_metrics(*study, presets=PRESETS)
+    names = {s.name for s in metrics.conditions}
+    assert not names & ERRORS
+    assert {"jerk (genea)", "foot sliding", "beat alignment (talkshow)"} <= names
+
+
+def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(study, tmp_path):
+    clips, speech = study
+    bad = tmp_path / "waving" / "c.npz"
+    bad.write_bytes(b"PK no archive")
+    clips["waving"]["c"] = bad
+    torn = tmp_path / "static" / "b.npz"
+    torn.write_bytes(torn.read_bytes()[:-200])
+    speech["a"] = (tmp_path / "silent.wav", 0.0, 4.0)
+    metrics = study_metrics(clips, speech, skip_unusable=True)
+    assert sorted(file.where for file in metrics.skipped) == sorted(
+        map(str, (bad, torn, tmp_path / "silent.wav"))
+    )
+    assert of(metrics, "waving", "jerk (hands)").scored == 2
+    assert of(metrics, "static", "jerk (hands)").scored == 1
+    assert of(metrics, "waving", "beat alignment (amuse)").clips == 1
+
+
+def test_nothing_usable_is_no_score_but_a_list_of_files(tmp_path):
+    bad = tmp_path / "a.npz"
+    bad.write_bytes(b"")
+    metrics = study_metrics({"x": {"a": bad}}, {}, skip_unusable=True)
+    assert metrics.conditions == ()
+    assert [file.where for file in metrics.skipped] == [str(bad)]
+
+
+def test_what_is_kept_from_an_earlier_run_changes_no_number(study, tmp_path):
+    store = JointMotionStore(tmp_path / "kept")
+    alone = study_metrics(*study)
+    first = study_metrics(*study, store=store)
+    kept = {path: path.stat().st_mtime_ns for path in store.folder.iterdir()}
+    assert len(kept) == 3  # both motionless clips are the same file
+    second = study_metrics(*study, store=store)
+    assert {path: path.stat().st_mtime_ns for path in store.folder.iterdir()} == kept
+    for other in (first, second):
+        np.testing.assert_equal(
+            [s.result.value for s in alone.clips], [s.result.value for s in other.clips]
+        )
+    study[0].pop("static")
+    study_metrics(*study, store=store)
+    assert len(list(store.folder.iterdir())) == 2
+
+
+def test_clips_of_an_unchanged_store_are_not_read_again(study, tmp_path, monkeypatch):
+    store = JointMotionStore(tmp_path / "kept")
+    study_metrics(*study, store=store)
+    monkeypatch.setattr(segment_scores, "joint_motion", pytest.fail)
+    monkeypatch.setattr(segment_scores, "read_clip", pytest.fail)
+    study_metrics(*study, store=store)
+
+
+@pytest.mark.slow
+def test_several_processes_find_what_one_finds(recorded_study):
+    clips, _, recorded = recorded_study
+    progress = []
+    alone = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
+    together = study_metrics(
+        clips,
+        {},
+        recorded=recorded,
+        presets=PRESETS,
+        processes=2,
+        on_progress=lambda done, total: progress.append((done, total)),
+    )
+    assert progress == [(1, 2), (2, 2)]
+    assert [s.result.name for s in alone.clips] == [s.result.name for s in together.clips]
+    np.testing.assert_equal(
+        [s.result.value for s in alone.clips], [s.result.value for s in together.clips]
+    )
+
+
+def test_clips_of_many_rates_are_compared_at_the_slowest(study, tmp_path, waving):
+    clips, speech = study
+    clips["slow"] = {"a": tmp_path / "slow.npz"}
+    write_clip(clips["slow"]["a"], waving(frame_rate=20.0))
+    metrics = study_metrics(clips, speech)
+    assert metrics.frame_rate == 20.0
+    assert of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"

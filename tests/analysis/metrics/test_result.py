@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 
 import pytest
 
@@ -23,3 +24,21 @@ def test_settings_cannot_be_changed_afterwards():
 def test_an_interval_ends_above_its_start():
     with pytest.raises(ValueError, match="interval"):
         MetricResult(name="m", value=1.0, unit="", n=1, interval=(2.0, 1.0))
+
+
+def test_a_result_travels_to_another_process_as_it_is():
+    result = MetricResult(
+        name="m", value=1.0, unit="m", n=2, settings={"a": "b"}, interval=(0.5, 2.0), remark="few"
+    )
+    found = pickle.loads(pickle.dumps(result))  # noqa: S301
+    assert found == result
+    with pytest.raises(TypeError):
+        found.settings["a"] = "c"
+
+
+def test_results_of_equal_settings_share_them():
+    one, other = (
+        MetricResult(name="m", value=1.0, unit="", n=1, settings={"joints": "wrists"})
+        for _ in range(2)
+    )
+    assert one.settings is other.settings

@@ -1,0 +1,93 @@
+from __future__ import annotations
+
+import json
+import math
+
+import pandas as pd
+import pytest
+
+from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from analysis.metrics.result import MetricResult
+from analysis.metrics.score_tables import COLUMNS, check_ending, score_table, write_scores
+from analysis.metrics.segment_scores import ClipScore, SkippedFile
+from motion.errors import InputError
+
+
+@pytest.fixture
+def metrics():
+    """Return scores of one condition, of which one is missing."""
+    settings = {"joints": "left_wrist, right_wrist"}
+    found = MetricResult(
+        name="jerk", value=1.5, unit="m/s³", n=40, settings=settings, better="near the reference"
+    )
+    missing = MetricResult(name="beat alignment", value=math.nan, unit="", n=0, reason="no beat")
+    return StudyMetrics(
+        frame_rate=30.0,
+        clips=tuple(
+            ClipScore(condition="ours", segment="a", result=result) for result in (found, missing)
+        ),
+        conditions=(
+            ConditionScore(
+                condition="ours",
+                name="jerk",
+                unit="m/s³",
+                value=1.5,
+                spread=math.nan,
+                scored=1,
+                clips=1,
+                settings=settings,
+                reason="",
+            ),
+        ),
+        skipped=(SkippedFile(what="damaged", where="b.npz", remedy="Copy it again"),),
+    )
+
+
+def test_conditions_come_first_and_have_no_segment(metrics):
+    table = score_table(metrics)
+    assert tuple(table.columns) == COLUMNS
+    assert table["segment"].tolist() == ["", "a", "a"]
+    assert table["clips"].isna().tolist() == [False, True, True]
+    assert table["n"].isna().tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_tables_are_read_back_as_they_were(metrics, tmp_path, ending):
+    path = tmp_path / f"scores.{ending}"
+    write_scores(metrics, path)
+    read = {"csv": pd.read_csv, "parquet": pd.read_parquet}[ending](path)
+    assert read["value"].tolist()[:2] == [1.5, 1.5]
+    assert math.isnan(read["value"][2])
+    assert read["reason"][2] == "no beat"
+    assert read["unit"][0] == "m/s³"
+
+
+def test_json_holds_no_nan_and_names_skipped_files(metrics, tmp_path):
+    path = tmp_path / "scores.json"
+    write_scores(metrics, path)
+    found = json.loads(path.read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    assert found["frame_rate"] == 30
+    assert found["clips"][1] == {
+        "condition": "ours",
+        "segment": "a",
+        "metric": "beat alignment",
+        "value": None,
+        "better": "unsaid",
+        "n": 0,
+        "reason": "no beat",
+    }
+    assert found["skipped"][0]["file"] == "b.npz"
+
+
+def test_two_writings_are_the_same_bytes(metrics, tmp_path):
+    for ending in ("csv", "json", "parquet"):
+        paths = [tmp_path / f"{number}.{ending}" for number in (1, 2)]
+        for path in paths:
+            write_scores(metrics, path)
+        assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+@pytest.mark.parametrize("name", ["scores.xlsx", "scores"])
+def test_an_unknown_ending_is_refused_before_anything_is_measured(tmp_path, name):
+    with pytest.raises(InputError, match=r"\.csv, \.json, \.parquet"):
+        check_ending(tmp_path / name)

@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner, Result
+
+from motion.clip import MotionClip
+from motion.formats import write_clip
+from studyapp.command.main import group
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(group, ["metrics", *map(str, arguments), "--processes", "1"])
+
+
+@pytest.fixture
+def generated(tmp_path: Path) -> Path:
+    """Return a folder of one waving and one damaged clip."""
+    poses = np.zeros((40, 55, 3))
+    poses[:, 16, 2] = np.sin(np.arange(40) / 5)
+    clip = MotionClip(poses=poses, trans=np.zeros((40, 3)), frame_rate=30)
+    write_clip(tmp_path / "ours" / "a.npz", clip)
+    (tmp_path / "ours" / "b.npz").write_bytes(b"cut")
+    return tmp_path / "ours"
+
+
+def test_scores_are_shown_and_written_and_damaged_files_are_counted(
+    generated: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "scores.csv"
+    shown = run("--generated", generated, "--preset", "genea", "--out", out)
+    assert shown.exit_code == 0, shown.output
+    assert "jerk (genea), m/s³" in shown.stdout
+    assert "near the reference" in shown.stdout
+    assert f"skipped: {generated / 'b.npz'}" in shown.stderr
+    assert "1 file skipped." in shown.stderr
+    assert pd.read_csv(out)["segment"].tolist()[1:] == ["a"]
+
+
+def test_a_missing_score_is_a_dash_with_its_reason(generated: Path) -> None:
+    shown = run("--generated", generated, "--preset", "diffsheg")
+    row = next(line for line in shown.stdout.splitlines() if line.startswith("mean distance"))
+    assert "–" in row
+    assert "a distance needs two clips" in shown.stderr
+
+
+def test_positions_are_kept_where_the_cache_is(generated: Path, tmp_path: Path) -> None:
+    run("--generated", generated, "--preset", "genea", "--cache", tmp_path / "kept")
+    assert len(list((tmp_path / "kept").iterdir())) == 1
+
+
+def test_nothing_that_can_be_measured_is_a_failure(tmp_path: Path) -> None:
+    (tmp_path / "b.npz").write_bytes(b"cut")
+    shown = run("--generated", tmp_path)
+    assert shown.exit_code == 1
+    assert "b.npz" in shown.stderr
+    assert "no motion file could be measured" in shown.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "of a study or of folders, not of both or neither"),
+        (("--generated", "ours", "--out", "scores.xlsx"), ".csv, .json, .parquet"),
+        (("--generated", "ours", "--preset", "best"), "'best' is not one of"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused(
+    generated: Path, arguments: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(generated.parent)
+    shown = run(*arguments)
+    assert shown.exit_code != 0
+    assert said in shown.stderr
+    assert "Traceback" not in shown.output

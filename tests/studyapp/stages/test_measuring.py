@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.stages.measuring import measure_folders, measure_study
+from studyapp.stages.recordings import Take, import_take
+
+QUICK = {"presets": ("genea", "s2ue"), "processes": 1}
+
+
+@pytest.fixture
+def folders(motion_file: Callable[..., Path], tmp_path: Path) -> Callable[..., Path]:
+    """Return a maker of folders of motion files; a name with a slash makes a folder in it."""
+
+    def make(folder: str, *names: str) -> Path:
+        for number, name in enumerate(names):
+            target = tmp_path / folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(motion_file(1.0 + number / 30, name="made"), target)
+        return tmp_path / folder
+
+    return make
+
+
+def test_a_study_is_measured_beside_its_ground_truth_and_keeps_its_positions(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take())
+    other = next(name for name in folder.study().conditions if name != "ground_truth")
+    for segment in folder.segments():
+        copied = folder.clip(other, segment.name)
+        copied.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(folder.clip("ground_truth", segment.name), copied)
+    metrics = measure_study(folder, **QUICK)
+    found = {(s.condition, s.name): s for s in metrics.conditions}
+    assert found[other, "mean absolute error (MAJE, s2ue)"].value == 0
+    assert ("ground_truth", "mean absolute error (MAJE, s2ue)") not in found
+    assert found["ground_truth", "jerk (genea)"].clips == 3
+    assert list(folder.joint_positions.iterdir())
+
+
+def test_a_study_without_motion_says_how_to_get_some(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take())
+    shutil.rmtree(folder.root / "motion")
+    with pytest.raises(InputError, match=r"no motion file.*motionjury generate"):
+        measure_study(folder, **QUICK)
+
+
+def test_a_folder_of_motion_is_one_condition_and_folders_in_it_are_several(
+    folders: Callable[..., Path],
+) -> None:
+    flat = folders("flat", "a.npz", "b.npz")
+    deep = folders("deep", "ours/a.npz", "theirs/a.npz")
+    (deep / ".hidden").mkdir()
+    for folder, named in ((flat, ["flat"]), (deep, ["ours", "theirs"])):
+        metrics = measure_folders(folder, None, None, **QUICK)
+        assert list(dict.fromkeys(s.condition for s in metrics.conditions)) == named
+
+
+def test_the_reference_is_measured_too_and_compared_with(folders: Callable[..., Path]) -> None:
+    metrics = measure_folders(
+        folders("ours", "a.npz"), folders("recorded", "a.npz", "b.npz"), None, **QUICK
+    )
+    found = {(s.condition, s.name): s for s in metrics.conditions}
+    assert found["ours", "mean absolute error (MAJE, s2ue)"].value == 0
+    assert found["recorded", "jerk (genea)"].clips == 2
+
+
+@pytest.mark.slow
+def test_motion_and_speech_of_any_format_are_taken_by_their_names(
+    folders: Callable[..., Path],
+    speech_file: Callable[..., Path],
+    shared_data: Path,
+) -> None:
+    folder = folders("brought", "take.npz")
+    shutil.copy(shared_data / "aitviewer_sample.bvh", folder / "other.bvh")
+    speech = speech_file(1.0).parent / "spoken"
+    speech.mkdir()
+    shutil.copy(speech_file(1.0), speech / "take.wav")
+    metrics = measure_folders(folder, None, speech, presets=("amuse",), processes=1)
+    names = {(s.segment, s.result.name.split(" (")[0]) for s in metrics.clips}
+    assert {("take", "jerk"), ("other", "jerk"), ("take", "beat alignment")} <= names
+    assert ("other", "beat alignment") not in names
+
+
+@pytest.mark.parametrize(
+    ("made", "reference", "said"),
+    [
+        ((), None, "no such folder"),
+        (("notes.txt",), None, "no motion file"),
+        (("a.npz", "a.bvh"), None, "a.bvh and a.npz are of one segment"),
+        (("a.npz",), ("b.npz",), "no reference has the name"),
+    ],
+)
+def test_folders_that_do_not_fit_are_refused(
+    folders: Callable[..., Path],
+    made: tuple[str, ...],
+    reference: tuple[str, ...] | None,
+    said: str,
+) -> None:
+    generated = folders("ours", *made)
+    recorded = folders("recorded", *reference) if reference else None
+    with pytest.raises(InputError, match=said):
+        measure_folders(generated, recorded, None, **QUICK)
+
+
+def test_conditions_that_are_called_as_the_reference_are_refused(
+    folders: Callable[..., Path],
+) -> None:
+    with pytest.raises(InputError, match="called 'same'"):
+        measure_folders(folders("one/same", "a.npz"), folders("two/same", "a.npz"), None, **QUICK)
