@@ -16,8 +16,14 @@ from scipy import sparse
 
 Floats = NDArray[np.float64]
 
+Table = Floats | sparse.csr_array
+
 BLOCK: Final = 500
 """Resamples drawn at a time: bounds the memory."""
+
+FULL: Final = 0.05
+"""Share of the cells that have answers from which on empty ones are kept too: products of whole
+tables are so much faster."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,14 +32,14 @@ class Cells:
 
     Attributes
     ----------
-    sums : sparse array, shape (participants, items), for each column of the answers' values
+    sums : array or sparse array, shape (participants, items), for each column of values
         Sum of the values.
-    counts : sparse array, shape (participants, items)
+    counts : array or sparse array, shape (participants, items)
         Number of answers.
     """
 
-    sums: tuple[sparse.csr_array, ...]
-    counts: sparse.csr_array
+    sums: tuple[Table, ...]
+    counts: Table
 
 
 def cells_of(
@@ -53,8 +59,9 @@ def cells_of(
     things, what = np.unique(items, return_inverse=True)
     shape = (len(people), len(things))
 
-    def table(column: Floats) -> sparse.csr_array:
-        return sparse.coo_array((column, (who, what)), shape=shape).tocsr()
+    def table(column: Floats) -> Table:
+        found = sparse.coo_array((column, (who, what)), shape=shape).tocsr()
+        return found if found.nnz < FULL * shape[0] * shape[1] else found.toarray()
 
     return Cells(sums=tuple(table(column) for column in columns), counts=table(np.ones(len(who))))
 
@@ -83,15 +90,10 @@ def bootstrap_means(cells: Cells, *, resamples: int = 10_000, seed: int = 0) -> 
         size = min(BLOCK, resamples - start)
         who = _drawn(chance, size, people)
         what = _drawn(chance, size, things)
-        totals = np.einsum("bi,bi->b", (cells.counts.T @ who.T).T, what)
+        totals = _drawn_sums(cells.counts, who, what)
         with np.errstate(invalid="ignore", divide="ignore"):
             found.append(
-                np.column_stack(
-                    [
-                        np.einsum("bi,bi->b", (table.T @ who.T).T, what) / totals
-                        for table in cells.sums
-                    ]
-                )
+                np.column_stack([_drawn_sums(table, who, what) / totals for table in cells.sums])
             )
     return np.concatenate(found)
 
@@ -104,4 +106,13 @@ def percentile_interval(draws: Floats, level: float = 0.95) -> tuple[float, floa
 
 def _drawn(chance: np.random.Generator, size: int, count: int) -> Floats:
     """Return how often each of `count` was drawn in each of `size` resamples."""
-    return chance.multinomial(count, np.full(count, 1 / count), size=size).astype(np.float64)
+    drawn = chance.integers(count, size=(size, count))
+    drawn += count * np.arange(size)[:, None]
+    counted = np.bincount(drawn.ravel(), minlength=size * count)
+    return counted.reshape(size, count).astype(np.float64)
+
+
+def _drawn_sums(table: Table, who: Floats, what: Floats) -> Floats:
+    """Return the sum of `table` over drawn rows and columns, for each resample."""
+    by_item = who @ table if isinstance(table, np.ndarray) else (table.T @ who.T).T
+    return np.asarray(np.einsum("bi,bi->b", by_item, what), np.float64)

@@ -23,12 +23,9 @@ def test_it_draws_what_an_index_gather_draws() -> None:
     table = np.zeros((30, 20))
     table[who, what] = values
 
-    people = chance.multinomial(30, np.full(30, 1 / 30), size=500)
-    things = chance.multinomial(20, np.full(20, 1 / 20), size=500)
-    gathered = [
-        np.repeat(np.repeat(table, p, axis=0), t, axis=1).mean()
-        for p, t in zip(people, things, strict=True)
-    ]
+    people = chance.integers(30, size=(500, 30))
+    things = chance.integers(20, size=(500, 20))
+    gathered = [table[np.ix_(p, t)].mean() for p, t in zip(people, things, strict=True)]
 
     assert bootstrap_means(cells, resamples=500, seed=7)[:, 0] == pytest.approx(gathered)
 
@@ -41,6 +38,15 @@ def test_its_spread_is_that_of_both_samples_together() -> None:
     assert draws.mean() == pytest.approx(values.mean(), abs=0.02)
     # Both means vary by their own errors, and the noise of a cell counts three times.
     assert draws.var() == pytest.approx(1 / 60 + 0.25 / 60 + 3 / 3600, rel=0.35)
+
+
+def test_a_table_with_few_filled_cells_gives_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    values, who, what = made()
+    whole = bootstrap_means(cells_of(values, who, what), resamples=50)
+
+    monkeypatch.setattr("analysis.resampling.two_way.FULL", 2.0)
+
+    assert bootstrap_means(cells_of(values, who, what), resamples=50) == pytest.approx(whole)
 
 
 def test_several_columns_are_drawn_together() -> None:
