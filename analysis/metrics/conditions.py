@@ -17,7 +17,7 @@ from analysis.metrics.clip_scores import pose_settings
 from analysis.metrics.diversity import mean_pair_distance, motion_features
 from analysis.metrics.joint_motion import JointMotionStore
 from analysis.metrics.joint_positions import common_frame_rate
-from analysis.metrics.presets import REPORT, combined
+from analysis.metrics.presets import REPORT, Preset, combined
 from analysis.metrics.recorded_spread import ClipExtent, recorded_spread
 from analysis.metrics.result import Better, MetricResult
 from analysis.metrics.segment_scores import (
@@ -88,12 +88,15 @@ class StudyMetrics:
         By condition.
     skipped : tuple of SkippedFile
         Files that could not be used.
+    remarks : tuple of str
+        What there was no speech or recording for, so that metrics are missing.
     """
 
     frame_rate: float
     clips: tuple[ClipScore, ...]
     conditions: tuple[ConditionScore, ...]
     skipped: tuple[SkippedFile, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 def study_metrics(
@@ -104,6 +107,7 @@ def study_metrics(
     recorded: Mapping[str, Path] | None = None,
     presets: Iterable[str] = (REPORT,),
     own_files: bool = True,
+    file_rate: float | None = None,
     skip_unusable: bool = False,
     store: JointMotionStore | None = None,
     processes: int = 1,
@@ -126,6 +130,8 @@ def study_metrics(
     own_files : bool
         Whether the motion files are a study's own, read as they stand; files from elsewhere are of
         any format and put into the study's world.
+    file_rate : float, optional
+        Frames per second of all motion files, in place of what they state.
     skip_unusable : bool
         Whether files that cannot be used are left out and named, rather than an error.
     store : JointMotionStore, optional
@@ -144,7 +150,7 @@ def study_metrics(
     recordings = dict(recorded or {})
     if not recordings:
         preset = preset.without_recordings()
-    rates, usable, skipped = _frame_rates([*clips.values(), recordings], own_files)
+    rates, usable, skipped = _frame_rates([*clips.values(), recordings], own_files, file_rate)
     found = [_segment(name, clips, recordings, speech, usable) for name in _segments(clips)]
     found = [files for files in found if files.clips]
     if not skip_unusable and skipped:
@@ -157,6 +163,7 @@ def study_metrics(
         preset=preset,
         store=store,
         own_files=own_files,
+        file_rate=file_rate,
     )
     with _Workers(processes) as workers:
         if preset.needs_recorded_spread:
@@ -169,7 +176,8 @@ def study_metrics(
         raise skipped[0].error()
     if store is not None:
         store.forget_others({place for one in measured for place in one.kept})
-    return _collected(tuple(clips), measured, bench, tuple(skipped))
+    collected = _collected(tuple(clips), measured, bench, tuple(skipped))
+    return replace(collected, remarks=tuple(_remarks(found, preset, bool(recordings))))
 
 
 @dataclass(frozen=True)
@@ -222,7 +230,7 @@ class _Workers:
 
 
 def _frame_rates(
-    files: Iterable[Mapping[str, Path]], own_files: bool
+    files: Iterable[Mapping[str, Path]], own_files: bool, file_rate: float | None
 ) -> tuple[list[float], set[Path], list[SkippedFile]]:
     """Return the frame rates that occur, the files that state one, and those that do not."""
     rates: set[float] = set()
@@ -230,7 +238,9 @@ def _frame_rates(
     skipped = []
     for path in dict.fromkeys(path for paths in files for path in paths.values()):
         try:
-            if own_files or path.suffix == ".npz":
+            if file_rate is not None:
+                rates.add(file_rate)
+            elif own_files or path.suffix == ".npz":
                 rates.add(read_frame_rate(path))
             else:
                 rates.add(read_motion(path).frame_rate)
@@ -262,6 +272,24 @@ def _segment(
         recorded=recorded if recorded in usable else None,
         speech=speech.get(name),
     )
+
+
+def _remarks(found: Sequence[SegmentFiles], preset: Preset, with_recordings: bool) -> Iterator[str]:
+    """Yield which segments lack what a metric needs."""
+    mute = [files.segment for files in found if files.speech is None]
+    if preset.beats and mute:
+        yield f"no beat alignment without speech: {_some(mute, len(found))}"
+    alone = [files.segment for files in found if files.recorded is None]
+    if with_recordings and alone:
+        yield f"no comparison without a recording: {_some(alone, len(found))}"
+    elif alone:
+        yield "no recordings are given, so nothing is compared with them"
+
+
+def _some(segments: Sequence[str], count: int) -> str:
+    """Return how many segments are meant, and the first of them by name."""
+    named = ", ".join(segments[:3]) + (", …" if len(segments) > 3 else "")
+    return f"{len(segments)} of {count} segments ({named})"
 
 
 def _collected(

@@ -74,15 +74,32 @@ class JointMotionStore:
         self.folder = folder
         self._version = source_version(imported_sources([__name__]), ["numpy", "scipy"])
 
-    def place(self, motion: Path, frame_rate: float, frozen: Collection[str]) -> Path:
+    def place(
+        self,
+        motion: Path,
+        frame_rate: float,
+        frozen: Collection[str],
+        file_rate: float | None = None,
+    ) -> Path:
         """Return where the joint motion of the file `motion` is kept, whether it is there or not.
+
+        Parameters
+        ----------
+        motion : Path
+            The motion file.
+        frame_rate : float
+            Frames per second of the joint motion.
+        frozen : collection of str
+            Channels held still.
+        file_rate : float, optional
+            Frames per second that the file is taken to have, in place of its own.
 
         Raises
         ------
         OSError
             If the file cannot be read.
         """
-        settings = f"{self._version} {frame_rate!r} {sorted(frozen)}".encode()
+        settings = f"{self._version} {frame_rate!r} {sorted(frozen)} {file_rate!r}".encode()
         digest = hashlib.sha256(settings + b"\0" + motion.read_bytes()).hexdigest()
         return self.folder / f"{digest[:32]}{_SUFFIX}"
 

@@ -50,6 +50,8 @@ class Bench:
     own_files : bool
         Whether motion files are a study's own and read as they stand, as for its videos; files
         from elsewhere are put into the study's world.
+    file_rate : float or None
+        Frames per second of all motion files, in place of their own.
     """
 
     frame_rate: float
@@ -58,6 +60,7 @@ class Bench:
     spread: RecordedSpread | None = None
     store: JointMotionStore | None = None
     own_files: bool = True
+    file_rate: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,7 +220,8 @@ class _Reader:
         joints = bench.store.read(place) if bench.store and place else None
         if joints is not None and not bench.preset.needs_rotations:
             return MeasuredClip(joints=joints)
-        clip = (read_clip if bench.own_files else read_motion)(path)
+        read = read_clip if bench.own_files else read_motion
+        clip = read(path, frame_rate=bench.file_rate)
         if joints is None:
             joints = joint_motion(clip, bench.frame_rate, bench.frozen)
             if bench.store and place:
@@ -227,10 +231,11 @@ class _Reader:
 
     def _place(self, path: Path) -> Path | None:
         """Return where the store keeps the clip's joint motion, if there is a store."""
-        if self._bench.store is None:
+        bench = self._bench
+        if bench.store is None:
             return None
         try:
-            place = self._bench.store.place(path, self._bench.frame_rate, self._bench.frozen)
+            place = bench.store.place(path, bench.frame_rate, bench.frozen, bench.file_rate)
         except OSError as error:
             raise InputError(
                 "the motion file cannot be read", where=path, remedy="Check the path"

@@ -12,6 +12,7 @@ import click
 from analysis.metrics.conditions import ConditionScore, StudyMetrics
 from analysis.metrics.presets import PRESETS
 from analysis.metrics.score_tables import check_ending, write_scores
+from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.command.arguments import optional_study_folder
 from studyapp.command.arguments import processes as processes_option
@@ -48,6 +49,11 @@ _folder = click.Path(path_type=Path, file_okay=False)
     type=_folder,
     help="With --generated: keep joint positions here for the next run. A study keeps its own.",
 )
+@click.option(
+    "--fps",
+    type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
+    help="With --generated: frames per second of all motion files, in place of what they state.",
+)
 @processes_option
 def command(
     folder: StudyFolder | None,
@@ -57,6 +63,7 @@ def command(
     presets: tuple[str, ...],
     out: Path | None,
     cache: Path | None,
+    fps: float | None,
     processes: int,
 ) -> None:
     """Compute automatic metrics of the study FOLDER, or of motion files without any study.
@@ -69,10 +76,10 @@ def command(
             "metrics are computed of a study or of folders, not of both or neither",
             remedy="Give a study folder, or --generated with a folder of motion files",
         )
-    if folder is not None and (reference or speech or cache):
+    if folder is not None and (reference or speech or cache or fps):
         raise InputError(
-            "a study has its own reference, speech and joint positions",
-            remedy="Leave out --reference, --speech and --cache, or give --generated",
+            "a study has its own reference, speech, joint positions and frame rates",
+            remedy="Leave out --reference, --speech, --cache and --fps, or give --generated",
         )
     target = out if folder is None else out or folder.metrics
     if target is not None:
@@ -89,6 +96,7 @@ def command(
                 presets=wanted,
                 processes=processes,
                 cache=cache,
+                file_rate=fps,
                 on_progress=show,
             )
     click.echo(_table(metrics.conditions))
@@ -134,6 +142,8 @@ def _say_what_is_missing(metrics: StudyMetrics) -> None:
     for score in metrics.conditions:
         if score.reason:
             click.echo(f"{score.condition}, {score.name}: {score.reason}", err=True)
+    for remark in metrics.remarks:
+        click.echo(remark, err=True)
     for file in metrics.skipped[:_NAMED]:
         click.echo(f"skipped: {file.error()}", err=True)
     if metrics.skipped:

@@ -80,6 +80,7 @@ def measure_folders(
     presets: Sequence[str],
     processes: int,
     cache: Path | None = None,
+    file_rate: float | None = None,
     on_progress: Show | None = None,
 ) -> StudyMetrics:
     """Measure the motion files of a folder, or of each folder in it, as one condition each.
@@ -96,6 +97,8 @@ def measure_folders(
         As for `analysis.metrics.conditions.study_metrics`.
     cache : Path or None
         Where joint positions are kept between runs.
+    file_rate : float or None
+        Frames per second of all motion files, in place of what they state.
 
     Raises
     ------
@@ -125,6 +128,7 @@ def measure_folders(
         recorded=recorded,
         presets=presets,
         own_files=False,
+        file_rate=file_rate,
         skip_unusable=True,
         store=JointMotionStore(cache) if cache is not None else None,
         processes=processes,

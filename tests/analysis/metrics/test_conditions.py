@@ -214,3 +214,25 @@ def test_clips_of_many_rates_are_compared_at_the_slowest(study, tmp_path, waving
     metrics = study_metrics(clips, speech)
     assert metrics.frame_rate == 20.0
     assert of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"
+
+
+def test_what_metrics_lack_is_said(recorded_study):
+    clips, speech, recorded = recorded_study
+    speech.pop("a")
+    recorded.pop("b")
+    found = study_metrics(clips, speech, recorded=recorded, presets=("amuse",)).remarks
+    assert found == (
+        "no beat alignment without speech: 1 of 2 segments (a)",
+        "no comparison without a recording: 1 of 2 segments (b)",
+    )
+    alone = study_metrics(clips, speech, presets=("genea",)).remarks
+    assert alone == ("no recordings are given, so nothing is compared with them",)
+
+
+def test_files_are_taken_to_have_the_frame_rate_that_is_given(study, tmp_path):
+    store = JointMotionStore(tmp_path / "kept")
+    fast = study_metrics(*study, file_rate=30.0, store=store)
+    slow = study_metrics(*study, file_rate=15.0, store=store)
+    assert (fast.frame_rate, slow.frame_rate) == (30, 15)
+    name = "jerk (hands, unfiltered)"
+    assert of(fast, "waving", name).value == pytest.approx(8 * of(slow, "waving", name).value)
