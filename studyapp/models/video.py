@@ -48,3 +48,8 @@ class Video(Base):
     watch_batches: Mapped[list[WatchBatch]] = relationship(
         back_populates="video", order_by="WatchBatch.batch", cascade="all, delete-orphan"
     )
+
+    @property
+    def soundless(self) -> bool:
+        """Whether it is meant to be seen without sound."""
+        return all(shown.speech is None for shown in self.stimuli)

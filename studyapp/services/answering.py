@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Final, cast
+
+from sqlalchemy import Table, insert
+
 from studyapp.clock import Clock
 from studyapp.models import Response, Trial, Video
 from studyapp.services.answer_fields import Fields, Given, read_fields
 from studyapp.services.database import Database
 from studyapp.services.finishing import move_on
 from studyapp.services.loading import load_videos
+from studyapp.services.noting import note
 from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find, require_present, trial_of
 from studyapp.services.watch_evidence import missing_seconds
+
+RESPONSES: Final = insert(cast(Table, Response.__table__))
 
 
 def answer(
@@ -61,19 +68,22 @@ def answer(
                 seconds=max(1, round(missing)),
             )
         now = clock.now()
-        trial.responses = [
-            Response(
-                question=question,
-                stimulus=stimulus,
-                value=value,
-                reasons=list(given.reasons.get((question, stimulus), ())),
-                answered_at=now,
-            )
-            for (question, stimulus), value in given.values.items()
-        ]
-        trial.answered_at = now
-        trial.seconds = clock.seconds_since(shown_at)
-        move_on(study_session, served.study, now)
+        session.connection().execute(
+            RESPONSES,
+            [
+                {
+                    "trial_id": trial.id,
+                    "question": question,
+                    "stimulus": stimulus,
+                    "value": value,
+                    "reasons": list(given.reasons.get((question, stimulus), ())),
+                    "answered_at": now,
+                }
+                for (question, stimulus), value in given.values.items()
+            ],
+        )
+        note(session, trial, answered_at=now, seconds=clock.seconds_since(shown_at))
+        move_on(session, study_session, served.study, now)
 
 
 def skip_unplayable(
@@ -106,7 +116,7 @@ def skip_unplayable(
         now = clock.now()
         _unplayable(trial, video_token).unplayable_at = now
         trial.unplayable_at = now
-        move_on(study_session, served.study, now)
+        move_on(session, study_session, served.study, now)
 
 
 def _unplayable(trial: Trial, video_token: str) -> Video:

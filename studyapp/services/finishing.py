@@ -6,9 +6,12 @@ import secrets
 from datetime import datetime
 from typing import Final
 
+from sqlalchemy.orm import Session
+
 from studyapp.definition.study import Study
 from studyapp.models import StudySession
 from studyapp.services.exclusion import is_excluded
+from studyapp.services.noting import note
 from studyapp.services.sitting import current_trial, form_due
 
 CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
@@ -17,12 +20,12 @@ CODE_LETTERS: Final = "ABCDEFGHJKMNPQRTUVWXYZ2346789"
 CODE_LENGTH: Final = 12
 
 
-def move_on(study_session: StudySession, study: Study, now: datetime) -> None:
+def move_on(session: Session, study_session: StudySession, study: Study, now: datetime) -> None:
     """Note the activity; after the last answer of all, complete the study session.
 
     Where the study says so, who is excluded opens the place again for somebody else.
     """
-    study_session.last_active_at = now
+    note(session, study_session, last_active_at=now)
     if study_session.started_at is None or current_trial(study_session) is not None:
         return
     if form_due(study_session, study) is None:

@@ -110,7 +110,7 @@ def answer_form(
                 "The page you come to next shows how to go on.",
             )
         study_session.form_answers.extend(answers)
-        move_on(study_session, study, now)
+        move_on(session, study_session, study, now)
 
 
 def _answers(

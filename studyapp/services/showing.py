@@ -25,6 +25,13 @@ PRESENT_POSITION: Final = (
 )
 """Where a study session stands (see `studyapp.services.sitting.current_trial`)."""
 
+RUNNING: Final = (
+    StudySession.started_at.is_not(None),
+    StudySession.completed_at.is_(None),
+    StudySession.withdrawn_at.is_(None),
+)
+"""Who has trials to take, if the place is still theirs (see `sitting.state_of`)."""
+
 SHOWN: Final = (
     select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
     .join(TrialStimulus.video)
@@ -33,9 +40,7 @@ SHOWN: Final = (
     .join(StudySession.place)
     .where(
         Video.token == bindparam("token"),
-        StudySession.started_at.is_not(None),
-        StudySession.completed_at.is_(None),
-        StudySession.withdrawn_at.is_(None),
+        *RUNNING,
         (Trial.position - PRESENT_POSITION).in_((0, 1)),
     )
     .order_by(TrialStimulus.number)
@@ -49,8 +54,8 @@ def content_of(database: Database, video_token: str) -> Content | None:
     ones are settled, later ones nobody has been told of. Videos are what is asked for most, so
     this is one statement.
     """
-    with database.reading() as session:
-        shown = session.execute(SHOWN, {"token": video_token}).all()
+    with database.looking_up() as connection:
+        shown = connection.execute(SHOWN, {"token": video_token}).all()
     stimuli = (
         Stimulus(condition=condition, segment=segment, speech=speech)
         for condition, segment, speech in shown

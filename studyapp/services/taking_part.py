@@ -13,13 +13,14 @@ from studyapp.design.asking import Ask
 from studyapp.models import StudySession, Trial, Video
 from studyapp.services.database import Database
 from studyapp.services.loading import durations_of, load_videos
+from studyapp.services.noting import note
 from studyapp.services.places import regain_place
 from studyapp.services.resting import break_due
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import State, current_trial, find, form_due, state_of
 from studyapp.services.sound_check import draw_digits, left_unheard, sound_check_due
 from studyapp.services.time_left import expected_seconds, minutes_left
-from studyapp.services.watch_evidence import Watched, is_soundless, watched_so_far
+from studyapp.services.watch_evidence import Watched, watched_so_far
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,7 +154,8 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
         )
         if situation.state not in ("instructed", "started"):
             return situation
-        study_session.last_active_at = now = clock.now()
+        now = clock.now()
+        note(session, study_session, last_active_at=now)
         if sound_check_due(study_session, served):
             draw_digits(study_session)
             return replace(situation, sound_tries=study_session.sound_tries)
@@ -166,7 +168,8 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
             rest = Break(position=position, done=position - 1, minutes_left=minutes)
             return replace(situation, rest=rest)
         load_videos(session, [trial, *_following(study_session, trial)[:1]])
-        trial.shown_at = trial.shown_at or now
+        if trial.shown_at is None:
+            note(session, trial, shown_at=now)
         return replace(situation, trial=_shown(study_session, trial, served.study, minutes))
 
 
@@ -210,7 +213,7 @@ def _shown_video(video: Video, coverage: float) -> ShownVideo:
         token=video.token,
         shows=tuple(stimulus.number for stimulus in video.stimuli),
         duration=video.duration,
-        muted=is_soundless(video),
+        muted=video.soundless,
         watched=watched_so_far(video, coverage),
     )
 

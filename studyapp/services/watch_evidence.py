@@ -10,9 +10,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
-from studyapp.models import Trial, Video, WatchBatch
+from studyapp.models import Trial
 
 Interval = tuple[float, float]
 
@@ -48,6 +48,62 @@ class Playback:
 
 
 AS_RECORDED: Final = Playback()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report(Playback):
+    """One numbered report of how a stretch of a video played.
+
+    Attributes
+    ----------
+    batch : int
+        Its number within the video, from 0.
+    intervals : list of [float, float]
+        Played parts, each from and to, in seconds.
+    """
+
+    batch: int
+    intervals: list[list[float]]
+
+
+class Reported(Protocol):
+    """What must be known of a report to judge it, just sent or stored alike."""
+
+    @property
+    def batch(self) -> int:
+        """Its number within the video."""
+
+    @property
+    def intervals(self) -> list[list[float]]:
+        """Played parts, each from and to, in seconds."""
+
+    @property
+    def rate(self) -> float:
+        """Largest playback rate seen."""
+
+    @property
+    def hidden_seconds(self) -> float:
+        """How long it played where nobody could see it."""
+
+    @property
+    def silent_seconds(self) -> float:
+        """How long it played where nobody could hear it."""
+
+
+class Played(Protocol):
+    """What must be known of a video to judge the reports of it."""
+
+    @property
+    def duration(self) -> float:
+        """Its length in seconds."""
+
+    @property
+    def soundless(self) -> bool:
+        """Whether it is meant to be seen without sound."""
+
+    @property
+    def watch_batches(self) -> Sequence[Reported]:
+        """The reports of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,27 +145,22 @@ def length(intervals: Iterable[Interval]) -> float:
     return sum(end - start for start, end in intervals)
 
 
-def is_soundless(video: Video) -> bool:
-    """Tell whether `video` is meant to be seen without sound."""
-    return all(shown.speech is None for shown in video.stimuli)
-
-
-def counts(batch: WatchBatch, video: Video) -> bool:
+def counts(batch: Reported, video: Played) -> bool:
     """Tell whether what `batch` reports of `video` as played was watched."""
     return (
         batch.rate <= FASTEST
         and batch.hidden_seconds == 0
-        and (batch.silent_seconds == 0 or is_soundless(video))
+        and (batch.silent_seconds == 0 or video.soundless)
     )
 
 
-def watched_so_far(video: Video, coverage: float) -> Watched:
+def watched_so_far(video: Played, coverage: float) -> Watched:
     """Return what has been watched of `video`.
 
     Parameters
     ----------
-    video : Video
-        Loaded with its watch batches.
+    video : Played
+        With its reports.
     coverage : float
         Share of the video that must have been watched, in [0, 1].
     """

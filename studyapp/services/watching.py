@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from datetime import datetime
 from typing import Final
 
+from sqlalchemy.orm import Session
+
 from studyapp.clock import Clock
-from studyapp.models import Video, WatchBatch
 from studyapp.services.database import Database
 from studyapp.services.places import regain_place
+from studyapp.services.playing import PlayedVideo, Playing, add_report, load_playing
 from studyapp.services.refusal import TooMuchWatchedError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find, require_present, video_of
@@ -18,6 +19,7 @@ from studyapp.services.watch_evidence import (
     AS_RECORDED,
     Interval,
     Playback,
+    Report,
     Watched,
     counts,
     length,
@@ -65,54 +67,55 @@ def record_watched(
         them play at once.
     """
     with database.writing() as session:
-        study_session = find(session, token)
-        video = video_of(session, study_session, video_token)
-        regain_place(session, served, study_session)
-        shown_at = require_present(study_session, video.trial)
-        coverage = served.study.watching.coverage
         now = clock.now()
-        report = _report(video, batch, intervals, playback, now)
+        playing = load_playing(session, token, video_token, now)
+        if playing is None:
+            _bring_back(session, served, token, video_token)
+            playing = load_playing(session, token, video_token, now)
+        if playing is None:
+            raise RuntimeError("what is playing in SQL is not what is playing in Python")
+        video, coverage = playing.video, served.study.watching.coverage
+        report = _report(video, batch, intervals, playback)
         before = watched_so_far(video, coverage)
         for known in video.watch_batches:
             if known.batch == batch:
-                return replace(before, stored=_same(known, report))
-        if _claimed(video, report, before, coverage) > clock.seconds_since(shown_at) + TOLERANCE:
+                return replace(before, stored=known == report)
+        possible = clock.seconds_since(playing.shown_at) + TOLERANCE
+        if _claimed(playing, report, before, coverage) > possible:
             raise TooMuchWatchedError(
                 "More of the video was reported as played than time has passed.",
                 "Please play it again.",
             )
-        study_session.last_active_at = now
-        video.watch_batches.append(report)
-        session.flush()
-        return watched_so_far(video, coverage)
+        add_report(session, video, report, now)
+        return watched_so_far(
+            replace(video, watch_batches=(*video.watch_batches, report)), coverage
+        )
+
+
+def _bring_back(session: Session, served: ServedStudy, token: str, video_token: str) -> None:
+    """Give a place back that was lost to a pause; refuse everybody else who is not at the video."""
+    study_session = find(session, token)
+    video = video_of(session, study_session, video_token)
+    regain_place(session, served, study_session)
+    require_present(study_session, video.trial)
 
 
 def _report(
-    video: Video, batch: int, intervals: Sequence[Interval], playback: Playback, now: datetime
-) -> WatchBatch:
+    video: PlayedVideo, batch: int, intervals: Sequence[Interval], playback: Playback
+) -> Report:
     inside = [
         [max(0.0, start), min(video.duration, end)]
         for start, end in intervals
         if start < video.duration and end > max(0.0, start)
     ]
-    return WatchBatch(batch=batch, intervals=inside, received_at=now, **asdict(playback))
+    return Report(batch=batch, intervals=inside, **asdict(playback))
 
 
-def _same(known: WatchBatch, report: WatchBatch) -> bool:
-    """Tell whether two reports say the same."""
-    fields = ("intervals", *Playback.__dataclass_fields__)
-    return all(getattr(known, name) == getattr(report, name) for name in fields)
-
-
-def _claimed(video: Video, report: WatchBatch, before: Watched, coverage: float) -> float:
+def _claimed(playing: Playing, report: Report, before: Watched, coverage: float) -> float:
     """Return the seconds that must have passed if `report` is true."""
     intervals = [(start, end) for start, end in report.intervals]
     measured = max(report.hidden_seconds, report.silent_seconds, report.stalled_seconds)
-    if not counts(report, video):
+    if not counts(report, playing.video):
         return max(measured, length(merged(intervals)) / max(1.0, report.rate))
-    others = sum(
-        length(watched_so_far(other, coverage).intervals)
-        for other in video.trial.videos
-        if other is not video
-    )
+    others = sum(length(watched_so_far(other, coverage).intervals) for other in playing.others)
     return max(measured, others + length(merged([*before.intervals, *intervals])))

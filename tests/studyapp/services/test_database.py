@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select, text
+from sqlalchemy import create_engine, select, text
 from sqlalchemy.exc import DBAPIError
 
 from motion.errors import InputError
@@ -333,3 +333,21 @@ def waiters(file: Path) -> int:
         "->" in line and f":{number} " in line
         for line in Path("/proc/locks").read_text().splitlines()
     )
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_a_connection_that_has_rested_while_its_server_went_away_is_replaced(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ask = text("SELECT pg_backend_pid()")
+    with database.looking_up() as connection:
+        resting = connection.execute(ask).scalar_one()
+    end = text("SELECT pg_terminate_backend(:pid, 10000)")
+    other = Database(create_engine(database.engine.url))
+    with other.looking_up() as connection:
+        assert connection.execute(end, {"pid": resting}).scalar_one()
+    other.close()
+    monkeypatch.setattr("studyapp.services.database.REST_SECONDS", 0.0)
+
+    with database.looking_up() as connection:
+        assert connection.execute(ask).scalar_one() != resting
