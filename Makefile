@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-render bench-serve bench-statistics bench-validity soak soak-render pictures screens clean
+.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-metrics bench-render bench-serve bench-statistics bench-validity soak soak-render pictures screens clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -54,6 +54,9 @@ bench: setup  ## Measure rendering speed and the validity of the statistics.
 
 bench-adaptive: setup  ## Simulate how much sooner adaptive pairs find an order, and draw it.
 	$(BIN)/python -m studyapp.bench.adaptive_pairs docs/adaptive.png
+
+bench-metrics: setup  ## Time the Fréchet distance beside a matrix square root.
+	$(BIN)/python -m analysis.metrics.benchmark
 
 bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
 	$(BIN)/python -m renderer.benchmark
