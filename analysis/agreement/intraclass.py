@@ -214,9 +214,12 @@ def _interval(found: Intraclass, estimate: float, items_per_rater: float) -> tup
     correlation = min(max(estimate, 0.0), 1 - 1e-9)
     a = k * correlation / (n * (1 - correlation))
     b = 1 + a * (n - 1)
-    freedom = (a * raters + b * noise) ** 2 / (
-        (a * raters) ** 2 / (found.raters - 1) + (b * noise) ** 2 / rest
-    )
+    of_raters, of_rest = a * raters, b * noise
+    freedom = float(rest)
+    if of_raters:
+        freedom = (of_raters + of_rest) ** 2 / (
+            of_raters**2 / (found.raters - 1) + of_rest**2 / rest
+        )
     high_f = stats.f.ppf(0.975, found.items - 1, freedom)
     low_f = stats.f.ppf(0.975, freedom, found.items - 1)
     mixed = k * raters + (k * n - k - n) * noise

@@ -53,6 +53,8 @@ class SignedRank:
         How `p_value` was found, and what was done with zeros; empty where there is no test.
     reason : str
         Why there is no test; empty where there is one.
+    remark : str
+        Why there is no interval; empty where there is one, or where there is no test.
     """
 
     estimate: float
@@ -67,6 +69,7 @@ class SignedRank:
     tied: bool
     method: str = ""
     reason: str = ""
+    remark: str = ""
 
 
 def signed_rank(values: Floats, *, zeros: Zeros = "dropped") -> SignedRank:
@@ -101,7 +104,8 @@ def signed_rank(values: Floats, *, zeros: Zeros = "dropped") -> SignedRank:
     if not len(values):
         return replace(unknown, reason="no values")
     estimate, low, high = pseudo_median(values)
-    unknown = replace(unknown, estimate=estimate, low=low, high=high)
+    remark = "too few values for an interval at 95 %" if math.isnan(low) else ""
+    unknown = replace(unknown, estimate=estimate, low=low, high=high, remark=remark)
     if not nonzero.any():
         return replace(unknown, reason="all values are zero")
     ranks = tied_ranks(size[nonzero]) if zeros == "dropped" else tied_ranks(size)[nonzero]

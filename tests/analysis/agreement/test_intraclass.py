@@ -86,6 +86,12 @@ def test_items_alike_give_a_number_below_zero_and_no_error():
     assert found.average.low == -1
 
 
+def test_judges_who_differ_by_a_constant_only_give_no_error():
+    found = of([[1, 2, 3], [1, 2, 3], [1, 2, 3]])
+    assert found.residual_variance == 0
+    assert found.single.low <= found.single.estimate <= found.single.high
+
+
 @pytest.mark.parametrize(
     ("table", "reason"),
     [

@@ -87,6 +87,7 @@ def test_five_values_have_no_interval_at_95_percent():
     assert math.isnan(low)
     assert math.isnan(high)
     assert not math.isnan(pseudo_median(np.arange(6.0))[1])
+    assert signed_rank(np.arange(1.0, 6)).remark == "too few values for an interval at 95 %"
 
 
 @pytest.mark.parametrize(
