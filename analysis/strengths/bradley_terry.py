@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from functools import cached_property
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from motion.errors import InputError
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 Ties = Literal["davidson", "half"]
+
+ROOM: Final = 8
+"""Kinds of answers of all participants, for each answer, up to which all are counted out."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,15 +50,47 @@ class Votes:
         if (self.left == self.right).any():
             raise InputError("an answer compares a condition with itself")
 
+    @cached_property
+    def tallies(self) -> tuple[Codes, Codes, Codes]:
+        """Who answered what how often: participants, kinds of answers and numbers of them.
+
+        A kind is 3 (left * conditions + right) + 1 - outcome. Where participants are too many to
+        count out all that each could have answered, every answer stands for itself.
+        """
+        count = len(self.conditions)
+        kinds, people = 3 * count**2, int(self.participant.max(initial=-1)) + 1
+        cells = self.participant * count
+        # In place: a million answers are counted as fast as they can be read.
+        cells += self.left
+        cells *= count
+        cells += self.right
+        cells *= 3
+        cells -= self.outcome
+        cells += 1
+        if people * kinds > ROOM * len(cells):
+            return cells // kinds, cells % kinds, np.ones(len(cells), np.intp)
+        counted = np.bincount(cells, minlength=people * kinds)
+        filled = np.flatnonzero(counted)
+        return filled // kinds, filled % kinds, counted[filled]
+
+    @cached_property
+    def table(self) -> Floats:
+        """How often left won, nobody did and right won, shape (left, right, 3)."""
+        count = len(self.conditions)
+        _, kinds, times = self.tallies
+        found = np.bincount(kinds, weights=times, minlength=3 * count**2)
+        return np.asarray(found, np.float64).reshape(count, count, 3)
+
     @property
     def beats(self) -> Floats:
         """How often each condition was preferred to each other one; ties count for both."""
-        count = len(self.conditions)
-        table = np.zeros((count, count))
-        for first, second, won in ((self.left, self.right, 1), (self.right, self.left, -1)):
-            chosen = (self.outcome == won) | (self.outcome == 0)
-            np.add.at(table, (first[chosen], second[chosen]), 1.0)
-        return table
+        left, tie, right = np.moveaxis(self.table, 2, 0)
+        return np.asarray(left + tie + (right + tie).T)
+
+    @property
+    def participants(self) -> int:
+        """How many have answered."""
+        return int(np.count_nonzero(np.bincount(self.tallies[0])))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,21 +157,24 @@ def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -
     """
     count, modelled = len(votes.conditions), ties == "davidson"
     reason = why_not_identified(votes.beats, votes.conditions) if len(votes.left) else "no answers"
-    if modelled and not reason and not (votes.outcome == 0).any():
+    if modelled and not reason and not votes.table[..., 1].any():
         # Without any tie their frequency has no estimate; the model without it is the same.
         modelled = False
     if reason:
         return unknown(votes, reason)
-    pairs, of_pair = np.unique(votes.left * count + votes.right, return_inverse=True)
+    shown = votes.table.sum(axis=2).ravel() > 0
+    pairs, place = np.flatnonzero(shown), np.cumsum(shown) - 1
     situations = tuple(
         _situation(int(pair) // count, int(pair) % count, count, modelled, left) for pair in pairs
     )
+    people, kinds, times = votes.tallies
     fit = fit_choices(
         Choices(
             situations=situations,
-            situation=of_pair.astype(np.intp),
-            way=(1 - votes.outcome).astype(np.intp),
-            cluster=votes.participant,
+            situation=place[kinds // 3],
+            way=kinds % 3,
+            cluster=people,
+            times=times,
         )
     )
     return centred(votes, fit, modelled, left)
@@ -188,7 +227,7 @@ def centred(votes: Votes, fit: ChoiceFit, modelled: bool, left: bool) -> Bradley
         left_error=float(errors[-1]) if left else math.nan,
         log_likelihood=fit.log_likelihood,
         answers=fit.choices,
-        participants=len(np.unique(votes.participant)),
+        participants=votes.participants,
         reason="" if fit.converged else "the strengths did not converge",
     )
 
@@ -210,7 +249,7 @@ def unknown(votes: Votes, reason: str) -> BradleyTerry:
         left_error=math.nan,
         log_likelihood=math.nan,
         answers=len(votes.left),
-        participants=len(np.unique(votes.participant)),
+        participants=votes.participants,
         reason=reason,
     )
 

@@ -8,13 +8,12 @@ what their kinds cost.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_softmax
 
 from analysis.strengths.sandwich import sandwiches
 
@@ -44,7 +43,7 @@ class Situation:
 
 @dataclass(frozen=True, kw_only=True)
 class Choices:
-    """Who chose what in which situation, one row for each choice.
+    """Who chose what in which situation, one row for each choice or for several alike.
 
     Attributes
     ----------
@@ -52,12 +51,15 @@ class Choices:
         All that occur.
     situation, way, cluster : ndarray of int, shape (N,)
         The situation, the way within it, and who chose; all from 0.
+    times : ndarray of int, shape (N,), or None
+        How many choices each row stands for; None for one each.
     """
 
     situations: tuple[Situation, ...]
     situation: Codes
     way: Codes
     cluster: Codes
+    times: Codes | None = None
 
     @property
     def starts(self) -> Codes:
@@ -65,10 +67,69 @@ class Choices:
         sizes = [len(situation.ways) for situation in self.situations]
         return np.concatenate([[0], np.cumsum(sizes)]).astype(np.intp)
 
-    @property
+    @cached_property
     def kind(self) -> Codes:
         """Each choice's way, counted through all situations."""
         return np.asarray(self.starts[self.situation] + self.way, np.intp)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tabulated:
+    """All situations' alternatives under one another, and how many votes each was given.
+
+    Attributes
+    ----------
+    features : ndarray, shape (alternatives, parameters)
+        Of each alternative of each situation.
+    votes : ndarray, shape (alternatives,)
+        How many it has.
+    starts : ndarray of int, shape (situations,)
+        Where each situation's alternatives begin.
+    of : ndarray of int, shape (alternatives,)
+        Each alternative's situation.
+    """
+
+    features: Floats
+    votes: Floats
+    starts: Codes
+    of: Codes
+
+    @classmethod
+    def of_choices(cls, data: Choices) -> Tabulated:
+        """Count the votes of each alternative."""
+        flat = np.asarray(
+            np.bincount(data.kind, data.times, minlength=int(data.starts[-1])), np.float64
+        )
+        sizes = [len(situation.features) for situation in data.situations]
+        return cls(
+            features=np.concatenate([situation.features for situation in data.situations]),
+            votes=np.concatenate(
+                [
+                    flat[start : start + len(situation.ways)] @ situation.ways
+                    for start, situation in zip(data.starts[:-1], data.situations, strict=True)
+                ]
+            ),
+            starts=np.cumsum([0, *sizes[:-1]]).astype(np.intp),
+            of=np.repeat(np.arange(len(sizes)), sizes),
+        )
+
+    @cached_property
+    def totals(self) -> Floats:
+        """Votes of each situation."""
+        return np.asarray(np.add.reduceat(self.votes, self.starts), np.float64)
+
+    def log_shares(self, parameters: Floats) -> Floats:
+        """Return the logarithm of each alternative's probability within its situation."""
+        worth = self.features @ parameters
+        worth = worth - np.maximum.reduceat(worth, self.starts)[self.of]
+        return np.asarray(
+            worth - np.log(np.add.reduceat(np.exp(worth), self.starts))[self.of], np.float64
+        )
+
+    def means(self, shares: Floats) -> Floats:
+        """Return each situation's mean of the features, weighted with `shares`."""
+        weighted = shares[:, None] * self.features
+        return np.asarray(np.add.reduceat(weighted, self.starts), np.float64)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,9 +173,9 @@ def fit_choices(data: Choices) -> ChoiceFit:
         The parameters must be identified by the situations: where some are not (a condition that
         never lost), `converged` is False.
     """
-    counts = _counts(data)
-    parameters = np.zeros(data.situations[0].features.shape[1])
-    value, score, hessian = _derivatives(data.situations, counts, parameters)
+    table = Tabulated.of_choices(data)
+    parameters = np.zeros(table.features.shape[1])
+    value, score, hessian = _derivatives(table, parameters)
     converged = False
     for _ in range(STEPS):
         try:
@@ -123,7 +184,7 @@ def fit_choices(data: Choices) -> ChoiceFit:
             break
         size = 1.0
         while True:
-            tried = _derivatives(data.situations, counts, parameters + size * step)
+            tried = _derivatives(table, parameters + size * step)
             if tried[0] >= value - 1e-12 * abs(value) or size < 1e-8:
                 break
             size /= 2
@@ -132,36 +193,23 @@ def fit_choices(data: Choices) -> ChoiceFit:
         if np.abs(step).max(initial=0.0) < FLAT:
             converged = True
             break
-    return _with_errors(data, parameters, value, hessian, converged)
+    return _with_errors(data, table, parameters, value, hessian, converged)
 
 
-def _counts(data: Choices) -> list[Floats]:
-    """Return, for each situation, how often each way was chosen."""
-    flat = np.bincount(data.kind, minlength=int(data.starts[-1]))
-    return [np.asarray(part, np.float64) for part in np.split(flat, data.starts[1:-1])]
-
-
-def _derivatives(
-    situations: Sequence[Situation], counts: Sequence[Floats], parameters: Floats
-) -> tuple[float, Floats, Floats]:
+def _derivatives(table: Tabulated, parameters: Floats) -> tuple[float, Floats, Floats]:
     """Return log-likelihood, its gradient and minus its second derivatives."""
-    value, score = 0.0, np.zeros_like(parameters)
-    hessian = np.zeros((len(parameters), len(parameters)))
-    for situation, count in zip(situations, counts, strict=True):
-        votes = count @ situation.ways
-        total = votes.sum()
-        logs = log_softmax(situation.features @ parameters)
-        shares = np.exp(logs)
-        mean = shares @ situation.features
-        value += float(votes @ logs)
-        score += votes @ situation.features - total * mean
-        weighted = situation.features.T * shares
-        hessian += total * (weighted @ situation.features - np.outer(mean, mean))
-    return value, score, hessian
+    logs = table.log_shares(parameters)
+    shares = np.exp(logs)
+    means = table.means(shares)
+    expected = shares * table.totals[table.of]
+    score = (table.votes - expected) @ table.features
+    hessian = (table.features.T * expected) @ table.features - (means.T * table.totals) @ means
+    return float(table.votes @ logs), score, hessian
 
 
 def _with_errors(
     data: Choices,
+    table: Tabulated,
     parameters: Floats,
     value: float,
     hessian: Floats,
@@ -171,18 +219,21 @@ def _with_errors(
         bread = np.asarray(np.linalg.inv(hessian), np.float64)
     except np.linalg.LinAlgError:
         bread = np.full_like(hessian, np.nan)
-    scores = []
-    for situation in data.situations:
-        shares = np.exp(log_softmax(situation.features @ parameters))
-        scores.append(situation.ways @ (situation.features - shares @ situation.features))
-    robust, clustered = sandwiches(bread, np.concatenate(scores), data.kind, data.cluster)
+    means = table.means(np.exp(table.log_shares(parameters)))
+    scores = [
+        situation.ways @ (situation.features - mean)
+        for situation, mean in zip(data.situations, means, strict=True)
+    ]
+    robust, clustered = sandwiches(
+        bread, np.concatenate(scores), data.kind, data.cluster, data.times
+    )
     return ChoiceFit(
         estimates=parameters,
         by_model=bread,
         robust=robust,
         clustered=clustered,
         log_likelihood=value,
-        choices=len(data.way),
+        choices=len(data.way) if data.times is None else int(data.times.sum()),
         clusters=int(data.cluster.max(initial=-1)) + 1,
         converged=converged,
     )

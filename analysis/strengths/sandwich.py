@@ -10,7 +10,9 @@ Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 
 
-def sandwiches(bread: Floats, scores: Floats, kind: Codes, cluster: Codes) -> tuple[Floats, Floats]:
+def sandwiches(
+    bread: Floats, scores: Floats, kind: Codes, cluster: Codes, times: Codes | None = None
+) -> tuple[Floats, Floats]:
     """Return the covariance robust to a wrong model (HC0), and the clustered one (CR0).
 
     Parameters
@@ -21,13 +23,15 @@ def sandwiches(bread: Floats, scores: Floats, kind: Codes, cluster: Codes) -> tu
         Gradient of the log-likelihood of each kind of answer.
     kind, cluster : ndarray of int, shape (N,)
         Each answer's kind, and whose it is; from 0.
+    times : ndarray of int, shape (N,), optional
+        How many answers each row stands for; one each unless given.
     """
+    weights = np.ones(len(kind)) if times is None else times.astype(np.float64)
     table = sparse.coo_matrix(
-        (np.ones(len(kind)), (cluster, kind)),
-        shape=(int(cluster.max(initial=-1)) + 1, len(scores)),
+        (weights, (cluster, kind)), shape=(int(cluster.max(initial=-1)) + 1, len(scores))
     ).tocsr()
     by_cluster = np.asarray(table @ scores, np.float64)
-    counts = np.bincount(kind, minlength=len(scores))[:, None]
+    counts = np.bincount(kind, weights=weights, minlength=len(scores))[:, None]
     return (
         bread @ (scores.T @ (counts * scores)) @ bread,
         bread @ (by_cluster.T @ by_cluster) @ bread,
