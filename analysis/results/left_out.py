@@ -26,6 +26,8 @@ class LeftOut:
         Each participant left out, and the reason.
     rules : tuple of RuleOutcome
         In the order in which they were applied.
+    kept : DataFrame
+        Answers to practice, main and repeated trials of those whom every rule kept.
     analysed, everyone : DataFrame
         Main and repeat answers of those whom every rule kept; of all.
     recruited, attentive : int
@@ -34,6 +36,7 @@ class LeftOut:
 
     exclusions: dict[str, str]
     rules: tuple[RuleOutcome, ...]
+    kept: pd.DataFrame
     analysed: pd.DataFrame
     everyone: pd.DataFrame
     recruited: int
@@ -51,13 +54,15 @@ def leave_out(table: AnswerTable, max_catch_failures: int = MAX_CATCH_FAILURES) 
         rules.append(failed_catch_trials(max_catch_failures))
     found = exclude(_sessions(table), rules)
     exclusions = {one.study_session: one.reason for one in found.exclusions}
-    everyone = table.answers[table.answers["kind"].isin(ANALYSED_KINDS)]
-    kept = ~everyone["participant"].isin(list(exclusions))
+    shown = table.shown
+    stays = ~shown["participant"].isin(list(exclusions))
+    counts = shown["kind"].isin(ANALYSED_KINDS)
     return LeftOut(
         exclusions=exclusions,
         rules=found.outcomes,
-        analysed=everyone[kept].reset_index(drop=True),
-        everyone=everyone.reset_index(drop=True),
+        kept=shown[stays].reset_index(drop=True),
+        analysed=shown[stays & counts].reset_index(drop=True),
+        everyone=shown[counts].reset_index(drop=True),
         recruited=len(table.participants),
         attentive=len(table.participants) - len(exclusions),
     )

@@ -16,6 +16,7 @@ from analysis.results.grouping import ByQuestion, by_question, codes, parts, set
 from analysis.results.left_out import LeftOut
 from analysis.results.place import ConditionPlace
 from analysis.results.preference import Preference, left_share, preference
+from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
 from analysis.tables.answers import AnswerTable
 
@@ -49,13 +50,14 @@ class MismatchResults:
     ----------
     conditions : tuple of MatchedCondition
         In the order of sets, conditions and questions.
-    side_bias, agreement : mapping of question to result
+    side_bias, agreement, test_retest : mapping of question to result
         See `ByQuestion`.
     """
 
     conditions: tuple[MatchedCondition, ...]
     side_bias: ByQuestion[OwnSideBias]
     agreement: ByQuestion[Agreement]
+    test_retest: ByQuestion[TestRetest]
 
 
 def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
@@ -86,6 +88,7 @@ def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
         conditions=tuple(replace(one, p_holm=p) for one, p in zip(found, corrected, strict=True)),
         side_bias=by_question(table, left_out.analysed, _side_bias),
         agreement=by_question(table, left_out.analysed, _agreement),
+        test_retest=by_question(table, left_out.kept, _retest),
     )
 
 
@@ -103,5 +106,12 @@ def _agreement(answers: pd.DataFrame) -> Agreement:
     """Agree about a segment's condition: how far its own speech is preferred."""
     count = len(answers["condition"].cat.categories)
     items = codes(answers, "segment") * count + codes(answers, "condition")
-    towards = sided(answers, _own_on_right(answers)).towards
-    return agreement_of(towards, codes(answers, "participant"), items)
+    return agreement_of(_towards(answers), codes(answers, "participant"), items)
+
+
+def _retest(answers: pd.DataFrame) -> TestRetest:
+    return retest_of(answers, _towards(answers), {"condition": codes(answers, "condition")})
+
+
+def _towards(answers: pd.DataFrame) -> NDArray[np.int64]:
+    return sided(answers, _own_on_right(answers)).towards

@@ -12,6 +12,11 @@ from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likeliho
 from analysis.results.sided import SidedAnswers
 from motion.errors import InputError
 
+SEPARATED: Final = (
+    "the answers are separated: all of them prefer the same one, so that log-odds have no finite "
+    "estimate"
+)
+
 UNTOLD_SIDE: Final = (
     "always shown on the same side: a preference for it cannot be told from one for the side"
 )
@@ -104,6 +109,8 @@ def _why_not(answers: SidedAnswers) -> str:
         return "one segment"
     if not answers.towards.any():
         return "all answers are ties"
+    if answers.towards.min() > 0 or answers.towards.max() < 0:
+        return SEPARATED
     if np.ptp(answers.responses) == 0:
         return "all answers alike"
     if answers.on_right.all() or not answers.on_right.any():

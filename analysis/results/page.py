@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from analysis.report import wording
@@ -90,11 +91,14 @@ def _answer(report: TableReport) -> tuple[str, ...]:
                 "each may have.",
             )
     decided = [text for p, text in tests if p < SIGNIFICANCE]
+    missing = sum(math.isnan(p) for p, _ in tests)
     sentence = (
         f"Of {wording.count(len(tests), 'test')}, {len(decided)} decide at {SIGNIFICANCE:g} after "
-        "Holm's correction"
+        f"Holm's correction{f': {listed(decided)}' if decided else ''}."
     )
-    return (f"{sentence}: {listed(decided)}." if decided else f"{sentence}.",)
+    if not missing:
+        return (sentence,)
+    return (sentence, f"{missing} could not be made; the notes under the tables say why.")
 
 
 def _better(a: str, b: str, first: bool) -> str:

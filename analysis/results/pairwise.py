@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from analysis.preferences.win_share import holm
 from analysis.responses import ANALYSED_KINDS
@@ -18,6 +19,7 @@ from analysis.results.left_out import LeftOut
 from analysis.results.margin import Equivalent, equivalent
 from analysis.results.place import PairPlace
 from analysis.results.preference import Preference, left_share, preference
+from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
 from analysis.results.strengths import Strengths, strengths_of
 from analysis.tables.answers import AnswerTable
@@ -52,7 +54,7 @@ class PairwiseResults:
     ----------
     comparisons : tuple of Comparison
         In the order of sets, conditions and questions.
-    side_bias, agreement, bradley_terry : mapping of question to result
+    side_bias, agreement, test_retest, bradley_terry : mapping of question to result
         See `ByQuestion`.
     equivalence : tuple of Equivalent
         In the order of `comparisons`; empty where no margin was stated.
@@ -61,6 +63,7 @@ class PairwiseResults:
     comparisons: tuple[Comparison, ...]
     side_bias: ByQuestion[SideBias]
     agreement: ByQuestion[Agreement]
+    test_retest: ByQuestion[TestRetest]
     bradley_terry: ByQuestion[Strengths]
     equivalence: tuple[Equivalent, ...]
 
@@ -87,6 +90,7 @@ def pairwise_results(
         comparisons=comparisons,
         side_bias=by_question(table, analysed, _side_bias),
         agreement=by_question(table, analysed, _agreement),
+        test_retest=by_question(table, left_out.kept, _retest),
         bradley_terry=by_question(table, analysed, strengths_of),
         equivalence=tuple(_equivalent(one, margin) for one in comparisons if margin is not None),
     )
@@ -145,8 +149,21 @@ def _side_bias(answers: pd.DataFrame) -> SideBias:
 
 def _agreement(answers: pd.DataFrame) -> Agreement:
     """Agree about a segment's comparison: how far a is preferred to b in it."""
+    shown = [*_pair(answers).values(), codes(answers, "segment")]
+    items = np.unique(np.stack(shown), axis=1, return_inverse=True)[1].ravel()
+    return agreement_of(
+        _towards(answers), codes(answers, "participant"), np.asarray(items, np.intp)
+    )
+
+
+def _retest(answers: pd.DataFrame) -> TestRetest:
+    return retest_of(answers, _towards(answers), _pair(answers))
+
+
+def _pair(answers: pd.DataFrame) -> dict[str, NDArray[np.intp]]:
     left, right = codes(answers, "left"), codes(answers, "right")
-    towards = sided(answers, right < left).towards
-    shown = np.stack([np.minimum(left, right), np.maximum(left, right), codes(answers, "segment")])
-    items = np.unique(shown, axis=1, return_inverse=True)[1].ravel()
-    return agreement_of(towards, codes(answers, "participant"), items.astype(np.intp))
+    return {"a": np.minimum(left, right), "b": np.maximum(left, right)}
+
+
+def _towards(answers: pd.DataFrame) -> NDArray[np.int64]:
+    return sided(answers, codes(answers, "right") < codes(answers, "left")).towards

@@ -19,6 +19,7 @@ from analysis.results.margin import Equivalent, within_margin
 from analysis.results.place import ConditionPlace, PairPlace
 from analysis.results.rating_contrasts import RatingContrast, rating_contrasts
 from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
+from analysis.results.retest import TestRetest, retest_of
 from analysis.tables.answers import AnswerTable
 
 
@@ -63,7 +64,7 @@ class RatingResults:
     ----------
     conditions : tuple of RatedCondition
         In the order of sets, questions and conditions.
-    clmm, agreement : mapping of question to result
+    clmm, agreement, test_retest : mapping of question to result
         See `ByQuestion`.
     contrasts : tuple of RatingContrast
         In the order of sets, questions and conditions.
@@ -75,6 +76,7 @@ class RatingResults:
     clmm: ByQuestion[RatingModel]
     contrasts: tuple[RatingContrast, ...]
     agreement: ByQuestion[Agreement]
+    test_retest: ByQuestion[TestRetest]
     equivalence: tuple[Equivalent, ...]
 
 
@@ -116,6 +118,7 @@ def rating_results(
         clmm=nested(table, models),
         contrasts=tuple(replace(c, p_holm=p) for c, p in zip(differences, corrected, strict=True)),
         agreement=by_question(table, analysed, _agreement),
+        test_retest=by_question(table, left_out.kept, _retest),
         equivalence=tuple(equivalents),
     )
 
@@ -172,3 +175,8 @@ def _agreement(answers: pd.DataFrame) -> Agreement:
     count = len(answers["condition"].cat.categories)
     items = codes(answers, "segment") * count + codes(answers, "condition")
     return agreement_of(answers["value"].to_numpy(), codes(answers, "participant"), items)
+
+
+def _retest(answers: pd.DataFrame) -> TestRetest:
+    values = answers["value"].to_numpy().astype(np.int64)
+    return retest_of(answers, values, {"condition": codes(answers, "condition")})

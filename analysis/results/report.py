@@ -14,6 +14,7 @@ from analysis.exclusions import RuleOutcome
 from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out
 from analysis.results.mismatch import MismatchResults, mismatch_results
 from analysis.results.pairwise import PairwiseResults, pairwise_results
+from analysis.results.quality import Quality, quality
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results
 from analysis.tables.answers import AnswerTable
@@ -76,6 +77,8 @@ class TableReport:
         What the table holds that is not analysed.
     remark : str
         Why there is nothing to report; empty where there is something.
+    quality : Quality
+        How answers were given.
     results : Results
         What the protocol gives.
     """
@@ -91,6 +94,7 @@ class TableReport:
     sets: tuple[str, ...]
     notes: tuple[str, ...]
     remark: str
+    quality: Quality
     results: Results
 
     def keys(self) -> dict[str, object]:
@@ -156,6 +160,7 @@ def analyse_table(
         sets=table.sets if table.has_sets else (),
         notes=table.notes,
         remark=_remark(table, left_out),
+        quality=quality(left_out.everyone),
         results=results,
     )
 

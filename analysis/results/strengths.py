@@ -77,7 +77,8 @@ def strengths_of(answers: pd.DataFrame) -> Strengths:
         )
     )
     alone = people(answers) < 2
-    unknown = bool(found.reason)
+    all_tied = not (answers["value"] != 3).any()
+    unknown = bool(found.reason) or all_tied
     hidden = alone or unknown
     return Strengths(
         strengths=named(names, found.strengths, hide=unknown),
@@ -91,7 +92,7 @@ def strengths_of(answers: pd.DataFrame) -> Strengths:
         n=found.answers,
         participants=found.participants,
         remark=_remark(alone, found.tie is None and not unknown),
-        reason=found.reason,
+        reason="all answers are ties" if all_tied else found.reason,
     )
 
 

@@ -1,0 +1,138 @@
+"""Tables as other platforms write them, with a known truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+THRESHOLDS = (-1.6, -0.45, 0.45, 1.6)
+
+
+def pairwise_table(
+    conditions: Sequence[str] = ("ours", "other", "static"),
+    questions: Sequence[str] = ("emotion",),
+    *,
+    participants: int = 12,
+    segments: int = 6,
+    effects: Sequence[float] = (1.2, 0.6, 0.0),
+    seed: int = 1,
+) -> pd.DataFrame:
+    """Every participant compares every pair in every segment; the first two come back."""
+    chance = np.random.default_rng(seed)
+    strength = dict(zip(conditions, effects, strict=True))
+    taste = chance.normal(0, 0.5, participants)
+    rows = []
+    for person in range(participants):
+        trials = [
+            ("practice" if segment < 2 else "main", segment, pair)
+            for segment in range(segments)
+            for pair in combinations(conditions, 2)
+        ]
+        trials += [("repeat", segment, pair) for kind, segment, pair in trials if kind != "main"]
+        for trial, (kind, segment, (a, b)) in enumerate(trials, start=1):
+            left, right = (a, b) if chance.random() < 0.5 else (b, a)
+            net = strength[right] - strength[left]
+            net *= 1 + taste[person]
+            for question in questions:
+                answer = int(np.digitize(net + chance.logistic(), THRESHOLDS)) + 1
+                rows.append(
+                    (f"p{person:02d}", f"s{segment}", question, trial, kind, left, right, answer)
+                )
+    header = ["participant", "segment", "question", "trial", "kind", "left", "right", "response"]
+    return pd.DataFrame(rows, columns=header)
+
+
+def catch_rows(participant: str, sides: str, answers: Sequence[int]) -> pd.DataFrame:
+    """One catch trial a side ('l' or 'r'), one question each."""
+    return pd.DataFrame(
+        {
+            "participant": participant,
+            "segment": "s0",
+            "question": "emotion",
+            "trial": [f"c{number}" for number in range(len(sides))],
+            "kind": "catch",
+            "left": ["ours" if side == "l" else "broken" for side in sides],
+            "right": ["ours" if side == "r" else "broken" for side in sides],
+            "response": list(answers),
+            "correct_side": ["left" if side == "l" else "right" for side in sides],
+        }
+    )
+
+
+def rating_table(
+    conditions: Sequence[str] = ("truth", "ours", "static"),
+    questions: Sequence[str] = ("match",),
+    *,
+    participants: int = 12,
+    segments: int = 6,
+    seed: int = 1,
+) -> pd.DataFrame:
+    """Every participant rates every condition in every segment; earlier conditions are better."""
+    chance = np.random.default_rng(seed)
+    rows = []
+    for person, mood in enumerate(chance.normal(0, 0.7, participants)):
+        for segment in range(segments):
+            for place, condition in enumerate(conditions):
+                for question in questions:
+                    latent = mood + 1.0 - 1.2 * place + chance.logistic()
+                    answer = int(np.digitize(latent, THRESHOLDS)) + 1
+                    rows.append((f"p{person:02d}", f"s{segment}", question, condition, answer))
+    header = ["participant", "segment", "question", "condition", "response"]
+    return pd.DataFrame(rows, columns=header)
+
+
+def ranking_table(
+    conditions: Sequence[str] = ("truth", "ours", "static"),
+    *,
+    participants: int = 12,
+    segments: int = 6,
+    seed: int = 1,
+) -> pd.DataFrame:
+    """Every participant ranks all conditions of every segment; earlier conditions are better."""
+    chance = np.random.default_rng(seed)
+    rows = []
+    for person in range(participants):
+        for segment in range(segments):
+            liking = -0.8 * np.arange(len(conditions)) + chance.gumbel(size=len(conditions))
+            for condition, place in zip(conditions, np.argsort(np.argsort(-liking)), strict=True):
+                rows.append((f"p{person:02d}", f"s{segment}", "realism", condition, place + 1))
+    header = ["participant", "segment", "question", "condition", "rank"]
+    return pd.DataFrame(rows, columns=header)
+
+
+def mismatch_table(
+    conditions: Sequence[str] = ("truth", "static"),
+    *,
+    participants: int = 12,
+    segments: int = 6,
+    seed: int = 1,
+) -> pd.DataFrame:
+    """Own speech is heard in the first condition, in the second it makes no difference."""
+    chance = np.random.default_rng(seed)
+    rows = []
+    for person in range(participants):
+        for segment in range(segments):
+            for place, condition in enumerate(conditions):
+                left = "own" if chance.random() < 0.5 else "other"
+                right = "other" if left == "own" else "own"
+                net = (1.0 if place == 0 else 0.0) * (1 if right == "own" else -1)
+                answer = int(np.digitize(net + chance.logistic(), THRESHOLDS)) + 1
+                rows.append(
+                    (f"p{person:02d}", f"s{segment}", "fits", condition, left, right, answer)
+                )
+    header = [
+        *("participant", "segment", "question", "condition"),
+        *("left_speech", "right_speech", "response"),
+    ]
+    return pd.DataFrame(rows, columns=header)
+
+
+TABLES = {
+    "pairwise": pairwise_table,
+    "rating": rating_table,
+    "ranking": ranking_table,
+    "mismatch": mismatch_table,
+}

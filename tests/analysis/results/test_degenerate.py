@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from analysis.results.page import table_page
+from analysis.results.plain import as_json
+from analysis.results.report import analyse_table
+from tests.analysis.results.made_tables import TABLES
+
+Change = Callable[[pd.DataFrame], pd.DataFrame]
+
+SAID_BESIDE = {"p_holm": "clmm", "share": "win_share", "set": None, "settings": None}
+"""Numbers whose neighbour says why they are missing; None: what may always be missing."""
+
+
+def says_why(result: dict[str, Any]) -> bool:
+    return bool(result.get("reason") or result.get("remark"))
+
+
+def _result(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def nulls_without_reason(value: Any, where: str = "") -> Iterator[str]:
+    """Give the places of missing numbers whose result says nothing about them."""
+    if isinstance(value, list):
+        for number, one in enumerate(value):
+            yield from nulls_without_reason(one, f"{where}[{number}]")
+    if not isinstance(value, dict):
+        return
+    for name, one in value.items():
+        own = isinstance(one, dict) and ("reason" in one or "remark" in one)
+        numbers = list(one.values()) if isinstance(one, dict) and not own else [one]
+        if None in numbers:
+            beside = SAID_BESIDE.get(name, name)
+            if beside and not says_why(value) and not says_why(_result(value.get(beside))):
+                yield f"{where}.{name}"
+        if own or None not in numbers:
+            yield from nulls_without_reason(one, f"{where}.{name}")
+
+
+def one_answer_everywhere(table: pd.DataFrame) -> pd.DataFrame:
+    answer = "rank" if "rank" in table else "response"
+    return table.assign(**{answer: 3 if answer == "response" else 1})
+
+
+def separated(table: pd.DataFrame) -> pd.DataFrame:
+    """The first condition, or the own speech, always wins."""
+    if "rank" in table:
+        places = {name: place for place, name in enumerate(table["condition"].unique(), 1)}
+        return table.assign(rank=table["condition"].map(places))
+    if "left_speech" in table:
+        return table.assign(response=table["left_speech"].map({"own": 1, "other": 5}))
+    if "left" in table:
+        order = list(pd.unique(table[["left", "right"]].to_numpy().ravel()))
+        better = table["left"].map(order.index) < table["right"].map(order.index)
+        return table.assign(response=better.map({True: 1, False: 5}))
+    first = table["condition"].iloc[0]
+    return table.assign(response=(table["condition"] == first).map({True: 5, False: 1}))
+
+
+def few_conditions(table: pd.DataFrame) -> pd.DataFrame:
+    if "left" in table:
+        return table[table[["left", "right"]].isin(["ours", "other"]).all(axis=1)]
+    return table[table["condition"] == table["condition"].iloc[0]]
+
+
+def same_side(table: pd.DataFrame) -> pd.DataFrame:
+    if "left_speech" in table:
+        return table.assign(left_speech="own", right_speech="other")
+    if "left" in table:
+        swapped = table[["left", "right"]].apply(sorted, axis=1, result_type="expand")
+        return table.assign(left=swapped[0], right=swapped[1])
+    return table
+
+
+CHANGES: dict[str, Change] = {
+    "empty": lambda table: table.iloc[:0],
+    "one participant": lambda table: table[table["participant"] == "p00"],
+    "one segment": lambda table: table[table["segment"] == "s3"],
+    "one answer": lambda table: table[table["segment"] == "s3"].iloc[:1],
+    "few conditions": few_conditions,
+    "one answer everywhere": one_answer_everywhere,
+    "perfectly separated": separated,
+    "always the same side": same_side,
+    "half finished": lambda table: table.sample(frac=0.4, random_state=1),
+    "practice alone": lambda table: table.assign(kind="practice"),
+    "everybody excluded": lambda table: table.assign(excluded="true"),
+    "disconnected": lambda table: pd.concat(
+        [
+            table.assign(participant="a" + table["participant"]),
+            table.assign(
+                participant="b" + table["participant"],
+                **{
+                    name: "z" + table[name]
+                    for name in ("left", "right", "condition")
+                    if name in table
+                },
+            ),
+        ]
+    ),
+    "two sets": lambda table: table.assign(set=(table["segment"] > "s2").map(str)),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("protocol", TABLES)
+def test_whatever_was_answered_no_number_is_missing_without_a_reason(
+    protocol: str, change: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "answers.csv"
+    CHANGES[change](TABLES[protocol](participants=6, segments=4)).to_csv(path, index=False)
+
+    report = analyse_table(
+        path, protocol, margin=0.1 if protocol in ("pairwise", "rating") else None
+    )
+    text = as_json(report.keys())
+
+    assert "NaN" not in text
+    assert "Infinity" not in text
+    assert list(nulls_without_reason(json.loads(text))) == []
+    assert table_page(report).answer

@@ -1,0 +1,29 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.results.mismatch import MismatchResults
+from analysis.results.report import analyse_table
+from tests.analysis.results.made_tables import mismatch_table
+
+
+def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> None:
+    table = mismatch_table()
+    path = tmp_path / "answers.csv"
+    table.to_csv(path, index=False)
+    found = analyse_table(path, "mismatch").results
+    assert isinstance(found, MismatchResults)
+
+    truth, static = found.conditions
+    own = table[table["condition"] == "truth"]
+    towards = np.where(own["right_speech"] == "own", 1, -1) * (own["response"] - 3)
+    assert truth.counts["own_strong"] == (towards == 2).sum()
+    assert truth.win_share.estimate == pytest.approx(((np.sign(towards) + 1) / 2).mean())
+    assert truth.clmm.estimate > static.clmm.estimate
+    assert truth.p_holm == pytest.approx(min(1, 2 * truth.clmm.p))
+    assert set(truth.share) == {"own", "other", "equal"}
+    bias = found.side_bias["fits"]
+    assert bias.own_on_left == pytest.approx((table["left_speech"] == "own").mean())  # type: ignore[union-attr]

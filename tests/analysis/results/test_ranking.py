@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from analysis.results.ranking import RankingResults
+from analysis.results.report import analyse_table
+from tests.analysis.results.made_tables import ranking_table
+
+
+def results(folder: Path, table: pd.DataFrame) -> RankingResults:
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    found = analyse_table(path, "ranking").results
+    assert isinstance(found, RankingResults)
+    return found
+
+
+def test_ranks_are_summarised_and_worths_follow_the_truth(tmp_path: Path) -> None:
+    table = ranking_table(participants=15)
+    found = results(tmp_path, table)
+    by_name = {one.condition: one for one in found.conditions}
+    expected = table.groupby("condition")["rank"]
+    for name, one in by_name.items():
+        assert one.mean_rank == pytest.approx(expected.mean()[name])
+        assert one.first_share == pytest.approx((expected.get_group(name) == 1).mean())
+        assert one.rank_percent[1] == pytest.approx(100 * one.first_share)
+        assert sum(one.rank_percent.values()) == pytest.approx(100)
+        assert one.mean_rank_interval.low < one.mean_rank < one.mean_rank_interval.high
+    fitted = found.plackett_luce["realism"]
+    worths = fitted.worths  # type: ignore[union-attr]
+    assert sum(worths.values()) == pytest.approx(0, abs=1e-9)
+    assert worths["truth"] > worths["ours"] > worths["static"]
+    agreed = found.kendall_w["realism"]
+    assert 0 < agreed.mean <= 1  # type: ignore[union-attr]
+    assert len(agreed.segments) == 6  # type: ignore[union-attr]
+
+
+def test_an_empty_rank_leaves_a_condition_out_of_its_ranking(tmp_path: Path) -> None:
+    table = ranking_table()
+    some = (
+        table["rank"]
+        .astype("Float64")
+        .mask((table["condition"] == "static") & (table["segment"] == "s1"))
+    )
+    found = results(tmp_path, table.assign(rank=some))
+    by_name = {one.condition: one for one in found.conditions}
+    assert by_name["truth"].n == 12 * 6
+    assert by_name["static"].n == 12 * 5
+    assert by_name["truth"].remark == "12 of 72 rankings leave conditions out"

@@ -1,0 +1,74 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.results.rating import RatingResults
+from analysis.results.report import analyse_table
+from tests.analysis.results.made_tables import rating_table
+
+REFERENCE = Path(__file__).parents[4] / "shared" / "reference" / "stats"
+
+
+def results(folder: Path, table: pd.DataFrame, margin: float | None = None) -> RatingResults:
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    found = analyse_table(path, "rating", margin=margin).results
+    assert isinstance(found, RatingResults)
+    return found
+
+
+@pytest.mark.skipif(not REFERENCE.exists(), reason="the reference results are not here")
+def test_it_agrees_with_r(tmp_path: Path) -> None:
+    table = pd.read_csv(REFERENCE / "ratings.csv").rename(
+        columns={"item": "segment", "method": "condition", "rating": "response"}
+    )
+    expected = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))
+    found = results(tmp_path, table.assign(question="match"), margin=0.3)
+
+    for one in found.conditions:
+        row = expected["table2"][one.condition]
+        assert (one.n, one.mean, one.sd) == pytest.approx((row["n"], row["mean"], row["sd"]))
+        assert {str(score): n for score, n in one.counts.items()} == row["counts"]
+    model, fitted = found.clmm["match"], expected["clmm"]
+    assert model.loglik == pytest.approx(fitted["loglik"], abs=1e-3)  # type: ignore[union-attr]
+    estimates = model.estimates  # type: ignore[union-attr]
+    for name, effect in fitted["beta"].items():
+        condition = name.removeprefix("method")
+        assert estimates[condition] - estimates["Ours"] == pytest.approx(effect, abs=1e-3)
+    for row in expected["emmeans_pairs_unadjusted"]:
+        pair = row["contrast"].split(" - ")
+        one = next(c for c in found.contrasts if {c.a, c.b} == set(pair))
+        sign = 1 if one.a == pair[0] else -1
+        assert one.estimate == pytest.approx(sign * row["estimate"], abs=1e-3)
+        assert one.se == pytest.approx(row["SE"], rel=1e-2)
+        assert one.p == pytest.approx(row["p.value"], rel=2e-2)
+
+
+def test_one_family_of_tests_holds_all_questions(tmp_path: Path) -> None:
+    table = rating_table(("x", "y"), ("match", "style"), participants=8, segments=4)
+    first, second = results(tmp_path, table).contrasts
+    assert (first.question, second.question) == ("match", "style")
+    assert min(first.p_holm, second.p_holm) == pytest.approx(2 * min(first.p, second.p))
+
+
+def test_a_slider_of_many_steps_has_means_but_no_ordinal_model(tmp_path: Path) -> None:
+    table = rating_table(("x", "y"), participants=8, segments=4)
+    steps = np.random.default_rng(1).integers(0, 20, len(table))
+    found = results(tmp_path, table.assign(response=20 * (table["response"] - 1) + steps))
+    assert found.conditions[0].mean > 20
+    assert not found.conditions[0].reason
+    assert "no ordered categories" in found.clmm["match"].reason  # type: ignore[union-attr]
+    assert found.contrasts[0].cliffs_delta.estimate > 0
+    assert found.contrasts[0].remark
+
+
+def test_scores_that_nobody_gave_are_counted_as_none(tmp_path: Path) -> None:
+    table = rating_table(("x", "y"), participants=4, segments=4)
+    found = results(tmp_path, table.assign(response=table["response"].clip(2, 4)))
+    assert list(found.conditions[0].counts) == [1, 2, 3, 4, 5]
+    assert found.conditions[0].counts[5] == 0

@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from motion.errors import InputError
+from studyapp.command.report_command import command
+from tests.analysis.results.made_tables import catch_rows, ranking_table
+
+
+def run(*arguments: str) -> str:
+    found = CliRunner().invoke(command, arguments, catch_exceptions=False)
+    assert found.exit_code == 0, found.output
+    return found.output
+
+
+def test_a_table_is_reported_without_a_study(tmp_path: Path) -> None:
+    table = tmp_path / "answers.csv"
+    ranking_table(participants=4, segments=3).to_csv(table, index=False)
+    out = tmp_path / "out"
+    said = run("--responses", str(table), "--protocol", "ranking", "--out", str(out))
+    assert str(out / "report.html") in said
+    assert json.loads((out / "results.json").read_text("utf-8"))["protocol"] == "ranking"
+    assert (out / "report.html").exists()
+    assert (out / "tables" / "conditions.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("allowed", "excluded"), [([], True), (["--max-catch-failures", "2"], False)]
+)
+def test_the_rule_of_catch_trials_can_be_changed(
+    allowed: list[str], excluded: bool, tmp_path: Path
+) -> None:
+    table = tmp_path / "answers.csv"
+    catch_rows("p01", "lr", (3, 3)).to_csv(table, index=False)
+    out = tmp_path / "out"
+    run("--responses", str(table), "--protocol", "pairwise", "--out", str(out), *allowed)
+    found = json.loads((out / "results.json").read_text("utf-8"))
+    assert ("p01" in found["exclusions"]) == excluded
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([], "there is nothing to report"),
+        (["--responses", "a.csv", "--out", "out"], "--protocol is missing"),
+        (["--responses", "a.csv", "--out", "o", "--protocol", "rating"], "no such file"),
+    ],
+)
+def test_what_is_missing_is_said(arguments: list[str], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        CliRunner().invoke(command, arguments, catch_exceptions=False)
+
+
+def test_a_study_and_a_table_at_once_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text("", "utf-8")
+    with pytest.raises(InputError, match="--margin cannot be given with a study folder"):
+        CliRunner().invoke(command, [str(tmp_path), "--margin", "0.1"], catch_exceptions=False)
