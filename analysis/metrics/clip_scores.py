@@ -21,7 +21,9 @@ from analysis.metrics.joint_positions import GESTURE_JOINTS, UPPER_BODY_JOINTS, 
 from analysis.metrics.presets import Preset
 from analysis.metrics.recorded_spread import RecordedSpread
 from analysis.metrics.result import MetricResult
+from analysis.metrics.semantic_recall import semantic_recall
 from analysis.metrics.velocity_error import velocity_error
+from motion.formats.semantic_txt import SemanticSpan, semantic_weights
 from motion.speech_onsets import DETECTOR
 
 FloatArray = NDArray[np.float64]
@@ -51,6 +53,7 @@ def clip_metrics(
     onsets: FloatArray | None = None,
     recorded: MeasuredClip | None = None,
     spread: RecordedSpread | None = None,
+    semantics: tuple[SemanticSpan, ...] | None = None,
 ) -> Iterator[MetricResult]:
     """Yield every metric of `preset` that the given material allows.
 
@@ -68,6 +71,8 @@ def clip_metrics(
         The recording of the same speech; without it there are no errors.
     spread : RecordedSpread or None
         Of all recordings; without it there is nothing that is normalised by them.
+    semantics : tuple of SemanticSpan or None
+        Which gestures carry meaning; without them there is no semantic recall.
     """
     positions = clip.joints.relative
     if onsets is not None:
@@ -81,7 +86,7 @@ def clip_metrics(
         world = positions + clip.joints.pelvis[:, None]
         yield foot_sliding(select(world, FEET), frame_rate=frame_rate)
     if recorded is not None:
-        yield from _correct(clip, recorded, frame_rate, preset, spread)
+        yield from _correct(clip, recorded, frame_rate, preset, spread, semantics)
         yield from _velocity_errors(positions, recorded.joints.relative, frame_rate, preset)
         if spread is not None:
             yield from _point_errors(
@@ -124,17 +129,25 @@ def _correct(
     frame_rate: float,
     preset: Preset,
     spread: RecordedSpread | None,
+    semantics: tuple[SemanticSpan, ...] | None,
 ) -> Iterator[MetricResult]:
-    for settings in preset.correct:
+    for settings in dict.fromkeys((*preset.correct, *preset.recalls)):
         both = [_represented(one, settings, spread) for one in (clip, recorded)]
         if both[0] is None or both[1] is None:
             continue
-        found = percent_correct_motion(both[0], both[1], settings=settings)
+        found = []
+        if settings in preset.correct:
+            found.append(percent_correct_motion(both[0], both[1], settings=settings))
+        if settings in preset.recalls and semantics is not None:
+            frames = max(map(len, (both[0], both[1])))
+            weights = semantic_weights(semantics, frames, frame_rate)
+            found.append(semantic_recall(both[0], both[1], weights, settings=settings))
         joints: tuple[str, ...] = UPPER_BODY_JOINTS
         if settings.representation != "positions":
             joints = GESTURE_JOINTS
         measured = {"joints": ", ".join(joints), "frame rate": f"{frame_rate:g} fps"}
-        yield replace(found, settings={**found.settings, **measured})
+        for result in found:
+            yield replace(result, settings={**result.settings, **measured})
 
 
 def _represented(

@@ -105,6 +105,7 @@ def study_metrics(
     *,
     frozen: Collection[str] = (),
     recorded: Mapping[str, Path] | None = None,
+    semantics: Mapping[str, Path] | None = None,
     presets: Iterable[str] = (REPORT,),
     own_files: bool = True,
     file_rate: float | None = None,
@@ -125,6 +126,8 @@ def study_metrics(
         Channels that the study holds still in its videos.
     recorded : mapping of segment to path, optional
         Recorded motion of the same speech, for metrics that compare with it.
+    semantics : mapping of segment to path, optional
+        Which gestures of the recordings carry meaning (`motion.formats.semantic_txt`).
     presets : iterable of str
         Names in `analysis.metrics.presets.PRESETS`.
     own_files : bool
@@ -151,7 +154,10 @@ def study_metrics(
     if not recordings:
         preset = preset.without_recordings()
     rates, usable, skipped = _frame_rates([*clips.values(), recordings], own_files, file_rate)
-    found = [_segment(name, clips, recordings, speech, usable) for name in _segments(clips)]
+    found = [
+        _segment(name, clips, recordings, speech, semantics or {}, usable)
+        for name in _segments(clips)
+    ]
     found = [files for files in found if files.clips]
     if not skip_unusable and skipped:
         raise skipped[0].error()
@@ -259,6 +265,7 @@ def _segment(
     clips: Mapping[str, Mapping[str, Path]],
     recordings: Mapping[str, Path],
     speech: Mapping[str, Excerpt],
+    semantics: Mapping[str, Path],
     usable: Collection[Path],
 ) -> SegmentFiles:
     recorded = recordings.get(name)
@@ -271,6 +278,7 @@ def _segment(
         },
         recorded=recorded if recorded in usable else None,
         speech=speech.get(name),
+        semantics=semantics.get(name),
     )
 
 

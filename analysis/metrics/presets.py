@@ -39,6 +39,8 @@ class Preset:
         Sliding of the feet.
     correct : tuple of CorrectSettings
         Percents of correct motion; they need recorded motion, as do all that follow.
+    recalls : tuple of CorrectSettings
+        Semantic-relevant gesture recalls; they need semantic scores too.
     absolute_errors, acceleration_errors : tuple of PointSettings
         Errors of joints in a box of one metre.
     velocity_errors : tuple of {'L1', 'L2'}
@@ -51,6 +53,7 @@ class Preset:
     pair_distance: bool = False
     foot_sliding: bool = False
     correct: tuple[CorrectSettings, ...] = ()
+    recalls: tuple[CorrectSettings, ...] = ()
     absolute_errors: tuple[PointSettings, ...] = ()
     acceleration_errors: tuple[PointSettings, ...] = ()
     velocity_errors: tuple[Norm, ...] = ()
@@ -59,20 +62,26 @@ class Preset:
     def needs_recorded_spread(self) -> bool:
         """Whether all recordings must be looked at before the first clip is measured."""
         return bool(self.absolute_errors or self.acceleration_errors) or any(
-            settings.representation == "normalised rotations" for settings in self.correct
+            settings.representation == "normalised rotations"
+            for settings in (*self.correct, *self.recalls)
         )
 
     @property
     def needs_rotations(self) -> bool:
         """Whether rotations are measured besides positions."""
         return self.needs_recorded_spread or any(
-            settings.representation != "positions" for settings in self.correct
+            settings.representation != "positions" for settings in (*self.correct, *self.recalls)
         )
 
     def without_recordings(self) -> Preset:
         """Return what of this can be measured without recorded motion."""
         return replace(
-            self, correct=(), absolute_errors=(), acceleration_errors=(), velocity_errors=()
+            self,
+            correct=(),
+            recalls=(),
+            absolute_errors=(),
+            acceleration_errors=(),
+            velocity_errors=(),
         )
 
 
@@ -90,16 +99,19 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             beats=(beat_alignment.AMUSE,),
             jerks=(HANDS_UNFILTERED,),
             correct=(correct_motion.AMUSE,),
+            recalls=(correct_motion.AMUSE,),
         ),
         "beat": Preset(
             beats=(beat_alignment.BEAT,),
             mean_pose_deviation=True,
             correct=(correct_motion.BEAT,),
+            recalls=(correct_motion.BEAT,),
         ),
         "diffsheg": Preset(
             beats=(beat_alignment.BEAT,),
             pair_distance=True,
             correct=(correct_motion.DIFFSHEG,),
+            recalls=(correct_motion.DIFFSHEG,),
         ),
         "genea": Preset(jerks=(GENEA,)),
         "s2ue": Preset(absolute_errors=(MAJE,), acceleration_errors=(MACE_POSES,)),
@@ -138,6 +150,7 @@ def _both(one: Preset, other: Preset) -> Preset:
         pair_distance=one.pair_distance or other.pair_distance,
         foot_sliding=one.foot_sliding or other.foot_sliding,
         correct=_once(one.correct + other.correct),
+        recalls=_once(one.recalls + other.recalls),
         absolute_errors=_once(one.absolute_errors + other.absolute_errors),
         acceleration_errors=_once(one.acceleration_errors + other.acceleration_errors),
         velocity_errors=_once(one.velocity_errors + other.velocity_errors),

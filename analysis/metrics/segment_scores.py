@@ -21,6 +21,7 @@ from motion.audio import read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion
+from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
 from motion.freeze import freeze
 from motion.resample import resample
 from motion.skeleton import joint_index
@@ -77,12 +78,15 @@ class SegmentFiles:
         The recorded motion of the same speech.
     speech : Excerpt or None
         What is said.
+    semantics : Path or None
+        Which of the recording's gestures carry meaning (`motion.formats.semantic_txt`).
     """
 
     segment: str
     clips: Mapping[str, Path]
     recorded: Path | None = None
     speech: Excerpt | None = None
+    semantics: Path | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,6 +152,7 @@ def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
     reader = _Reader(bench)
     onsets = _onsets(files.speech, reader) if bench.preset.beats and files.speech else None
     recorded = reader.clip(files.recorded) if files.recorded is not None else None
+    semantics = _semantics(files.semantics, reader) if bench.preset.recalls else None
     scores: list[ClipScore] = []
     upper_bodies: dict[str, NDArray[np.float32]] = {}
     for condition, path in files.clips.items():
@@ -161,6 +166,7 @@ def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
             onsets=onsets,
             recorded=None if path == files.recorded else recorded,
             spread=bench.spread,
+            semantics=semantics,
         )
         scores += [
             ClipScore(condition=condition, segment=files.segment, result=result)
@@ -196,6 +202,16 @@ def _onsets(speech: Excerpt, reader: _Reader) -> FloatArray | None:
         reader.skipped.append(SkippedFile.because(error))
         return None
     return speech_onsets(excerpt)
+
+
+def _semantics(path: Path | None, reader: _Reader) -> tuple[SemanticSpan, ...] | None:
+    if path is None:
+        return None
+    try:
+        return read_semantic_scores(path)
+    except InputError as error:
+        reader.skipped.append(SkippedFile.because(error))
+        return None
 
 
 class _Reader:

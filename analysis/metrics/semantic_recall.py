@@ -58,8 +58,8 @@ def semantic_recall(
         reason = "no frame has a semantic score above 0"
     value = math.nan
     if not reason:
-        correct = correct_joints(one, other, settings).mean(axis=1)
-        value = float(correct @ used / used.sum())
+        wrong = 1 - correct_joints(one, other, settings).mean(axis=1)
+        value = max(0.0, 1 - float(wrong @ used / used.sum()))  # rounding never leaves [0, 1]
     return MetricResult(
         name=f"semantic-relevant gesture recall ({settings.name})",
         value=value,

@@ -31,6 +31,7 @@ _folder = click.Path(path_type=Path, file_okay=False)
 @click.option("--generated", type=_folder, help="Motion files, or a folder of them per condition.")
 @click.option("--reference", type=_folder, help="Recorded motion of the same speech.")
 @click.option("--speech", type=_folder, help="Recordings named as the motion files are.")
+@click.option("--semantics", type=_folder, help="BEAT's semantic scores of the reference, .txt.")
 @click.option(
     "--preset",
     "presets",
@@ -60,6 +61,7 @@ def command(
     generated: Path | None,
     reference: Path | None,
     speech: Path | None,
+    semantics: Path | None,
     presets: tuple[str, ...],
     out: Path | None,
     cache: Path | None,
@@ -76,10 +78,10 @@ def command(
             "metrics are computed of a study or of folders, not of both or neither",
             remedy="Give a study folder, or --generated with a folder of motion files",
         )
-    if folder is not None and (reference or speech or cache or fps):
+    if folder is not None and (reference or speech or semantics or cache or fps):
         raise InputError(
-            "a study has its own reference, speech, joint positions and frame rates",
-            remedy="Leave out --reference, --speech, --cache and --fps, or give --generated",
+            "--reference, --speech, --semantics, --cache and --fps are for folders without a study",
+            remedy="Leave them out, or give --generated in place of the study folder",
         )
     target = out if folder is None else out or folder.metrics
     if target is not None:
@@ -95,6 +97,7 @@ def command(
                 speech,
                 presets=wanted,
                 processes=processes,
+                semantics=semantics,
                 cache=cache,
                 file_rate=fps,
                 on_progress=show,

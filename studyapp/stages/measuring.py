@@ -18,6 +18,7 @@ from studyapp.definition.study import GROUND_TRUTH
 Show = Callable[[int, int], None]
 
 _MOTION: Final = (".npz", ".npy", ".bvh")
+_SEMANTICS: Final = (".txt",)
 _SPEECH: Final = (".wav", ".flac", ".mp3", ".ogg", ".m4a")
 
 
@@ -79,6 +80,7 @@ def measure_folders(
     *,
     presets: Sequence[str],
     processes: int,
+    semantics: Path | None = None,
     cache: Path | None = None,
     file_rate: float | None = None,
     on_progress: Show | None = None,
@@ -95,6 +97,8 @@ def measure_folders(
         ``<segment>.wav``, or a table ``segments.csv`` with the recordings it names.
     presets, processes, on_progress
         As for `analysis.metrics.conditions.study_metrics`.
+    semantics : Path or None
+        ``<segment>.txt`` with BEAT's semantic scores of the reference.
     cache : Path or None
         Where joint positions are kept between runs.
     file_rate : float or None
@@ -126,6 +130,7 @@ def measure_folders(
         clips,
         _speech(speech) if speech is not None else {},
         recorded=recorded,
+        semantics=_files(semantics, _SEMANTICS, "semantic score") if semantics else None,
         presets=presets,
         own_files=False,
         file_rate=file_rate,

@@ -236,3 +236,44 @@ def test_files_are_taken_to_have_the_frame_rate_that_is_given(study, tmp_path):
     assert (fast.frame_rate, slow.frame_rate) == (30, 15)
     name = "jerk (hands, unfiltered)"
     assert of(fast, "waving", name).value == pytest.approx(8 * of(slow, "waving", name).value)
+
+
+def test_semantic_scores_choose_which_frames_are_recalled(recorded_study, tmp_path):
+    clips, _, recorded = recorded_study
+    spans = {"a": "beat\t0\t4\t4\t0.3\t", "b": "none\t0\t4\t4\t0\t"}
+    semantics = {segment: tmp_path / f"{segment}.txt" for segment in spans}
+    for segment, span in spans.items():
+        semantics[segment].write_text(span, encoding="utf-8")
+    metrics = study_metrics(
+        clips, {}, recorded=recorded, semantics=semantics, presets=("amuse", "beat")
+    )
+    for preset in ("amuse", "beat"):
+        copied = of(metrics, "copied", f"semantic-relevant gesture recall ({preset})")
+        assert copied.value == 1
+        assert copied.reason == "no frame has a semantic score above 0 (1 of 2 clips)"
+        waving = of(metrics, "waving", f"semantic-relevant gesture recall ({preset})")
+        assert waving.value == pytest.approx(
+            next(
+                s.result.value
+                for s in metrics.clips
+                if (s.condition, s.segment) == ("waving", "a")
+                and s.result.name == f"percent of correct motion ({preset})"
+            )
+        )
+    assert not any("recall" in s.name for s in metrics.conditions if s.condition == "recorded")
+
+
+def test_semantic_scores_that_cannot_be_read_are_named(recorded_study, tmp_path):
+    clips, _, recorded = recorded_study
+    damaged = tmp_path / "a.txt"
+    damaged.write_text("no annotation", encoding="utf-8")
+    metrics = study_metrics(
+        clips,
+        {},
+        recorded=recorded,
+        semantics={"a": damaged},
+        presets=("amuse",),
+        skip_unusable=True,
+    )
+    assert [file.where for file in metrics.skipped] == [f"{damaged}, line 1"]
+    assert not any("recall" in s.name for s in metrics.conditions)

@@ -117,3 +117,21 @@ def test_conditions_that_are_called_as_the_reference_are_refused(
 ) -> None:
     with pytest.raises(InputError, match="called 'same'"):
         measure_folders(folders("one/same", "a.npz"), folders("two/same", "a.npz"), None, **QUICK)
+
+
+def test_semantic_scores_are_found_by_their_names(
+    folders: Callable[..., Path], tmp_path: Path
+) -> None:
+    scores = tmp_path / "semantics"
+    scores.mkdir()
+    (scores / "a.txt").write_text("beat\t0\t1\t1\t0.3\t", encoding="utf-8")
+    metrics = measure_folders(
+        folders("ours", "a.npz"),
+        folders("recorded", "a.npz"),
+        None,
+        semantics=scores,
+        presets=("amuse",),
+        processes=1,
+    )
+    recalled = next(s for s in metrics.clips if "recall" in s.result.name)
+    assert (recalled.condition, recalled.result.value) == ("ours", 1)
