@@ -14,11 +14,8 @@ from typing import Annotated, Any, Final, Literal, Self
 import pandas as pd
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from analysis.trial_kinds import ANALYSED_KINDS as ANALYSED_KINDS
 from motion.errors import InputError
-
-ANALYSED_KINDS: Final = ("main", "repeat")
-"""Kinds of trial whose answers are analysed; practice and catch trials and attention
-checks never are."""
 
 Name = Annotated[str, Field(min_length=1)]
 

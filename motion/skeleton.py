@@ -9,7 +9,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 BODY_JOINTS: Final = (
     "pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2",
@@ -70,6 +69,9 @@ def forward_kinematics(
     rotations : ndarray, shape (T, 55, 3, 3)
         World rotation matrices.
     """
+    # Names of joints are needed where nothing is turned, and scipy is slow to load.
+    from scipy.spatial.transform import Rotation
+
     frames = len(poses)
     local = Rotation.from_rotvec(np.asarray(poses, float).reshape(-1, 3)).as_matrix()
     local = local.reshape(frames, JOINT_COUNT, 3, 3)

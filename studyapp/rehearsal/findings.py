@@ -9,7 +9,7 @@ from statistics import fmean
 from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
-from analysis.responses import ANALYSED_KINDS
+from analysis.trial_kinds import ANALYSED_KINDS
 from studyapp.definition.protocols.pairwise import comparison_name
 from studyapp.definition.protocols.ranking import RankingStudy
 from studyapp.definition.study import Study

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,20 +12,16 @@ from sqlalchemy import ColumnElement, select
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
-from studyapp.design.planned_trial import PlannedTrial
-from studyapp.design.stimulus import Content
-from studyapp.models import Place, StudySession, Trial, TrialStimulus, Video
+from studyapp.models import StudySession
 from studyapp.services.database import Database
 from studyapp.services.form_answers import entrance_answers
 from studyapp.services.places import least_filled, release_stale, take_allocation_turn
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sound_check import left_unheard
+from studyapp.services.trial_rows import new_token, store_trials
 from studyapp.services.versions import present_version
 from studyapp.services.votes import votes_so_far
-
-TOKEN_BYTES: Final = 24
-"""Random bytes of every token: 192 bits."""
 
 ONE_ARRIVAL: Final = threading.Lock()
 """Who waits for the allocation's turn keeps a connection to the database. A process whose arrivals
@@ -113,7 +108,7 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
         session.delete(known)
         session.flush()  # no two study sessions may have the same name
     study_session = StudySession(
-        token=secrets.token_urlsafe(TOKEN_BYTES),
+        token=new_token(),
         visit=arrival.visit,
         recruiter_participant=arrival.recruiter_participant,
         recruiter_study=arrival.recruiter_study,
@@ -125,12 +120,14 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
         conditions=list(served.arms[place.arm, place.design].conditions),
         consented_at=now,
         last_active_at=now,
-        trials=_trials(session, served, place),
         form_answers=answers,
     )
     session.add(study_session)
     place.study_session = study_session
     session.flush()
+    arm = served.arms[place.arm, place.design]
+    planned = served.study.plan(arm, place.number, served.segments, votes_so_far(session, served))
+    store_trials(session, study_session.id, planned, served)
     return study_session.token
 
 
@@ -140,52 +137,3 @@ def _is_same(arrival: Arrival) -> ColumnElement[bool]:
     return (StudySession.recruiter_participant == arrival.recruiter_participant) & (
         StudySession.recruiter_study == arrival.recruiter_study
     )
-
-
-def _trials(session: Session, served: ServedStudy, place: Place) -> list[Trial]:
-    arm = served.arms[place.arm, place.design]
-    votes = votes_so_far(session, served)
-    planned = served.study.plan(arm, place.number, served.segments, votes)
-    return [_trial(served, trial) for trial in planned]
-
-
-def _trial(served: ServedStudy, planned: PlannedTrial) -> Trial:
-    trial = Trial(
-        token=secrets.token_urlsafe(TOKEN_BYTES),
-        position=planned.position,
-        kind=planned.kind,
-        part=planned.part,
-        segment=planned.segment.name,
-        emotion=planned.segment.emotion,
-        speaker=planned.segment.speaker,
-        expected=planned.expected,
-        instructed=planned.instructed,
-        repeats=planned.repeats,
-    )
-    shown = 0
-    for number, content in enumerate(planned.videos, start=1):
-        _show(trial, served, content, video=number, first=shown + 1)
-        shown += len(content)
-    if planned.reference is not None:
-        _show(trial, served, (planned.reference,), video=0, first=0)
-    return trial
-
-
-def _show(trial: Trial, served: ServedStudy, content: Content, *, video: int, first: int) -> None:
-    """Add a video to `trial` and what it shows, counted from `first`."""
-    player = Video(
-        number=video,
-        token=secrets.token_urlsafe(TOKEN_BYTES),
-        duration=served.videos[content].duration,
-    )
-    trial.videos.append(player)
-    for number, stimulus in enumerate(content, start=first):
-        trial.stimuli.append(
-            TrialStimulus(
-                video=player,
-                number=number,
-                condition=stimulus.condition,
-                segment=stimulus.segment,
-                speech=stimulus.speech,
-            )
-        )

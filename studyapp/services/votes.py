@@ -7,7 +7,7 @@ from collections import defaultdict
 from sqlalchemy import select
 from sqlalchemy.orm import Session, aliased
 
-from analysis.responses import ANALYSED_KINDS
+from analysis.trial_kinds import ANALYSED_KINDS
 from studyapp.design.tally import NO_VOTES, Tally
 from studyapp.models import Response, StudySession, Trial, TrialStimulus
 from studyapp.services.served_study import ServedStudy

@@ -14,23 +14,19 @@ import pytest
 from motion.errors import InputError
 from studyapp.serving import run_server
 
-HEAVY = ("torch", "pyrender", "OpenGL", "matplotlib", "librosa", "anny", "statsmodels")
+HEAVY = (
+    *("torch", "pyrender", "OpenGL", "matplotlib", "librosa", "anny"),
+    *("statsmodels", "scipy", "pandas"),
+)
+"""None is needed to serve a study; each takes long to load, or hundreds of megabytes."""
 
 
-def test_the_server_loads_neither_networks_nor_renderer_nor_plots() -> None:
+def test_the_server_loads_nothing_heavy() -> None:
     code = "import json, sys, studyapp.serving; print(json.dumps(sorted(sys.modules)))"
 
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
 
     assert set(HEAVY) & set(json.loads(done.stdout)) == set()
-
-
-@pytest.mark.slow
-def test_the_server_is_loaded_within_seconds() -> None:
-    started = time.monotonic()
-    subprocess.run([sys.executable, "-c", "import studyapp.serving"], check=True)
-
-    assert time.monotonic() - started < 8
 
 
 def test_a_missing_video_is_named_before_anything_is_served(tiny_study: Path) -> None:
