@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -143,3 +144,15 @@ def test_strengths_that_do_not_exist_have_a_reason(
 def test_a_condition_beside_itself_is_refused() -> None:
     with pytest.raises(InputError, match="with itself"):
         votes_of(["a"], ["a"], [1], ["P"])
+
+
+def test_how_votes_are_counted_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    votes = made_votes()
+    counted = bradley_terry(votes)
+
+    monkeypatch.setattr("analysis.strengths.bradley_terry.ROOM", 0)
+    single = bradley_terry(replace(votes))
+
+    assert single.strengths == pytest.approx(counted.strengths)
+    assert single.errors == pytest.approx(counted.errors)
+    assert (single.answers, single.participants) == (counted.answers, counted.participants)
