@@ -36,6 +36,19 @@ def csv_tables(report: TableReport) -> dict[str, pd.DataFrame]:
     }
 
 
+def _flat(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Write lists of numbers or words into one cell, and leave lists of results out."""
+    found: dict[str, Any] = {}
+    for name, value in entry.items():
+        if isinstance(value, Mapping):
+            found[name] = _flat(value)
+        elif not isinstance(value, list):
+            found[name] = value
+        elif not any(isinstance(one, Mapping) for one in value):
+            found[name] = "; ".join(map(str, value))
+    return found
+
+
 def _rows(found: Mapping[str, Any], *, with_sets: bool) -> list[dict[str, Any]]:
     if not with_sets:
         return [{"question": question, **one} for question, one in found.items()]

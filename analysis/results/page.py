@@ -20,6 +20,7 @@ METHODS: Final = {
         "(CR1, t with min(participants, segments) − 1 degrees of freedom). p is the likelihood "
         "ratio of a cumulative link mixed model of the answer as given, left to right, with the "
         "side as covariate and its effect differing between participants and segments.",
+        "Bradley–Terry errors and ranks take the segments as the only ones of interest.",
     ),
     "mismatch": (
         "Win shares of the own speech count ties one half; their intervals are clustered by "
@@ -33,8 +34,9 @@ METHODS: Final = {
     ),
     "ranking": (
         "Worths are those of a Plackett–Luce model with ties, errors clustered by participant; "
-        "ranks hold together at 95 % (Bonferroni). Shares of first places have intervals "
-        "clustered by participant and segment.",
+        "ranks hold together at 95 % (Bonferroni). They take the segments as the only ones of "
+        "interest; shares of first places have intervals clustered by participant and segment, "
+        "which speak about further segments too.",
     ),
 }
 
@@ -109,7 +111,7 @@ def _better(a: str, b: str, first: bool) -> str:
 def _flow(report: TableReport) -> Section:
     rules = Table(
         caption="Rules in the order in which they apply; a participant counts under the first "
-        "that removes him or her.",
+        "that removes them.",
         header=("rule", "reached", "removed"),
         rows=tuple(
             cells(rule.description, str(rule.reached), str(rule.removed)) for rule in report.rules
