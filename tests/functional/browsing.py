@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from playwright.sync_api import Browser, Page, Request, sync_playwright
+from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
 
 CHROMIUM = Path("/usr/bin/chromium")
 ARGUMENTS = (
@@ -98,6 +99,12 @@ def watched_page(browser: Browser, address: str) -> Iterator[Page]:
     context.close()
     assert strangers == []
     assert [c for c in complaints if "ERR_INTERNET_DISCONNECTED" not in c] == []
+
+
+def expect_watched(page: Page, label: str) -> None:
+    """Wait until the page no longer asks for the video of that label."""
+    still_named = re.compile(rf"\b{label}\b")
+    expect(page.locator("#watched")).not_to_contain_text(still_named, timeout=15_000)
 
 
 def screenshots_folder(tmp_path: Path) -> Path:

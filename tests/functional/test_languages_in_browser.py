@@ -16,7 +16,7 @@ from studyapp.web.app import create_app
 from studyapp.web.language import Language, language_of, speak
 from studyapp.web.running import running
 from tests.finished_study import write_study_of_one_video
-from tests.functional.browsing import IN_A_BROWSER, launched, watched_page
+from tests.functional.browsing import IN_A_BROWSER, expect_watched, launched, watched_page
 from tests.functional.shown_studies import STUDIES, write_figure_video
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.page_reader import PageReader
@@ -84,8 +84,7 @@ def test_scripts_say_nothing_that_is_not_translated(browser: Browser, folder: Pa
         for number, video in enumerate(page.locator("video").all()):
             page.locator(".play").nth(number).click()
             assert english(page, study) == ""
-            label = video.get_attribute("data-label")
-            expect(page.locator("#watched")).to_contain_text(f"{label} ✓", timeout=15_000)
+            expect_watched(page, str(video.get_attribute("data-label")))
         for slider in page.locator("[type=number]").all():
             slider.fill("70")
         for menu in page.locator(".ranks select").all():
@@ -110,6 +109,6 @@ def test_the_checklist_is_said_in_the_language_of_the_study(
         assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")
         for label in "AB":
             page.locator(f"[data-label={label}]").click()
-            expect(page.locator("#watched")).to_contain_text(f"{label} ✓", timeout=15_000)
+            expect_watched(page, label)
         page.locator(".scale label").first.click()
         expect(page.locator("#needed")).to_have_text(done)

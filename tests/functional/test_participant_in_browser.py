@@ -201,7 +201,7 @@ def test_a_refresh_keeps_what_was_watched_and_chosen(
 def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, address: str) -> None:
     take_part(page, address)
     page.get_by_role("button", name="Play both").click()
-    wait_for_video(page, "currentTime > 1.2")
+    wait_for_video(page, "currentTime > 1")
 
     page.reload()
 

@@ -14,6 +14,7 @@ from studyapp.services.database import Database, sqlite_url
 from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,
+    expect_watched,
     launched,
     photograph,
     screenshots_folder,
@@ -71,7 +72,7 @@ def watch_all(page: Page, button: str = ".play") -> None:
     for number, label in enumerate(labels(page)):
         player = page.locator(".player").nth(number)
         player.locator(button).click()
-        expect(page.locator("#watched")).to_contain_text(f"{label} ✓", timeout=15_000)
+        expect_watched(page, label)
         assert page.locator(".playing").count() <= 1
 
 
