@@ -1,0 +1,175 @@
+"""Videos of conditions that move very differently, through the writers of the real pipeline."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final
+
+import av
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.audio import Audio, read_audio, write_wav
+from motion.segment import Segment
+from motion.segments_table import write_segments
+from renderer.dub import write_dubbed
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
+from renderer.look import BACKGROUND, Look
+from renderer.loudness import at_common_loudness
+from renderer.pair import write_pair
+
+SIZE: Final = 64
+FRAME_RATE: Final = 10
+SEGMENTS: Final = 9
+EMOTIONS: Final = ("happiness", "anger", "sadness")
+LOOK: Final = Look(size=SIZE, frame_rate=FRAME_RATE)
+
+PICTURE: Final = MappingProxyType({"crf": "18", "bf": "0", "sc_threshold": "0"})
+"""How `motionjury check` asks finished videos to be encoded."""
+
+SWINGS: Final = MappingProxyType({"still": 0.0, "calm": 6.0, "lively": 20.0, "broken": 30.0})
+"""How many pixels the figure of each condition swings; a broken one jumps about as well."""
+
+
+def write_speech(folder: Path) -> tuple[Segment, ...]:
+    """Write speech of different lengths and loudness, and return its segments."""
+    segments = []
+    for number in range(SEGMENTS):
+        seconds = 0.6 + number / FRAME_RATE
+        noise = np.random.default_rng(number).normal(0, 0.02 + 0.01 * (number % 3), SOUND_RATE * 2)
+        swell = np.abs(np.sin(np.arange(len(noise)) / (2000 + 500 * number)))
+        write_wav(folder / f"{number}.wav", Audio((noise * swell).astype(np.float32), SOUND_RATE))
+        segments.append(
+            Segment(
+                name=f"s{number}",
+                wav=f"{number}.wav",
+                start=0.0,
+                end=seconds,
+                speaker="robin",
+                emotion=EMOTIONS[number % len(EMOTIONS)],
+            )
+        )
+    write_segments(folder, segments)
+    return tuple(segments)
+
+
+def pictures(condition: str, segment: Segment) -> Iterator[NDArray[np.uint8]]:
+    """Yield the frames of a figure that swings as much as its condition does."""
+    chance = np.random.default_rng([*segment.name.encode(), *condition.encode()])
+    phase = chance.uniform(0, 6)
+    for index in range(round(segment.duration * FRAME_RATE)):
+        picture = np.full((SIZE, SIZE, 3), BACKGROUND, np.uint8)
+        left = round(26 + SWINGS[condition] * np.sin(index + phase) * 0.8)
+        picture[16:60, left : left + 12] = (70, 90, 130)
+        if condition == "broken":
+            top, side = chance.integers(0, SIZE - 16, 2)
+            picture[top : top + 16, side : side + 16] = chance.integers(0, 255, (16, 16, 3))
+        yield picture
+
+
+def write_clip(path: Path, condition: str, segment: Segment, speech: Path) -> None:
+    """Write one clip with its speech, as the renderer does."""
+    sound = at_common_loudness(
+        read_audio(speech / segment.wav, sample_rate=SOUND_RATE).cut(segment.start, segment.end)
+    )
+    _write(path, pictures(condition, segment), sound)
+
+
+def write_frames(path: Path, condition: str, segment: Segment) -> None:
+    """Write the frames of one clip without loss, as the renderer does for pairs."""
+    _write(path, pictures(condition, segment), None)
+
+
+def write_dub(path: Path, picture: Path, segment: Segment, other: Segment, speech: Path) -> None:
+    """Write a clip with the speech of another segment, as the renderer does."""
+    write_dubbed(
+        picture=picture,
+        speech=speech / other.wav,
+        start=other.start,
+        end=min(other.end, other.start + segment.duration),
+        seconds=segment.duration,
+        video=path,
+    )
+
+
+def write_composed(path: Path, sides: Sequence[Path], segment: Segment, speech: Path) -> None:
+    """Write two clips side by side, as the renderer does."""
+    left, right = sides
+    write_pair(
+        left=left, right=right, speech=speech / segment.wav, start=segment.start,
+        end=segment.end, video=path, look=LOOK,
+    )  # fmt: skip
+
+
+def _write(path: Path, frames: Iterable[NDArray[np.uint8]], sound: Audio | None) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with VideoWriter(path, SIZE, SIZE, FRAME_RATE, sound) as writer:
+        for frame in frames:
+            writer.write(video_frame(frame))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tool:
+    """Some other tool, by what it writes beside picture and sound.
+
+    Attributes
+    ----------
+    tags, handler : mapping of str to str
+        What it says of the file, and of each stream.
+    options : mapping of str to str
+        How it lays the file out.
+    sound_bits : int
+        Bits a second of its sound.
+    """
+
+    tags: Mapping[str, str] = field(default_factory=dict)
+    handler: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, str] = field(default_factory=dict)
+    sound_bits: int = 96_000
+
+
+TOOLS: Final = MappingProxyType(
+    {
+        "still": Tool(),
+        "calm": Tool(
+            tags={"title": "calm model", "comment": "checkpoint 12", "date": "2026-05-04"},
+            handler={"handler_name": "CalmNet", "language": "jpn"},
+            options={"movflags": "+faststart", "video_track_timescale": "12800"},
+            sound_bits=48_000,
+        ),
+        "lively": Tool(
+            tags={"encoder": "Recorder of a camera", "artist": "somebody"},
+            options={"movflags": "+faststart+use_metadata_tags", "brand": "mp42"},
+            sound_bits=160_000,
+        ),
+        "broken": Tool(handler={"handler_name": "jitter"}, options={"movie_timescale": "600"}),
+    }
+)
+
+
+def write_brought(path: Path, condition: str, segment: Segment, speech: Path) -> None:
+    """Write a finished video as the tool of its condition would, which says so in the file."""
+    tool = TOOLS[condition]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    sound = read_audio(speech / segment.wav, sample_rate=SOUND_RATE).cut(0.0, segment.end)
+    with av.open(str(path), "w", format="mp4", options=dict(tool.options)) as container:
+        container.metadata.update(tool.tags)
+        video: Any = container.add_stream("libx264", rate=FRAME_RATE, options=dict(PICTURE))
+        video.width = video.height = SIZE
+        video.pix_fmt = "yuv420p"
+        video.metadata.update(tool.handler)
+        audio: Any = container.add_stream("aac", rate=SOUND_RATE, layout="mono")
+        audio.bit_rate = tool.sound_bits
+        frame = av.AudioFrame.from_ndarray(
+            np.ascontiguousarray(sound.samples[None]), format="fltp", layout="mono"
+        )
+        frame.sample_rate, frame.pts, frame.time_base = SOUND_RATE, 0, Fraction(1, SOUND_RATE)
+        heard = [*audio.encode(frame), *audio.encode(None)]
+        for picture in pictures(condition, segment):
+            container.mux(video.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(video.encode(None))
+        container.mux(heard)

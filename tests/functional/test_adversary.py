@@ -1,0 +1,268 @@
+"""Whole study sessions of every protocol, in which nothing received tells what is hidden.
+
+An adversary keeps all that a browser receives, except the pictures and the sound themselves, and
+learns from half of the study sessions, with the truth given, to guess the other half. Leaks that
+are planted on purpose show that it would find one.
+"""
+
+from __future__ import annotations
+
+import random
+import shutil
+from base64 import urlsafe_b64encode
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from renderer.mp4_padding import pad_to_equal_size
+from studyapp.definition.finished_videos import finished_video
+from studyapp.definition.folder import StudyFolder
+from studyapp.design.stimulus import Content, Stimulus
+from studyapp.models import Trial, TrialStimulus
+from studyapp.services.served_study import ServedStudy
+from studyapp.web.app import create_app
+from studyapp.web.running import attach, running
+from tests.functional.adversary import unlike_videos
+from tests.functional.adversary.guessing import Guess, Sitting, guesses
+from tests.functional.adversary.listening import Exchange, HeardTrial, Listener
+from tests.functional.adversary.mp4_facts import facts_of
+from tests.functional.adversary.studies import STUDIES, write_study
+from tests.functional.adversary.telling import stimulus_facts, trial_facts
+from tests.studyapp.taking_part_steps import SetClock
+
+pytestmark = pytest.mark.slow
+
+SITTINGS: Final = 16
+CHANCE: Final = 0.01
+"""How probable it may be that any guess is called better than chance where none is."""
+GUESSES: Final = len(STUDIES) * 2 * 2
+"""Of conditions and of kinds, each half of every study's sittings."""
+
+Sat = list[HeardTrial]
+Change = Callable[[Exchange, Trial, Content | None], Exchange]
+"""Changes what was received, given the trial and, of a video, what it shows."""
+
+
+@dataclass(frozen=True)
+class Heard:
+    """A study, and everything that was received by those who took part in it."""
+
+    folder: StudyFolder
+    sittings: list[Sat]
+    questions: bool
+
+
+@pytest.fixture(scope="module")
+def heard(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Heard]:
+    """Return a function that has each study made and taken part in once."""
+
+    @cache
+    def take_part(name: str) -> Heard:
+        folder = write_study(tmp_path_factory.mktemp(name) / "study", name)
+        clock = SetClock()
+        app = create_app(folder.root)
+        with app.app_context(), pytest.MonkeyPatch.context() as patch:
+            # The same tokens, and so the same guesses, each time.
+            patch.setattr("secrets.token_urlsafe", seeded_tokens())
+            here = running()
+            attach(app, replace(here, clock=clock))
+            sittings = [Listener(app, clock).hear() for _ in range(SITTINGS)]
+        here.database.close()
+        return Heard(folder, sittings, questions=not STUDIES[name].instructs)
+
+    return take_part
+
+
+def seeded_tokens() -> Callable[[int], str]:
+    chance = random.Random(20260504)  # noqa: S311
+    return lambda size: urlsafe_b64encode(chance.randbytes(size)).decode().rstrip("=")
+
+
+def shape(sat: Sat) -> tuple[object, ...]:
+    """Return what anybody may know of a study session: its parts, and the speech heard twice."""
+    return tuple(
+        (t.truth.part, len(t.truth.conditions), t.truth.repeats, t.truth.kind == "practice")
+        for t in sat
+    )
+
+
+def by_condition(sittings: Sequence[Sat], *, questions: bool) -> list[Sitting]:
+    """Return the sittings, an item for each stimulus: what it shows, and with whose speech."""
+    made = []
+    for sat in sittings:
+        shown = [(t, stimulus) for t in sat for stimulus in t.truth.stimuli if stimulus.number]
+        rows = [stimulus_facts(t, s.number, questions=questions) for t, s in shown]
+        made.append(Sitting(rows, [f"{s.condition} {_sound(s)}" for _, s in shown], shape(sat)))
+    return made
+
+
+def by_kind(sittings: Sequence[Sat], *, questions: bool) -> list[Sitting]:
+    """Return the sittings, an item for each trial: its kind."""
+    return [
+        Sitting(
+            [trial_facts(t, questions=questions) for t in sat],
+            [t.truth.kind for t in sat],
+            shape(sat),
+        )
+        for sat in sittings
+    ]
+
+
+def _sound(stimulus: TrialStimulus) -> str:
+    if stimulus.speech is None:
+        return "muted"
+    return "own" if stimulus.speech == stimulus.segment else "other"
+
+
+def better_than_chance(sittings: Sequence[Sitting]) -> list[Guess]:
+    assert len({truth for sitting in sittings for truth in sitting.truth}) > 1
+    return [guess for guess in guesses(sittings) if guess.p < CHANCE / GUESSES]
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_an_adversary_does_no_better_than_chance(heard: Callable[[str], Heard], name: str) -> None:
+    found = heard(name)
+
+    assert better_than_chance(by_condition(found.sittings, questions=found.questions)) == []
+    assert better_than_chance(by_kind(found.sittings, questions=found.questions)) == []
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_files_that_may_stand_beside_each_other_tell_the_same(
+    heard: Callable[[str], Heard], name: str
+) -> None:
+    told = defaultdict(list)
+    for content, video in ServedStudy.read(heard(name).folder.root).videos.items():
+        data = video.file.read_bytes()
+        told[content[0].segment, content[0].speech is None].append(
+            {"": len(data), **facts_of(data)}
+        )
+
+    assert len(told) >= unlike_videos.SEGMENTS
+    for of_segment in told.values():
+        assert len(of_segment) > 1
+        assert all(facts == of_segment[0] for facts in of_segment)
+
+
+def planted(sittings: Sequence[Sat], change: Change) -> list[Sat]:
+    """Return what would have been received if `change` had been made to it."""
+    return [[_changed(trial, change) for trial in sat] for sat in sittings]
+
+
+def _changed(trial: HeardTrial, change: Change) -> HeardTrial:
+    shown = {
+        label: tuple(
+            Stimulus(condition=s.condition, segment=s.segment, speech=s.speech)
+            for s in trial.truth.stimuli
+            if s.number in numbers
+        )
+        for label, numbers in trial.numbers.items()
+    }
+    return replace(
+        trial,
+        pages=[change(exchange, trial.truth, None) for exchange in trial.pages],
+        videos={
+            label: [change(exchange, trial.truth, shown[label]) for exchange in exchanges]
+            for label, exchanges in trial.videos.items()
+        },
+    )
+
+
+def found_by_condition(study: Heard, change: Change) -> list[Guess]:
+    sittings = planted(study.sittings, change)
+    return better_than_chance(by_condition(sittings, questions=study.questions))
+
+
+def with_files(files: Mapping[Content, bytes]) -> Change:
+    """Return a change that puts other files in the place of those that were served."""
+
+    def change(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
+        del trial
+        if content is None or exchange.name != "whole":
+            return exchange
+        return replace(exchange, body=files[content])
+
+    return change
+
+
+def test_files_that_differ_in_size_would_be_told_apart(heard: Callable[[str], Heard]) -> None:
+    study = heard("players")
+    unpadded = {
+        content: without_padding(video.file.read_bytes())
+        for content, video in ServedStudy.read(study.folder.root).videos.items()
+    }
+
+    assert found_by_condition(study, with_files(unpadded))
+
+
+def without_padding(video: bytes) -> bytes:
+    end = video.index(b"mdat") - 4
+    return video[: end + int.from_bytes(video[end : end + 4], "big")]
+
+
+def test_files_as_other_tools_wrote_them_would_be_told_apart(
+    heard: Callable[[str], Heard], tmp_path: Path
+) -> None:
+    study = heard("players")
+    copies: dict[Content, Path] = {}
+    for content in ServedStudy.read(study.folder.root).videos:
+        original = finished_video(study.folder.videos, content[0])
+        copies[content] = tmp_path / "-".join(original.parts[-2:])
+        shutil.copyfile(original, copies[content])
+    pad_to_equal_size(list(copies.values()))
+    files = {content: copy.read_bytes() for content, copy in copies.items()}
+
+    assert len(set(map(len, files.values()))) == 1
+    assert found_by_condition(study, with_files(files))
+
+
+def test_an_encoder_that_follows_the_picture_would_be_found(
+    heard: Callable[[str], Heard], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(unlike_videos, "PICTURE", {"crf": "18"})
+    served = ServedStudy.read(write_study(tmp_path / "study", "players").root)
+    files = {content: video.file.read_bytes() for content, video in served.videos.items()}
+
+    assert found_by_condition(heard("players"), with_files(files))
+
+
+def test_a_header_that_depends_on_the_condition_would_be_found(
+    heard: Callable[[str], Heard],
+) -> None:
+    def leak(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
+        del trial
+        if content is None:
+            return exchange
+        own = ("X-Served-In", str(100 + len(content[0].condition)))
+        return replace(exchange, headers=(*exchange.headers, own))
+
+    assert found_by_condition(heard("players"), leak)
+
+
+def test_tokens_that_depend_on_the_condition_would_be_found(heard: Callable[[str], Heard]) -> None:
+    def leak(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
+        body = exchange.body
+        for video in trial.videos if content is None else ():
+            telling = video.stimuli[0].condition[0] + video.token[1:]
+            body = body.replace(video.token.encode(), telling.encode())
+        return replace(exchange, body=body)
+
+    assert found_by_condition(heard("players"), leak)
+
+
+def test_one_byte_that_depends_on_the_kind_would_be_found(heard: Callable[[str], Heard]) -> None:
+    def leak(exchange: Exchange, trial: Trial, content: Content | None) -> Exchange:
+        if content is None and exchange.name == "page" and trial.kind == "catch":
+            return replace(exchange, body=exchange.body + b"\n")
+        return exchange
+
+    study = heard("players")
+
+    sittings = planted(study.sittings, leak)
+
+    assert better_than_chance(by_kind(sittings, questions=study.questions))
