@@ -59,7 +59,6 @@ _KIND: Final = Column(
     name="kind",
     cells=TypeAdapter(list[Literal["practice", "main", "repeat", "catch", "attention"]]),
     meaning=f"one of {', '.join(KINDS)}",
-    needed="always",
     required=False,
 )
 

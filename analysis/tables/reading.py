@@ -49,7 +49,7 @@ def read_answers(path: Path, layout: Layout) -> AnswerTable:
     )
     everything = Checking(cells)
     people = everything.names(_COLUMN["participant"])
-    kinds = _kinds(cells, everything)
+    kinds = _kinds(everything)
     judged = ("catch",) if layout.has_sides else ()
     used = np.isin(kinds, (*ANALYSED_KINDS, "practice", *judged))
     checking = Checking(cells.part(used), np.isin(kinds[used], ANALYSED_KINDS))
@@ -74,10 +74,11 @@ def read_answers(path: Path, layout: Layout) -> AnswerTable:
     )
 
 
-def _kinds(cells: Cells, checking: Checking) -> NDArray[np.object_]:
-    if "kind" not in cells.rows:
-        return np.full(len(cells.rows), "main", object)
-    return np.asarray(checking.names(_COLUMN["kind"]), object)
+def _kinds(checking: Checking) -> NDArray[np.object_]:
+    """Return the kind of every row's trial; a trial is a main one unless the table says else."""
+    kinds = checking.names(_COLUMN["kind"])
+    names = np.array([*kinds.categories, "main"], object)
+    return np.asarray(names[kinds.codes], object)
 
 
 def _answers(layout: Layout, checking: Checking, kinds: NDArray[np.object_]) -> pd.DataFrame:

@@ -94,6 +94,12 @@ def test_a_condition_may_be_called_na(tmp_path: Path) -> None:
     assert read(tmp_path, pairs({"left": "NA"})).conditions == ("NA", "other")
 
 
+def test_a_trial_is_a_main_one_unless_the_table_says_otherwise(tmp_path: Path) -> None:
+    found = read(tmp_path, pairs({"kind": "practice"}, {"kind": None}))
+    assert found.answers["kind"].tolist() == ["practice", "main"]
+    assert read(tmp_path, pairs({})).answers["kind"].tolist() == ["main"]
+
+
 def test_unknown_columns_are_ignored_with_a_note(tmp_path: Path) -> None:
     found = read(tmp_path, pairs({"browser": "x", "emotion": "anger"}))
     assert found.notes == ("Columns that are not read: browser.",)
