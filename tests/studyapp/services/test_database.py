@@ -298,24 +298,24 @@ def test_a_rehearsal_never_answers_into_the_real_database(
 
 def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
     database = Database.open(sqlite_url(tmp_path / "line.db"))
-    held, began = threading.Event(), [threading.Event(), threading.Event()]
+    inside, held = threading.Event(), threading.Event()
     order: list[int] = []
 
     def write(number: int) -> None:
-        began[number].set()
         with database.writing():
             order.append(number)
 
     def hold() -> None:
         with database.writing():
-            held.wait()
+            inside.set()
+            held.wait(timeout=60)
 
     with ThreadPoolExecutor(3) as pool:
         first = pool.submit(hold)
+        assert inside.wait(timeout=60)
         waiting = []
         for number in range(2):
             waiting.append(pool.submit(write, number))
-            began[number].wait()
             while waiters(tmp_path / "line.db-line") <= number:
                 assert not first.done()
         held.set()
