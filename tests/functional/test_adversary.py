@@ -58,12 +58,18 @@ class Heard:
 
 
 @pytest.fixture(scope="module")
-def heard(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Heard]:
-    """Return a function that has each study made and taken part in once."""
+def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], StudyFolder]:
+    """Return a function that makes each study once."""
+    return cache(lambda name: write_study(tmp_path_factory.mktemp(name) / "study", name))
+
+
+@pytest.fixture(scope="module")
+def heard(made: Callable[[str], StudyFolder]) -> Callable[[str], Heard]:
+    """Return a function that has each study taken part in once."""
 
     @cache
     def take_part(name: str) -> Heard:
-        folder = write_study(tmp_path_factory.mktemp(name) / "study", name)
+        folder = made(name)
         clock = SetClock()
         app = create_app(folder.root)
         with app.app_context(), pytest.MonkeyPatch.context() as patch:
@@ -134,10 +140,10 @@ def test_an_adversary_does_no_better_than_chance(heard: Callable[[str], Heard], 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_files_that_may_stand_beside_each_other_tell_the_same(
-    heard: Callable[[str], Heard], name: str
+    made: Callable[[str], StudyFolder], name: str
 ) -> None:
     told = defaultdict(list)
-    for content, video in ServedStudy.read(heard(name).folder.root).videos.items():
+    for content, video in ServedStudy.read(made(name).root).videos.items():
         data = video.file.read_bytes()
         told[content[0].segment, content[0].speech is None].append(
             {"": len(data), **facts_of(data)}
