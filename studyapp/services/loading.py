@@ -81,7 +81,9 @@ def load_video(session: Session, study_session: StudySession, token: str) -> Vid
 
 
 def _load_batches(session: Session, videos: Sequence[Video]) -> None:
-    batches = session.scalars(BATCHES, {"videos": [video.id for video in videos]}).all()
+    # What was not shown yet has not been played.
+    shown = [video.id for video in videos if video.trial.shown_at is not None]
+    batches = session.scalars(BATCHES, {"videos": shown}).all() if shown else []
     for video in videos:
         own = [batch for batch in batches if batch.video_id == video.id]
         set_committed_value(video, "watch_batches", own)

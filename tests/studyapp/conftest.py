@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -55,14 +56,22 @@ def postgresql_url(postgresql: ThrowawayPostgresql) -> str:
     return postgresql.url
 
 
+@pytest.fixture(scope="session")
+def empty_sqlite(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an SQLite file of the newest schema that holds nothing; tests take copies."""
+    file = tmp_path_factory.mktemp("empty-database") / "empty.db"
+    Database.open(sqlite_url(file)).close()
+    return file
+
+
 @pytest.fixture
-def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+def database_url(request: pytest.FixtureRequest, tmp_path: Path, empty_sqlite: Path) -> str:
     """Return the address of a database: SQLite, or of the kind that the test is repeated for."""
     kind: DatabaseKind = getattr(request, "param", "sqlite")
     if kind == "postgresql":
         url: str = request.getfixturevalue("postgresql_url")
         return url
-    return sqlite_url(tmp_path / "responses.db")
+    return sqlite_url(shutil.copyfile(empty_sqlite, tmp_path / "responses.db"))
 
 
 @pytest.fixture
@@ -93,8 +102,9 @@ def opened(database: Database, served: ServedStudy, clock: SetClock) -> Database
 
 
 @pytest.fixture
-def app(tiny_study: Path, clock: SetClock) -> Iterator[Flask]:
+def app(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Flask]:
     """Return the application of `tiny_study` on a clock that the test moves."""
+    shutil.copyfile(empty_sqlite, tiny_study / "responses.db")
     made = create_app(tiny_study)
     with made.app_context():
         here = running()

@@ -115,7 +115,8 @@ def test_a_new_version_keeps_earlier_answers_apart(
     Participant(participant.database, changed, participant.clock).enrol("later")
 
     with participant.database.reading() as session:
-        numbers = [known.version.number for known in session.scalars(select(StudySession))]
+        known = session.scalars(select(StudySession).order_by(StudySession.id))
+        numbers = [study_session.version.number for study_session in known]
         places = session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all()
         assert len({place.design for place in places}) == 2
     assert numbers == [1, 2]
