@@ -81,7 +81,7 @@ def net_preference(answers: SidedAnswers) -> NetPreference:
     )
     try:
         full = fit(answers.responses, {"side": side}, random)
-        reduced = fit(answers.responses, {}, random)
+        reduced = fit(answers.responses, {}, random, errors=False)
     except InputError as error:
         return replace(unknown, reason=error.what)
     if not full.converged:

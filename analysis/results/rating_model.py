@@ -95,7 +95,7 @@ def rating_model(
     covariates = {name: (names == name).astype(np.float64) for name in shown[1:]}
     try:
         full = fit(ratings, covariates, random)
-        reduced = fit(ratings, {}, random)
+        reduced = fit(ratings, {}, random, errors=False)
     except InputError as error:
         return None, replace(unknown, reason=error.what)
     if not full.converged:
