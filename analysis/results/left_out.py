@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from analysis.exclusions import ExclusionRule, Reasons, RuleOutcome, exclude, failed_catch_trials
-from analysis.responses import ANALYSED_KINDS
 from analysis.tables.answers import AnswerTable
+from analysis.trial_kinds import ANALYSED_KINDS
 
 MAX_CATCH_FAILURES: Final = 1
 """Failed catch trials that a participant may have, unless told otherwise."""

@@ -11,7 +11,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.preferences.win_share import holm
-from analysis.responses import ANALYSED_KINDS
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
@@ -23,6 +22,7 @@ from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
 from analysis.results.strengths import Strengths, strengths_of
 from analysis.tables.answers import AnswerTable
+from analysis.trial_kinds import ANALYSED_KINDS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from analysis.preferences.clustered import clustered_mean
 from analysis.published.pooled import pooled_tests
-from analysis.responses import ANALYSED_KINDS
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import codes, people
 from analysis.results.net_preference import NetPreference, net_preference
@@ -21,6 +20,7 @@ from analysis.robustness.min_f import min_f
 from analysis.robustness.participant_means import group_means
 from analysis.robustness.sign_test import sign_test
 from analysis.robustness.wilcoxon import signed_rank
+from analysis.trial_kinds import ANALYSED_KINDS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.responses import ANALYSED_KINDS
 from analysis.tables.answers import AnswerTable
 from analysis.tables.cells import Cells, read_cells
 from analysis.tables.checking import Checking
 from analysis.tables.columns import MISSING, SHARED, Column
 from analysis.tables.layout import Layout
+from analysis.trial_kinds import ANALYSED_KINDS
 
 NOT_EXCLUDED: Final = frozenset({"false", "0", "no", "n", "f"})
 EXCLUDED: Final = frozenset({"true", "1", "yes", "y", "t", "x"})
