@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,13 +27,10 @@ from analysis.metrics.segment_scores import (
     recorded_extent,
     segment_scores,
 )
+from analysis.metrics.workers import Show, Workers
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.clip_npz import read_frame_rate
-
-Show = Callable[[int, int], None]
-_Task = TypeVar("_Task")
-_Found = TypeVar("_Found")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +165,7 @@ def study_metrics(
         own_files=own_files,
         file_rate=file_rate,
     )
-    with _Workers(processes) as workers:
+    with Workers(processes) as workers:
         if preset.needs_recorded_spread:
             files = sorted({f.recorded for f in found if f.recorded is not None})
             extents = workers.each(_ExtentOf(bench), files, None)
@@ -200,39 +194,6 @@ class _ExtentOf:
 
     def __call__(self, path: Path) -> ClipExtent | None:
         return recorded_extent(path, self.bench)
-
-
-class _Workers:
-    """Does tasks in this process, or in several; results come in the order of the tasks."""
-
-    def __init__(self, processes: int) -> None:
-        self._pool = None
-        if processes > 1:
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(processes, mp_context=context)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
-
-    def each(
-        self, do: Callable[[_Task], _Found], tasks: Sequence[_Task], on_progress: Show | None
-    ) -> list[_Found]:
-        """Return what `do` finds out about each of `tasks`."""
-        show = on_progress or (lambda done, total: None)
-        if self._pool is None:
-            results = []
-            for number, task in enumerate(tasks, start=1):
-                results.append(do(task))
-                show(number, len(tasks))
-            return results
-        futures = [self._pool.submit(do, task) for task in tasks]
-        for number, _ in enumerate(as_completed(futures), start=1):
-            show(number, len(tasks))
-        return [future.result() for future in futures]
 
 
 def _frame_rates(
