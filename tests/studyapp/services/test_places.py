@@ -10,9 +10,11 @@ from sqlalchemy import select
 from studyapp.models import Place, StudySession
 from studyapp.services.database import Database
 from studyapp.services.export import study_sessions_table
+from studyapp.services.places import release_stale
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.sitting import find
 from studyapp.services.versions import open_study
+from studyapp.services.watching import record_watched
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.three_arms import three_arms
 
@@ -48,6 +50,29 @@ def held(database: Database) -> dict[str, int]:
         return dict(
             Counter(session.scalars(select(Place.arm).where(Place.study_session_id.is_not(None))))
         )
+
+
+def test_a_report_of_what_was_played_gets_a_lost_place_back_and_is_stored(
+    participant: Participant,
+) -> None:
+    token = participant.trial().videos[0].token
+    participant.clock.advance(minutes=46)
+    with participant.database.writing() as session:
+        release_stale(session, participant.served, participant.clock.now())
+    assert not held(participant.database)
+
+    known = record_watched(
+        participant.database,
+        participant.served,
+        participant.token,
+        token,
+        batch=0,
+        intervals=[(0.0, 1.0)],
+        clock=participant.clock,
+    )
+
+    assert known.intervals == ((0.0, 1.0),)
+    assert sum(held(participant.database).values()) == 1
 
 
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
