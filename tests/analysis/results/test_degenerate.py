@@ -115,7 +115,7 @@ def test_whatever_was_answered_no_number_is_missing_without_a_reason(
     protocol: str, change: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "answers.csv"
-    CHANGES[change](TABLES[protocol](participants=6, segments=4)).to_csv(path, index=False)
+    CHANGES[change](TABLES[protocol](participants=4, segments=4)).to_csv(path, index=False)
 
     report = analyse_table(
         path, protocol, margin=0.1 if protocol in ("pairwise", "rating") else None
