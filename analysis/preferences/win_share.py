@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-from statsmodels.stats.multitest import multipletests
 
 from analysis.preferences.clustered import ClusteredMean, clustered_mean
 from analysis.preferences.counts import FiveLevelCounts, count_levels, towards_reference
@@ -96,7 +95,11 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     if not family.size:
         return ()
     missing = np.isnan(family)
-    corrected = multipletests(np.where(missing, 1.0, family), method="holm")[1]
+    tested = np.where(missing, 1.0, family)
+    order = np.argsort(tested, kind="stable")
+    steps = np.maximum.accumulate(tested[order] * np.arange(len(family), 0, -1))
+    corrected = np.empty_like(tested)
+    corrected[order] = np.minimum(1.0, steps)
     return tuple(float(p) for p in np.where(missing, math.nan, corrected))
 
 

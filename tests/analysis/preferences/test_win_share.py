@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from statsmodels.stats.multitest import multipletests
 
 from analysis.preferences.win_share import compare, compare_by_emotion, holm
 from analysis.responses import responses_frame
@@ -92,3 +93,9 @@ def test_one_segment_in_an_emotion_gives_no_interval(simulated_study):
     pair = ("rule_based_vs_static", "rule_based", "static")
     reasons = {p.win_share.reason for p in compare_by_emotion(main, [pair], ["emotion"])}
     assert reasons == {"one segment"}
+
+
+def test_the_correction_agrees_with_statsmodels() -> None:
+    family = np.random.default_rng(1).beta(0.4, 2.0, 30).round(3)
+    expected = multipletests(family, method="holm")[1]
+    assert holm(family.tolist()) == pytest.approx(expected.tolist())
