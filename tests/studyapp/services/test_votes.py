@@ -5,9 +5,9 @@ from pathlib import Path
 
 from studyapp.services.database import Database
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.withdrawing import withdraw
 from studyapp.services.versions import open_study
 from studyapp.services.votes import votes_so_far
+from studyapp.services.withdrawing import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
