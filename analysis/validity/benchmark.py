@@ -154,7 +154,7 @@ def overall(rows: Sequence[Row]) -> str:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Simulate, and print the table, the verdicts and the last lines."""
     parser = argparse.ArgumentParser(description="Simulate studies with a known truth.")
-    parser.add_argument("--studies", type=int, default=1000, help="of each design and effect")
+    parser.add_argument("--studies", type=int, default=600, help="of each design and effect")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     parser.add_argument("--only", choices=[e.name for e in EXPERIMENTS], help="one kind of study")
