@@ -1,6 +1,6 @@
 """Record the digits of the sound check with espeak-ng, in every language of the pages.
 
-Usage: python scripts/spoken_digits.py. It writes studyapp/web/digit_recordings/<language>/<digit>.wav
+Usage: python scripts/spoken_digits.py. It writes the files studyapp/web/digit_recordings/*/*.wav
 anew: 16 kHz, mono, cut close, each at the loudness of the videos.
 """
 
