@@ -19,6 +19,9 @@ Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 Ties = Literal["davidson", "half"]
 
+PART: Final = 32_768
+"""Answers counted at a time: as many as stay near the processor."""
+
 ROOM: Final = 8
 """Kinds of answers of all participants, for each answer, up to which all are counted out."""
 
@@ -59,14 +62,18 @@ class Votes:
         """
         count = len(self.conditions)
         kinds, people = 3 * count**2, int(self.participant.max(initial=-1)) + 1
-        cells = self.participant * count
-        # In place: a million answers are counted as fast as they can be read.
-        cells += self.left
-        cells *= count
-        cells += self.right
-        cells *= 3
-        cells -= self.outcome
-        cells += 1
+        cells = np.empty(len(self.participant), np.intp)
+        # Part by part and in place: a million answers are counted as fast as they can be read.
+        for start in range(0, len(cells), PART):
+            part = slice(start, start + PART)
+            own = cells[part]
+            np.multiply(self.participant[part], count, out=own)
+            own += self.left[part]
+            own *= count
+            own += self.right[part]
+            own *= 3
+            own -= self.outcome[part]
+            own += 1
         if people * kinds > ROOM * len(cells):
             return cells // kinds, cells % kinds, np.ones(len(cells), np.intp)
         counted = np.bincount(cells, minlength=people * kinds)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
+
+ROOM: Final = 8
+"""Cells of clusters and kinds, for each row, up to which empty ones are counted too."""
 
 
 def sandwiches(
@@ -27,10 +32,14 @@ def sandwiches(
         How many answers each row stands for; one each unless given.
     """
     weights = np.ones(len(kind)) if times is None else times.astype(np.float64)
-    table = sparse.coo_matrix(
-        (weights, (cluster, kind)), shape=(int(cluster.max(initial=-1)) + 1, len(scores))
-    ).tocsr()
-    by_cluster = np.asarray(table @ scores, np.float64)
+    clusters, kinds = int(cluster.max(initial=-1)) + 1, len(scores)
+    if clusters * kinds <= ROOM * len(kind):
+        cells = cluster * kinds + kind
+        flat = np.bincount(cells, weights=weights, minlength=clusters * kinds)
+        by_cluster = np.asarray(flat.reshape(clusters, kinds) @ scores, np.float64)
+    else:
+        table = sparse.coo_matrix((weights, (cluster, kind)), shape=(clusters, kinds))
+        by_cluster = np.asarray(table.tocsr() @ scores, np.float64)
     counts = np.bincount(kind, weights=weights, minlength=len(scores))[:, None]
     return (
         bread @ (scores.T @ (counts * scores)) @ bread,

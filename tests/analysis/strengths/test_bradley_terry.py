@@ -150,7 +150,9 @@ def test_how_votes_are_counted_changes_nothing(monkeypatch: pytest.MonkeyPatch) 
     votes = made_votes()
     counted = bradley_terry(votes)
 
-    monkeypatch.setattr("analysis.strengths.bradley_terry.ROOM", 0)
+    for module in ("bradley_terry", "sandwich"):
+        monkeypatch.setattr(f"analysis.strengths.{module}.ROOM", 0)
+    monkeypatch.setattr("analysis.strengths.bradley_terry.PART", 7)
     single = bradley_terry(replace(votes))
 
     assert single.strengths == pytest.approx(counted.strengths)
