@@ -120,6 +120,10 @@ def test_a_study_without_any_usable_clip_is_refused(study: StudyFolder) -> None:
 
 
 def test_a_face_that_the_body_cannot_show_is_said(study: StudyFolder) -> None:
+    text = study.definition.read_text("utf-8")
+    moving = text.replace('freeze = ["face", ', "freeze = [")
+    assert moving != text
+    study.definition.write_text(moving, "utf-8")
     path = study.clip("mismatched", "take_01")
     clip = read_clip(path)
     faces = np.full((len(clip), 100), 0.5)
