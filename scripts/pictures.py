@@ -9,12 +9,13 @@ from __future__ import annotations
 import os
 import shutil
 import socket
+import sqlite3
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import av
@@ -35,16 +36,17 @@ KEY_WORDS = ("house=0.62", "called=1.6", "summer=3.0", "breakfast=4.5", "enormou
 
 
 @contextmanager
-def served(folder: StudyFolder) -> Iterator[str]:
-    """Serve a study with a database that is thrown away."""
+def served(folder: StudyFolder) -> Iterator[tuple[str, Path]]:
+    """Serve a study with a database that is thrown away; give the address and the database."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     address = f"http://127.0.0.1:{port}/"
     with tempfile.TemporaryDirectory() as scratch:
+        database = Path(scratch) / "pictures.db"
         server = subprocess.Popen(
             ["motionjury", "serve", str(folder.root), "--port", str(port), "--workers", "1"],
-            env={**os.environ, "DATABASE_URL": f"sqlite:///{scratch}/pictures.db"},
+            env={**os.environ, "DATABASE_URL": f"sqlite:///{database}"},
         )
         try:
             for _ in range(100):
@@ -53,21 +55,30 @@ def served(folder: StudyFolder) -> Iterator[str]:
                     break
                 except httpx.ConnectError:
                     time.sleep(0.1)
-            yield address
+            yield address, database
         finally:
             server.terminate()
             server.wait()
 
 
-def picture_participant(page: Page, address: str) -> None:
+def picture_participant(page: Page, address: str, database: Path) -> None:
     """Go to the first trial, play it, and take the page."""
     page.goto(address)
     while page.query_selector("#answers") is None:
+        if (field := page.query_selector("input[name=digits]")) is not None:
+            field.fill(spoken(database))
         page.click("form[method=post] button[type=submit], form[method=post] button")
         page.wait_for_load_state()
     page.evaluate("document.querySelector('#pair').play()")
     page.wait_for_timeout(MOMENT * 1000)
     page.screenshot(path=DOCS / "participant.png")
+
+
+def spoken(database: Path) -> str:
+    """Return the digits that the sound check speaks to the only participant."""
+    with closing(sqlite3.connect(database)) as connection:
+        (digits,) = connection.execute("SELECT sound_digits FROM study_sessions").fetchone()
+    return str(digits)
 
 
 def picture_frames(folder: StudyFolder) -> None:
@@ -101,10 +112,10 @@ def main() -> None:
     """Take all pictures of the study named on the command line."""
     folder = StudyFolder(Path(sys.argv[1]))
     chromium = shutil.which("chromium")
-    with served(folder) as address, sync_playwright() as browsers:
+    with served(folder) as (address, database), sync_playwright() as browsers:
         browser = browsers.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
         page = browser.new_page(viewport={"width": 1366, "height": 768})
-        picture_participant(page, address)
+        picture_participant(page, address, database)
         page.set_viewport_size({"width": 1280, "height": 800})
         page.goto((folder.report / "report.html").resolve().as_uri())
         page.screenshot(path=DOCS / "report.png")
