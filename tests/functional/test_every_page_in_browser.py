@@ -19,7 +19,7 @@ from sqlalchemy import update
 
 from studyapp.models import StudySession
 from studyapp.web.running import attach, running
-from tests.functional.browsing import IN_A_BROWSER, LAPTOP, launched, watched_page
+from tests.functional.browsing import IN_A_BROWSER, LAPTOP, watched_page
 from tests.functional.every_page import fill, shown, spoken_digits, walk
 from tests.functional.shown_studies import NAMES, write_shown_study
 
@@ -32,12 +32,6 @@ SIZES = {
 }
 CONTRAST = {"runOnly": {"type": "rule", "values": ["color-contrast"]}}
 SEVERE = ("serious", "critical")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with launched() as chromium:
-        yield chromium
 
 
 def barriers(page: Page) -> list[str]:

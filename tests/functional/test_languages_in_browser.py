@@ -16,18 +16,12 @@ from studyapp.web.app import create_app
 from studyapp.web.language import Language, language_of, speak
 from studyapp.web.running import running
 from tests.finished_study import write_study_of_one_video
-from tests.functional.browsing import IN_A_BROWSER, expect_watched, launched, watched_page
+from tests.functional.browsing import IN_A_BROWSER, expect_watched, watched_page
 from tests.functional.shown_studies import STUDIES, write_figure_video
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.page_reader import PageReader
 
 pytestmark = IN_A_BROWSER
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with launched() as chromium:
-        yield chromium
 
 
 @pytest.fixture(scope="module")

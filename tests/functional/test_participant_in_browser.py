@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import shutil
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,16 +12,13 @@ from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import select
 
 from studyapp.models import Response, StudySession, Trial
-from studyapp.services.database import Database, sqlite_url
+from studyapp.services.database import Database
 from tests.functional.browsing import (
     IN_A_BROWSER,
     LAPTOP,
     VIEWPORTS,
-    launched,
     photograph,
     screenshots_folder,
-    serving,
-    watched_page,
 )
 
 pytestmark = IN_A_BROWSER
@@ -40,32 +36,6 @@ def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -
         "utf-8",
     )
     return folder
-
-
-@pytest.fixture(scope="module")
-def address(study: Path) -> Iterator[str]:
-    """Serve the study as `motionjury serve` does, and return where."""
-    with serving(study) as url:
-        yield url
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with launched() as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def page(browser: Browser, address: str) -> Iterator[Page]:
-    with watched_page(browser, address) as opened:
-        yield opened
-
-
-@pytest.fixture
-def database(study: Path) -> Iterator[Database]:
-    opened = Database.open(sqlite_url(study / "responses.db"))
-    yield opened
-    opened.close()
 
 
 @pytest.fixture

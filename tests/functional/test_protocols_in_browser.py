@@ -15,7 +15,6 @@ from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,
     expect_watched,
-    launched,
     photograph,
     screenshots_folder,
     serving,
@@ -23,12 +22,6 @@ from tests.functional.browsing import (
 )
 
 pytestmark = IN_A_BROWSER
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with launched() as chromium:
-        yield chromium
 
 
 @pytest.fixture(scope="module")

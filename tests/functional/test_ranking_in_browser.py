@@ -8,17 +8,11 @@ from itertools import permutations, product
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
-from tests.functional.browsing import IN_A_BROWSER, launched, watched_page
+from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown
 from tests.functional.shown_studies import write_shown_study
 
 pytestmark = IN_A_BROWSER
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with launched() as chromium:
-        yield chromium
 
 
 @pytest.fixture(scope="module")

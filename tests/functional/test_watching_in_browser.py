@@ -5,18 +5,18 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, Response, Route, expect
+from playwright.sync_api import Locator, Page, Response, Route, expect
 from sqlalchemy import select
 
 from studyapp.models import Trial, Video
-from studyapp.services.database import Database, sqlite_url
+from studyapp.services.database import Database
 from tests.finished_study import write_finished_study, write_short_video
-from tests.functional.browsing import IN_A_BROWSER, launched, serving, watched_page
+from tests.functional.browsing import IN_A_BROWSER
 
 pytestmark = IN_A_BROWSER
 
@@ -45,31 +45,6 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     text = definition.read_text("utf-8")
     definition.write_text(text.replace("participants = 3", "participants = 30"), "utf-8")
     return folder
-
-
-@pytest.fixture(scope="module")
-def address(study: Path) -> Iterator[str]:
-    with serving(study) as url:
-        yield url
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with launched() as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def page(browser: Browser, address: str) -> Iterator[Page]:
-    with watched_page(browser, address) as opened:
-        yield opened
-
-
-@pytest.fixture
-def database(study: Path) -> Iterator[Database]:
-    opened = Database.open(sqlite_url(study / "responses.db"))
-    yield opened
-    opened.close()
 
 
 def take_part(page: Page, address: str) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,14 +12,11 @@ from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import select
 
 from studyapp.models import FormAnswer, Response, StudySession, Trial, WatchBatch
-from studyapp.services.database import Database, sqlite_url
+from studyapp.services.database import Database
 from tests.functional.browsing import (
     IN_A_BROWSER,
     LAPTOP,
-    launched,
     screenshots_folder,
-    serving,
-    watched_page,
 )
 from tests.functional.browsing import photograph as photograph_in_every_size
 
@@ -83,31 +79,6 @@ def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -
         text = text.replace(old, new)
     definition.write_text(text + WAY, "utf-8")
     return folder
-
-
-@pytest.fixture(scope="module")
-def address(study: Path) -> Iterator[str]:
-    with serving(study) as url:
-        yield url
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with launched() as chromium:
-        yield chromium
-
-
-@pytest.fixture
-def page(browser: Browser, address: str) -> Iterator[Page]:
-    with watched_page(browser, address) as opened:
-        yield opened
-
-
-@pytest.fixture
-def database(study: Path) -> Iterator[Database]:
-    opened = Database.open(sqlite_url(study / "responses.db"))
-    yield opened
-    opened.close()
 
 
 def photograph(page: Page, name: str, *, resized: bool = True) -> None:

@@ -1,0 +1,38 @@
+"""What a module of browser tests has, once it says in a fixture `study` what is served."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from studyapp.services.database import Database, sqlite_url
+from tests.functional.browsing import launched, serving, watched_page
+
+
+@pytest.fixture(scope="module")
+def address(study: Path) -> Iterator[str]:
+    """Serve the study as `motionjury serve` does, and return where."""
+    with serving(study) as url:
+        yield url
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched() as chromium:
+        yield chromium
+
+
+@pytest.fixture
+def page(browser: Browser, address: str) -> Iterator[Page]:
+    with watched_page(browser, address) as opened:
+        yield opened
+
+
+@pytest.fixture
+def database(study: Path) -> Iterator[Database]:
+    opened = Database.open(sqlite_url(study / "responses.db"))
+    yield opened
+    opened.close()
