@@ -9,10 +9,22 @@ from markupsafe import Markup
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """One table cell; `best` marks the highest of its kind by weight and by a sign."""
+    """One table cell.
+
+    Attributes
+    ----------
+    text : str
+        As the page shows it.
+    value : float or None
+        The number behind the text: rows are sorted by it, and files hold it; None for words.
+    best, second : bool
+        Whether it is the best of its kind, shown bold, or the second best, underlined.
+    """
 
     text: str
+    value: float | None = None
     best: bool = False
+    second: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +45,9 @@ class Table:
         How many columns, from the left, hold text; the others hold numbers.
     notes : tuple of str
         Footnotes.
+    name : str
+        The table is also written as ``tables/<name>.tex`` and, unless `data` names another file,
+        as ``tables/<name>.csv``; empty for the page alone.
     data : str
         File in the report's ``tables`` folder with the full data; empty for none.
     """
@@ -43,16 +58,33 @@ class Table:
     groups: tuple[tuple[str, int], ...] = ()
     text_columns: int = 1
     notes: tuple[str, ...] = ()
+    name: str = ""
     data: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """A figure whose caption stands alone."""
+    """A figure whose caption stands alone.
+
+    Attributes
+    ----------
+    svg : Markup
+        The element that shows it on the page, with a text alternative.
+    caption : str
+        What it shows.
+    data : str
+        File in the report's ``tables`` folder with its numbers; empty for none.
+    name : str
+        Its file in the report's ``figures`` folder, without the ending; empty for none.
+    pdf : bytes
+        What that file holds.
+    """
 
     svg: Markup
     caption: str
-    data: str
+    data: str = ""
+    name: str = ""
+    pdf: bytes = b""
 
 
 @dataclass(frozen=True, kw_only=True)

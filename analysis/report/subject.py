@@ -1,0 +1,181 @@
+"""What a report is about, beside its answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+from analysis.metrics.conditions import StudyMetrics
+
+Origin = Literal["participants", "rehearsal", "table", "none"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excerpt:
+    """What is known of one segment of speech; empty where it is not known."""
+
+    emotion: str = ""
+    speaker: str = ""
+    transcript: str = ""
+    seconds: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arm:
+    """A group of places of a study, which its participants are shared out to.
+
+    Attributes
+    ----------
+    name : str
+        As researchers know it; empty where a study has one arm.
+    places : int or None
+        How many participants it waits for; None where it takes all who come.
+    opened, completed : int
+        Study sessions begun, and those that reached the end.
+    """
+
+    name: str
+    places: int | None
+    opened: int
+    completed: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownValue:
+    """What simulated raters were given to prefer.
+
+    Attributes
+    ----------
+    about : str
+        The comparison or the condition.
+    question : str
+        Name of the question.
+    value : float
+        Over all raters and all segments such as these: what an interval is an interval for.
+    on_these_segments : float
+        Over all raters, for the study's own segments, whose luck an estimate shares.
+    """
+
+    about: str
+    question: str
+    value: float
+    on_these_segments: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Still:
+    """One frame of what participants saw.
+
+    Attributes
+    ----------
+    condition, segment : str
+        Whose frame it is.
+    seconds : float
+        When, from the beginning of the video.
+    word : str
+        What is said there; empty where that is not known.
+    image : str
+        The picture as a ``data:`` address.
+    """
+
+    condition: str
+    segment: str
+    seconds: float
+    word: str
+    image: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Subject:
+    """What a report is about, beside its answers.
+
+    Attributes
+    ----------
+    title : str
+        The study's title, or the table's file.
+    origin : {'participants', 'rehearsal', 'table', 'none'}
+        Who answered: people, simulated raters, whoever filled a table, or nobody yet.
+    protocol : str
+        'pairwise', 'rating', 'ranking' or 'mismatch'.
+    conditions : tuple of str
+        What is compared, in the order of tables and figures.
+    questions : mapping of str to str
+        Name of each question to its text; '' where it is not known.
+    reference : str or None
+        Of a pairwise study: what all others are compared with.
+    recorded : str or None
+        The condition that is real recorded motion.
+    broken : str or None
+        The visibly broken motion of catch trials.
+    scale_labels : mapping of str to tuple of str
+        By question, what the points of its scale are called, worst first; () where unknown.
+    excerpts : mapping of str to Excerpt
+        By segment.
+    notes : tuple of str
+        What else a reader must know.
+    frozen : tuple of str
+        Channels that the videos hold still.
+    study_sha256 : str
+        Of the study's definition; '' for a table.
+    seed : int or None
+        Of the study's draws.
+    arms : tuple of Arm
+        A study's arms with their places; () for a table.
+    truth : tuple of KnownValue
+        Of a rehearsal: what its raters were given; () otherwise.
+    metrics : StudyMetrics or None
+        Automatic metrics of the conditions, where there are motions.
+    stills : tuple of Still
+        Frames of the conditions at chosen moments, by condition and then moment.
+    no_stills : str
+        Why there are none, in words that make a sentence; '' where there are some.
+    """
+
+    title: str
+    origin: Origin
+    protocol: str
+    conditions: tuple[str, ...]
+    questions: Mapping[str, str]
+    reference: str | None = None
+    recorded: str | None = None
+    broken: str | None = None
+    scale_labels: Mapping[str, tuple[str, ...]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
+    excerpts: Mapping[str, Excerpt] = field(default_factory=lambda: MappingProxyType({}))
+    notes: tuple[str, ...] = ()
+    frozen: tuple[str, ...] = ()
+    study_sha256: str = ""
+    seed: int | None = None
+    arms: tuple[Arm, ...] = ()
+    truth: tuple[KnownValue, ...] = ()
+    metrics: StudyMetrics | None = None
+    stills: tuple[Still, ...] = ()
+    no_stills: str = ""
+
+    @property
+    def people(self) -> str:
+        """What to call those who answered."""
+        return "simulated raters" if self.origin == "rehearsal" else "participants"
+
+    @property
+    def mark(self) -> str:
+        """What must be said on every screen, every printed page and every figure; or ''."""
+        return _MARKS[self.origin][0]
+
+    @property
+    def mark_short(self) -> str:
+        """The same in a word or two, for headings and captions."""
+        return _MARKS[self.origin][1]
+
+
+_MARKS: Mapping[Origin, tuple[str, str]] = MappingProxyType(
+    {
+        "participants": ("", ""),
+        "table": ("", ""),
+        "rehearsal": ("Rehearsal: simulated raters, no person answered", "rehearsal"),
+        "none": ("No participants yet: metrics only", "no participants yet"),
+    }
+)
