@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from analysis.preferences.segments import SegmentShare
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
-from analysis.report.svg import STYLE, WIDTH, inline_svg
+from analysis.report.ink import STYLE
+from analysis.report.svg import inline_svg
 
 FEW_SEGMENTS: Final = 6
 """With fewer segments than this, a clustered interval is a description, not a test."""
@@ -49,9 +50,9 @@ def emotion_figure(
     rows = len(labels) + 1
     reference, other = wording.name(overall[0].reference), wording.name(overall[0].other)
     hints: dict[str, str] = {}
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context({**STYLE, "font.size": 10.0}):
         height = 0.3 * rows + (1.45 if mark else 1.25)
-        figure = Figure(figsize=(WIDTH, height))
+        figure = Figure(figsize=(10.0, height))
         panels = figure.subplots(1, len(overall), squeeze=False, sharey=True)[0]
         figure.subplots_adjust(
             left=0.125,

@@ -16,7 +16,8 @@ from matplotlib.patches import Patch
 from analysis.preferences.counts import FiveLevelCounts
 from analysis.preferences.win_share import Preference
 from analysis.report import wording
-from analysis.report.svg import STYLE, WIDTH, inline_svg
+from analysis.report.ink import STYLE
+from analysis.report.svg import inline_svg
 
 COLOURS: Final = ("#0072b2", "#56b4e9", "#d9dce0", "#e69f00", "#d55e00")
 """Okabe & Ito's blue and vermillion pairs, grey between, in the order of the five levels."""
@@ -49,8 +50,8 @@ def preference_figure(
     height = lines * (0.5 * len(others) + 1.05) + 0.42
     reach = _reach(preferences)
     hints: dict[str, str] = {}
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, height))
+    with mpl.rc_context({**STYLE, "font.size": 10.0}):
+        figure = Figure(figsize=(10.0, height))
         grid = figure.add_gridspec(
             lines,
             3 * _COLUMNS - 1,

@@ -1,55 +1,75 @@
-"""Matplotlib figures as inline SVG: real text, ids of their own, the same bytes every time."""
+"""Matplotlib figures as files and as inline SVG: real text, ids of their own, equal bytes."""
 
 from __future__ import annotations
 
 import io
 import re
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 import matplotlib as mpl
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
-WIDTH: Final = 10.0
-"""Width of every figure in inches, at which text stays readable on A4."""
+from analysis.report.content import Picture
+from analysis.report.ink import FOLLOWS_THE_PAGE, STYLE
 
-STYLE: Final[dict[Any, Any]] = {
-    "svg.fonttype": "none",
-    "font.family": "DejaVu Sans",
-    "font.size": 10.0,
-    "text.parse_math": False,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.spines.left": False,
-    "axes.edgecolor": "#5f6670",
-    "axes.labelcolor": "#22262b",
-    "text.color": "#22262b",
-    "xtick.color": "#5f6670",
-    "xtick.labelcolor": "#22262b",
-    "ytick.color": "#5f6670",
-    "ytick.labelcolor": "#22262b",
-}
-"""Settings under which the report's figures are drawn."""
+WIDTH: Final = 7.2
+"""Width of every figure in inches: what A4 holds between its margins."""
 
 _ID: Final = re.compile(r'(id="|href="#|url\(#)')
+_COLOUR: Final = re.compile("|".join(FOLLOWS_THE_PAGE))
 
 
-def inline_svg(
-    figure: Figure, *, name: str, alt: str, hints: Mapping[str, str] | None = None
-) -> Markup:
-    """Return `figure` as an ``svg`` element for the body of an HTML page.
+def picture(
+    figure: Figure,
+    *,
+    name: str,
+    title: str,
+    alt: str,
+    caption: str,
+    data: str = "",
+    hints: Mapping[str, str] | None = None,
+) -> Picture:
+    """Return a figure for the page and for the folder of figures.
 
     Parameters
     ----------
     figure : Figure
-        Drawn under `STYLE`.
+        Drawn under `analysis.report.ink.STYLE`.
     name : str
-        Prefix that keeps the ids of several figures on one page apart.
+        Of its file, and prefix of its ids: letters, digits and '-'.
+    title : str
+        What it is, in a few words.
     alt : str
-        What the figure shows, for those who cannot see it.
+        What it shows, with its numbers, for those who cannot see it.
+    caption : str
+        What stands under it.
+    data : str, optional
+        File in the report's ``tables`` folder with its numbers.
     hints : mapping of str to str, optional
         Text shown on hover, by the gid of the artist it belongs to.
+    """
+    return Picture(
+        svg=inline_svg(figure, name=name, title=title, alt=alt, hints=hints),
+        caption=caption,
+        data=data,
+        name=name,
+        pdf=as_pdf(figure),
+    )
+
+
+def inline_svg(
+    figure: Figure,
+    *,
+    name: str,
+    alt: str,
+    title: str = "",
+    hints: Mapping[str, str] | None = None,
+) -> Markup:
+    """Return `figure` as an ``svg`` element for the body of an HTML page.
+
+    See `picture` for the parameters; without a title, `alt` alone names the figure.
     """
     stream = io.StringIO()
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}):
@@ -65,6 +85,25 @@ def inline_svg(
         group = f'<g id="{gid}">'
         body = body.replace(group, f"{group}<title>{escape(hint)}</title>", 1)
     body = _ID.sub(lambda found: f"{found.group(1)}{name}-", body)
-    return Markup(  # noqa: S704 - matplotlib escapes its text, hints are escaped above
-        body.replace("<svg", f'<svg role="img" aria-label="{escape(alt)}"', 1)
+    body = _COLOUR.sub(lambda found: FOLLOWS_THE_PAGE[found.group()], body)
+    return Markup(_named(body, name, title, alt))  # noqa: S704 - all words are escaped
+
+
+def as_pdf(figure: Figure) -> bytes:
+    """Return `figure` as a PDF file with embedded fonts and without a date."""
+    stream = io.BytesIO()
+    with mpl.rc_context(STYLE):
+        figure.savefig(stream, format="pdf", metadata={"CreationDate": None, "Producer": None})
+    return stream.getvalue()
+
+
+def _named(body: str, name: str, title: str, alt: str) -> str:
+    if not title:
+        return body.replace("<svg", f'<svg role="img" aria-label="{escape(alt)}"', 1)
+    labels = f'role="img" aria-labelledby="{name}-title" aria-describedby="{name}-desc"'
+    start = body.index(">", body.index("<svg")) + 1
+    words = (
+        f'<title id="{name}-title">{escape(title)}</title>'
+        f'<desc id="{name}-desc">{escape(alt)}</desc>'
     )
+    return (body[:start] + words + body[start:]).replace("<svg", f"<svg {labels}", 1)
