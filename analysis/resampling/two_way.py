@@ -88,8 +88,8 @@ def bootstrap_means(cells: Cells, *, resamples: int = 10_000, seed: int = 0) -> 
     found = []
     for start in range(0, resamples, BLOCK):
         size = min(BLOCK, resamples - start)
-        who = _drawn(chance, size, people)
-        what = _drawn(chance, size, things)
+        who = times_drawn(chance, size, people)
+        what = times_drawn(chance, size, things)
         totals = _drawn_sums(cells.counts, who, what)
         with np.errstate(invalid="ignore", divide="ignore"):
             found.append(
@@ -104,8 +104,14 @@ def percentile_interval(draws: Floats, level: float = 0.95) -> tuple[float, floa
     return float(low), float(high)
 
 
-def _drawn(chance: np.random.Generator, size: int, count: int) -> Floats:
-    """Return how often each of `count` was drawn in each of `size` resamples."""
+def times_drawn(chance: np.random.Generator, size: int, count: int) -> Floats:
+    """Return how often each of `count` was drawn in each of `size` resamples.
+
+    Returns
+    -------
+    ndarray, shape (size, count)
+        Every row adds up to `count`.
+    """
     drawn = chance.integers(count, size=(size, count))
     drawn += count * np.arange(size)[:, None]
     counted = np.bincount(drawn.ravel(), minlength=size * count)
