@@ -8,7 +8,7 @@ from typing import Literal
 
 import pandas as pd
 
-from analysis.exclusions import (
+from analysis.exclusions.study_sessions import (
     ExclusionResult,
     ExclusionRule,
     exclude,
@@ -16,7 +16,8 @@ from analysis.exclusions import (
     failed_catch_trials,
     incomplete_sessions,
 )
-from analysis.metrics.conditions import StudyMetrics, study_metrics
+from analysis.metrics.conditions import StudyMetrics
+from analysis.metrics.measuring import study_metrics
 from analysis.preferences.segments import SegmentShare, segment_shares
 from analysis.preferences.side_bias import SideBias, side_bias
 from analysis.preferences.win_share import Preference, compare, compare_by_emotion

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from analysis.exclusions import Flow
+from analysis.exclusions.study_sessions import Flow
 from analysis.report import wording
 from analysis.report.answer import people
 from analysis.report.content import Section, Table, cells

@@ -1,14 +1,17 @@
-"""Which participants of a table are left out, and why."""
+"""Which participants are left out, and the answers of those who are not."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
 import pandas as pd
 
-from analysis.exclusions import ExclusionRule, Reasons, RuleOutcome, exclude, failed_catch_trials
+from analysis.exclusions.applying import RuleOutcome, apply_rules
+from analysis.exclusions.rules import ExclusionRule, failed_catch_trials, marked
+from analysis.exclusions.sitting import KnownSitting
+from analysis.exclusions.sittings import NOTHING_KNOWN, sittings_of
 from analysis.tables.answers import AnswerTable
 from analysis.trial_kinds import ANALYSED_KINDS
 
@@ -24,8 +27,13 @@ class LeftOut:
     ----------
     exclusions : dict of str to str
         Each participant left out, and the reason.
+    removed_by : dict of str to int
+        The place in `rules` of the rule that removed each.
     rules : tuple of RuleOutcome
         In the order in which they were applied.
+    planned_exclusions : dict of str to str
+        Whom the rules leave out that were settled before answers could be seen, and the reason;
+        the same as `exclusions` where no rule is exploratory.
     kept : DataFrame
         Answers to practice, main and repeated trials of those whom every rule kept.
     analysed, everyone : DataFrame
@@ -35,78 +43,78 @@ class LeftOut:
     """
 
     exclusions: dict[str, str]
+    removed_by: dict[str, int]
     rules: tuple[RuleOutcome, ...]
+    planned_exclusions: dict[str, str]
     kept: pd.DataFrame
     analysed: pd.DataFrame
     everyone: pd.DataFrame
     recruited: int
     attentive: int
 
+    @property
+    def is_as_planned(self) -> bool:
+        """Whether exactly those are left out whom the rules settled beforehand leave out."""
+        return self.exclusions.keys() == self.planned_exclusions.keys()
 
-def leave_out(table: AnswerTable, max_catch_failures: int = MAX_CATCH_FAILURES) -> LeftOut:
-    """Leave out who is marked in the table, then who failed too many catch trials.
+    @property
+    def as_planned(self) -> pd.DataFrame:
+        """Main and repeat answers of those whom the rules settled beforehand keep."""
+        gone = self.everyone["participant"].isin(list(self.planned_exclusions))
+        return self.everyone[~gone].reset_index(drop=True)
 
-    A catch trial is failed when any of its questions is not answered with a weak or strong
-    preference for its correct side.
+
+def leave_out(
+    table: AnswerTable,
+    rules: Sequence[ExclusionRule],
+    *,
+    planned: Sequence[ExclusionRule] | None = None,
+    known: Mapping[str, KnownSitting] = NOTHING_KNOWN,
+) -> LeftOut:
+    """Apply `rules` in order; a participant counts under the first that removes them.
+
+    Parameters
+    ----------
+    table : AnswerTable
+        Answers of every kind of trial.
+    rules : sequence of ExclusionRule
+        In order.
+    planned : sequence of ExclusionRule, optional
+        Those that were settled before answers could be seen; without them, all of `rules` that
+        are not exploratory.
+    known : mapping of participant to KnownSitting
+        What a study knows beside the table.
     """
-    rules = [_marked(table.marked)] if table.marked else []
-    if (table.answers["kind"] == "catch").any():
-        rules.append(failed_catch_trials(max_catch_failures))
-    found = exclude(_sessions(table), rules)
-    exclusions = {one.study_session: one.reason for one in found.exclusions}
+    if planned is None:
+        planned = [rule for rule in rules if not rule.exploratory]
+    sittings = sittings_of(table, known)
+    removed = apply_rules(sittings, rules)
     shown = table.shown
-    stays = ~shown["participant"].isin(list(exclusions))
+    stays = ~shown["participant"].isin(list(removed.reasons))
     counts = shown["kind"].isin(ANALYSED_KINDS)
     return LeftOut(
-        exclusions=exclusions,
-        rules=found.outcomes,
+        exclusions=removed.reasons,
+        removed_by=removed.removed_by,
+        rules=removed.outcomes,
+        planned_exclusions=apply_rules(sittings, planned).reasons,
         kept=shown[stays].reset_index(drop=True),
         analysed=shown[stays & counts].reset_index(drop=True),
         everyone=shown[counts].reset_index(drop=True),
         recruited=len(table.participants),
-        attentive=len(table.participants) - len(exclusions),
+        attentive=len(table.participants) - len(removed.reasons),
     )
 
 
-def _marked(reasons: Reasons) -> ExclusionRule:
-    def apply(responses: pd.DataFrame) -> Reasons:
-        present = set(responses["study_session"])
-        return {person: reason for person, reason in reasons.items() if person in present}
+def table_rules(
+    table: AnswerTable, max_catch_failures: int = MAX_CATCH_FAILURES
+) -> tuple[ExclusionRule, ...]:
+    """Return the rules of a platform's table, which no study file states.
 
-    return ExclusionRule(name="marked", description="marked as excluded in the table", apply=apply)
-
-
-def _sessions(table: AnswerTable) -> pd.DataFrame:
-    """Return what the rules look at: everybody once, and the answers of catch trials."""
-    catch = table.answers[table.answers["kind"] == "catch"]
-    everybody = pd.DataFrame({"study_session": list(table.participants), "kind": "main"})
-    judged = pd.DataFrame(
-        {
-            "study_session": catch["participant"].astype(object),
-            "kind": "catch",
-            "position": _presentations(catch),
-            "value": catch["value"] - 3,
-            "expected": catch["correct_side"].astype(object),
-        }
-    )
-    return pd.concat([everybody, judged], ignore_index=True).assign(comparison="")
-
-
-def _presentations(catch: pd.DataFrame) -> pd.Series[int]:
-    """Return a number for each presentation: rows that differ in the question alone share it.
-
-    Where the table does not number trials, the second answer to one question about the same
-    presentation belongs to its second showing.
+    Who is marked in the table, then who failed too many catch trials; each only where the table
+    has something to apply it to.
     """
-    shown = [
-        name
-        for name in ("participant", "set", "trial", "segment", "left", "right", "condition")
-        if name in catch
-    ]
-    shown += [name for name in ("left_speech", "right_speech", "correct_side") if name in catch]
-    codes = pd.DataFrame({name: catch[name].cat.codes for name in [*shown, "question"]})
-    codes["showing"] = codes.groupby([*shown, "question"], sort=False).cumcount()
-    return pd.Series(
-        codes.groupby([*shown, "showing"], sort=False).ngroup().to_numpy(np.int64),
-        index=catch.index,
+    catches = bool((table.answers["kind"] == "catch").any())
+    return (
+        *((marked(),) if table.marked else ()),
+        *((failed_catch_trials(max_catch_failures),) if catches else ()),
     )

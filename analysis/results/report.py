@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -10,8 +11,9 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from analysis.exclusions import RuleOutcome
-from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out
+from analysis.exclusions.applying import RuleOutcome
+from analysis.exclusions.rules import ExclusionRule
+from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out, table_rules
 from analysis.results.mismatch import MismatchResults, mismatch_results
 from analysis.results.pairwise import PairwiseResults, pairwise_results
 from analysis.results.quality import Quality, quality
@@ -39,9 +41,9 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """What the researcher decided."""
+    """What the researcher decided; of a study, its rules of exclusion say about catch trials."""
 
-    max_catch_failures: int
+    max_catch_failures: int | None
     margin: float | None
 
 
@@ -110,6 +112,7 @@ def analyse_table(
     *,
     max_catch_failures: int = MAX_CATCH_FAILURES,
     margin: float | None = None,
+    exclude: Sequence[ExclusionRule] = (),
 ) -> TableReport:
     """Read a platform's table and analyse it.
 
@@ -124,34 +127,63 @@ def analyse_table(
     margin : float, optional
         Largest difference that does not matter, stated before the answers were seen: of a win
         share from one half, of two mean ratings in scores.
+    exclude : sequence of ExclusionRule
+        Exploratory rules, applied after those of every table.
 
     Raises
     ------
     InputError
         If the table cannot be used, or the protocol has no test of equivalence.
     """
-    if margin is not None and protocol not in ("pairwise", "rating"):
-        raise InputError(
-            f"a {protocol} study has no test of equivalence", remedy="Leave the margin out"
-        )
-    if margin is not None and not 0 < margin < float("inf"):
-        raise InputError(
-            f"the margin of equivalence is {margin:g}",
-            remedy="State the largest difference that does not matter, above zero",
-        )
+    check_margin(protocol, margin)
     table = read_answers(path, LAYOUTS[protocol])
-    left_out = leave_out(table, max_catch_failures)
-    # The models' matrices are small: more threads cost more than they bring.
-    with threadpool_limits(limits=1, user_api="blas"):
-        results = _results(table, left_out, margin)
-    return TableReport(
-        protocol=protocol,
+    return analyse_answers(
+        table,
+        leave_out(
+            table,
+            (
+                *table_rules(table, max_catch_failures),
+                *(rule.as_exploratory() for rule in exclude),
+            ),
+        ),
         source=Source(
             file=path.name,
             sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
             motionjury=metadata.version("motionjury"),
         ),
         settings=Settings(max_catch_failures=max_catch_failures, margin=margin),
+    )
+
+
+def analyse_answers(
+    table: AnswerTable, left_out: LeftOut, *, source: Source, settings: Settings
+) -> TableReport:
+    """Analyse checked answers, of a platform's table or of a study.
+
+    Parameters
+    ----------
+    table : AnswerTable
+        The answers.
+    left_out : LeftOut
+        Who is left out.
+    source : Source
+        What the answers were read from.
+    settings : Settings
+        What the researcher decided.
+
+    Raises
+    ------
+    InputError
+        If the protocol has no test of equivalence but a margin is given, or it means nothing.
+    """
+    check_margin(table.protocol, settings.margin)
+    # The models' matrices are small: more threads cost more than they bring.
+    with threadpool_limits(limits=1, user_api="blas"):
+        results = _results(table, left_out, settings.margin)
+    return TableReport(
+        protocol=table.protocol,
+        source=source,
+        settings=settings,
         participants=Participants(recruited=left_out.recruited, attentive=left_out.attentive),
         rules=left_out.rules,
         exclusions=left_out.exclusions,
@@ -163,6 +195,25 @@ def analyse_table(
         quality=quality(left_out.everyone),
         results=results,
     )
+
+
+def check_margin(protocol: str, margin: float | None) -> None:
+    """Refuse a margin of equivalence that means nothing.
+
+    Raises
+    ------
+    InputError
+        With what is wrong.
+    """
+    if margin is not None and protocol not in ("pairwise", "rating"):
+        raise InputError(
+            f"a {protocol} study has no test of equivalence", remedy="Leave the margin out"
+        )
+    if margin is not None and not 0 < margin < float("inf"):
+        raise InputError(
+            f"the margin of equivalence is {margin:g}",
+            remedy="State the largest difference that does not matter, above zero",
+        )
 
 
 def _results(table: AnswerTable, left_out: LeftOut, margin: float | None) -> Results:

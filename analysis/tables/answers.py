@@ -16,10 +16,12 @@ class AnswerTable:
     protocol : str
         How they were asked for.
     answers : DataFrame
-        One row for each answer of practice, main, repeated and catch trials: `participant`,
-        `segment`, `question`, `set`, `kind`, `trial`, `correct_side` and the protocol's columns
-        as categories, NaN where a cell is empty; `value`, the answer; `seconds`, how long it
-        took, NaN where that is not known.
+        One row for each answer of practice, main, repeated and catch trials, and of attention
+        checks that say what they ask for: `participant`, `segment`, `question`, `set`, `kind`,
+        `trial`, `correct_side` and the protocol's columns as categories, NaN where a cell is
+        empty; `value`, the answer; `instructed`, the one that an attention check asks for;
+        `seconds`, how long it took; `watched`, the share of the trial's videos that was watched
+        before it, in [0, 1]; NaN where that is not known.
     participants : tuple of str
         Everybody who is in the table, in the order of appearance.
     marked : dict of str to str
@@ -48,4 +50,4 @@ class AnswerTable:
     @property
     def shown(self) -> pd.DataFrame:
         """Answers of practice, main and repeated trials."""
-        return self.answers[self.answers["kind"] != "catch"]
+        return self.answers[~self.answers["kind"].isin(["catch", "attention"])]

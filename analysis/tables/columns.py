@@ -76,6 +76,20 @@ _SECONDS: Final = Column(
     required=False,
 )
 
+_INSTRUCTED: Final = Column(
+    name="instructed",
+    cells=TypeAdapter(list[Annotated[float, Field(ge=0, allow_inf_nan=False)]]),
+    meaning="the answer asked for, a number",
+    required=False,
+)
+
+_WATCHED: Final = Column(
+    name="watched",
+    cells=TypeAdapter(list[Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]]),
+    meaning="a share from 0 to 1",
+    required=False,
+)
+
 SHARED: Final = (
     name_column("participant", needed="always"),
     name_column("segment"),
@@ -93,6 +107,8 @@ SHARED: Final = (
         required=False,
     ),
     _CORRECT_SIDE,
+    _INSTRUCTED,
+    _WATCHED,
 )
 """Columns of every protocol."""
 

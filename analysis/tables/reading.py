@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -25,6 +26,18 @@ _COLUMN: Final = {column.name: column for column in SHARED}
 Rows = NDArray[np.bool_]
 
 
+@dataclass(frozen=True, kw_only=True)
+class Order:
+    """In which order names stand, where it is not that of their appearance."""
+
+    conditions: tuple[str, ...] = ()
+    questions: tuple[str, ...] = ()
+    sets: tuple[str, ...] = ()
+
+
+AS_IT_COMES: Final = Order()
+
+
 def read_answers(path: Path, layout: Layout) -> AnswerTable:
     """Read and check a table of answers.
 
@@ -42,16 +55,39 @@ def read_answers(path: Path, layout: Layout) -> AnswerTable:
         states, or an answer occurs twice; it names the file, the row and the column.
     """
     columns = (*SHARED, *layout.columns)
-    cells = read_cells(
-        path,
-        [column.name for column in columns],
-        [column.name for column in columns if column.required],
+    return answers_in(
+        read_cells(
+            path,
+            [column.name for column in columns],
+            [column.name for column in columns if column.required],
+        ),
+        layout,
     )
+
+
+def answers_in(cells: Cells, layout: Layout, order: Order = AS_IT_COMES) -> AnswerTable:
+    """Check the cells of a table of answers.
+
+    Parameters
+    ----------
+    cells : Cells
+        Of the shared columns and the layout's, as far as there are any.
+    layout : Layout
+        The protocol's columns.
+    order : Order
+        In which conditions, questions and sets stand; those it does not name come after.
+
+    Raises
+    ------
+    InputError
+        As `read_answers`.
+    """
     everything = Checking(cells)
     people = everything.names(_COLUMN["participant"])
     kinds = _kinds(everything)
     judged = ("catch",) if layout.has_sides else ()
-    used = np.isin(kinds, (*ANALYSED_KINDS, "practice", *judged))
+    asked = (kinds == "attention") & everything.filled(_COLUMN["instructed"])
+    used = np.isin(kinds, (*ANALYSED_KINDS, "practice", *judged)) | asked
     checking = Checking(cells.part(used), np.isin(kinds[used], ANALYSED_KINDS))
     answers = _answers(layout, checking, kinds[used])
     _refuse_contradictions(layout, checking, answers)
@@ -59,7 +95,10 @@ def read_answers(path: Path, layout: Layout) -> AnswerTable:
     if "trial" in cells.rows or layout.answered_once:
         _refuse_repetitions(layout, checking, answers)
     analysed = checking.analysed & answers["value"].notna().to_numpy(bool)
-    conditions = _appearing(answers[[column.name for column in layout.conditions]], analysed)
+    conditions = _ordered(
+        _appearing(answers[[column.name for column in layout.conditions]], analysed),
+        order.conditions,
+    )
     for column in layout.conditions:
         answers[column.name] = answers[column.name].cat.set_categories(list(conditions))
     return AnswerTable(
@@ -68,9 +107,18 @@ def read_answers(path: Path, layout: Layout) -> AnswerTable:
         participants=tuple(map(str, people.categories)),
         marked=_marked(everything.names(_COLUMN["excluded"]), people),
         conditions=conditions,
-        questions=_appearing(answers[["question"]], analysed),
-        sets=_appearing(answers[["set"]], analysed),
-        notes=_notes(cells, kinds, layout, int(answers["value"].isna().sum())),
+        questions=_ordered(_appearing(answers[["question"]], analysed), order.questions),
+        sets=_ordered(_appearing(answers[["set"]], analysed), order.sets),
+        notes=_notes(
+            cells,
+            kinds,
+            layout,
+            unanswered=int(answers["value"].isna().sum()),
+            # Of a ranking it is enough to ask for the place of one condition.
+            unasked=0
+            if layout.answered_once and asked.any()
+            else int(((kinds == "attention") & ~asked).sum()),
+        ),
     )
 
 
@@ -96,7 +144,9 @@ def _answers(layout: Layout, checking: Checking, kinds: NDArray[np.object_]) -> 
             "set": sets if len(sets.categories) else pd.Categorical([""] * len(kinds), [""]),
             "kind": pd.Categorical(kinds, pd.unique(kinds)),
             "value": checking.numbers(layout.value),
+            "instructed": checking.numbers(_COLUMN["instructed"]),
             "seconds": checking.numbers(_COLUMN["response_seconds"]),
+            "watched": checking.numbers(_COLUMN["watched"]),
         }
     )
 
@@ -122,14 +172,17 @@ def _refuse_unjudged(checking: Checking, answers: pd.DataFrame) -> None:
 def _refuse_repetitions(layout: Layout, checking: Checking, answers: pd.DataFrame) -> None:
     shown = [column.name for column in (*layout.conditions, *layout.others)]
     key = ["participant", "set", "segment", "question", *shown]
+    may_repeat = np.zeros(len(answers), bool)
     if layout.answered_once:
         # Practice trials come back as repeated ones; only the latter are analysed.
+        may_repeat = (answers["kind"] == "attention").to_numpy(bool)
         answers = answers.assign(trial=answers["kind"].isin(ANALYSED_KINDS).astype("category"))
     else:
         key.append("kind")
     key.append("trial")
     codes = pd.DataFrame({name: answers[name].cat.codes for name in key})
     group = codes.groupby(key, sort=False).ngroup().to_numpy()
+    group = np.where(may_repeat, -1 - np.arange(len(group)), group)
     first = pd.Series(np.arange(len(group))).groupby(group).transform("first").to_numpy()
     checking.refuse(
         np.asarray(first != np.arange(len(group)), bool),
@@ -144,6 +197,11 @@ def _appearing(columns: pd.DataFrame, where: Rows) -> tuple[str, ...]:
     names = columns.astype(object).to_numpy()
     wanted = {name for name in pd.unique(names[where].ravel()) if not pd.isna(name)}
     return tuple(str(name) for name in pd.unique(names.ravel()) if name in wanted)
+
+
+def _ordered(found: tuple[str, ...], order: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names found in the order wanted, the others after them."""
+    return tuple(dict.fromkeys((*(name for name in order if name in found), *found)))
 
 
 def _marked(excluded: pd.Categorical, people: pd.Categorical) -> dict[str, str]:
@@ -165,16 +223,16 @@ def _reason(text: str) -> str:
 
 
 def _notes(
-    cells: Cells, kinds: NDArray[np.object_], layout: Layout, unanswered: int
+    cells: Cells, kinds: NDArray[np.object_], layout: Layout, *, unanswered: int, unasked: int
 ) -> tuple[str, ...]:
     notes = []
     if cells.ignored:
         notes.append(f"Columns that are not read: {', '.join(cells.ignored)}.")
     if unanswered:
         notes.append(f"{_rows(unanswered)} without a {layout.value.name} left out.")
-    if attention := int((kinds == "attention").sum()):
+    if unasked:
         notes.append(
-            f"{_rows(attention)} of attention checks left out; a table does not say what they ask "
+            f"{_rows(unasked)} of attention checks left out; the table does not say what they ask "
             "for, so that they exclude nobody by themselves."
         )
     if not layout.has_sides and (catch := int((kinds == "catch").sum())):

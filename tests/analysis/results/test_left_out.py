@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.results.left_out import LeftOut, leave_out
+from analysis.results.left_out import LeftOut, leave_out, table_rules
 from analysis.tables.layouts import PAIRWISE
 from analysis.tables.reading import read_answers
 from tests.analysis.results.made_tables import catch_rows, pairwise_table
@@ -20,7 +20,8 @@ def table() -> pd.DataFrame:
 def left_out(folder: Path, table: pd.DataFrame, allowed: int = 1) -> LeftOut:
     path = folder / "answers.csv"
     table.to_csv(path, index=False)
-    return leave_out(read_answers(path, PAIRWISE), allowed)
+    answers = read_answers(path, PAIRWISE)
+    return leave_out(answers, table_rules(answers, allowed))
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.exclusions import ExclusionResult, exclude, failed_catch_trials
+from analysis.exclusions.study_sessions import ExclusionResult, exclude, failed_catch_trials
 from analysis.preferences.win_share import Preference, compare
 from analysis.responses import responses_frame
 from motion.segment import EMOTIONS, Segment

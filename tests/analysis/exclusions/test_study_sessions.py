@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from analysis.exclusions import (
+from analysis.exclusions.study_sessions import (
     count_failed_catch_trials,
     exclude,
     failed_attention_checks,
