@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.metrics.kept_arrays import KeptArrays
 from motion.clip import MotionClip
-from motion.files import replacing
 from motion.freeze import freeze
 from motion.ground import stand_on_ground
 from motion.resample import resample
@@ -21,8 +19,6 @@ from motion.skeleton import JOINT_COUNT, forward_kinematics
 from motion.source_version import imported_sources, source_version
 
 FloatArray = NDArray[np.float64]
-
-_SUFFIX: Final = ".npy"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,7 +68,8 @@ class JointMotionStore:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._version = source_version(imported_sources([__name__]), ["numpy", "scipy"])
+        version = source_version(imported_sources([__name__]), ["numpy", "scipy"])
+        self._kept = KeptArrays(folder, "joints", version)
 
     def place(
         self,
@@ -96,38 +93,36 @@ class JointMotionStore:
 
         Raises
         ------
-        OSError
+        InputError
             If the file cannot be read.
         """
-        settings = f"{self._version} {frame_rate!r} {sorted(frozen)} {file_rate!r}".encode()
-        digest = hashlib.sha256(settings + b"\0" + motion.read_bytes()).hexdigest()
-        return self.folder / f"{digest[:32]}{_SUFFIX}"
+        return self._kept.place(motion, _settings(frame_rate, frozen, file_rate))
 
     @staticmethod
     def read(place: Path) -> JointMotion | None:
         """Return what is kept at `place`; None where nothing whole is."""
-        try:
-            packed = np.load(place, allow_pickle=False)
-        except (OSError, ValueError, EOFError):
-            return None
-        if packed.ndim != 3 or packed.shape[1:] != (JOINT_COUNT + 1, 3):
-            return None
-        return _unpacked(packed)
+        packed = KeptArrays.read(place, (None, JOINT_COUNT + 1, 3))
+        return None if packed is None else _unpacked(packed)
 
     @staticmethod
     def keep(place: Path, motion: JointMotion) -> None:
         """Keep `motion` at `place`, in one step."""
         packed = np.concatenate([motion.relative, motion.pelvis[:, None]], axis=1)
-        with replacing(place) as draft, draft.open("wb") as file:
-            np.save(file, packed.astype(np.float32))
+        KeptArrays.keep(place, packed.astype(np.float32))
 
-    def forget_others(self, used: Collection[Path]) -> None:
-        """Remove what is kept but no longer `used`."""
-        if not self.folder.is_dir():
-            return
-        for path in self.folder.glob(f"*{_SUFFIX}"):
-            if path not in used:
-                path.unlink(missing_ok=True)
+    def forget_others(
+        self,
+        used: Collection[Path],
+        frame_rate: float,
+        frozen: Collection[str],
+        file_rate: float | None = None,
+    ) -> None:
+        """Remove what is kept under these settings but no longer `used`."""
+        self._kept.forget(_settings(frame_rate, frozen, file_rate), used)
+
+
+def _settings(frame_rate: float, frozen: Collection[str], file_rate: float | None) -> str:
+    return f"{frame_rate!r} {sorted(frozen)} {file_rate!r}"
 
 
 def _unpacked(packed: NDArray[np.float32]) -> JointMotion:

@@ -1,7 +1,7 @@
 """Named presets: which metrics a paper reports, each computed as that paper computed it.
 
-Metrics of embeddings (Fréchet distances, feature variance) are not among them: they need a feature
-network, and take its embeddings as arrays.
+Distances in the features of a network need one that the researcher has trained; a preset says which
+networks its paper uses, so that a report names those that are missing.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final, TypeVar
 
-from analysis.metrics import beat_alignment, correct_motion
+from analysis.metrics import beat_alignment, correct_motion, network_names
 from analysis.metrics.absolute_error import MAJE, PointSettings
 from analysis.metrics.acceleration_error import MACE_POSES
 from analysis.metrics.beat_alignment import BeatSettings
@@ -45,6 +45,8 @@ class Preset:
         Errors of joints in a box of one metre.
     velocity_errors : tuple of {'L1', 'L2'}
         Velocity errors.
+    networks : tuple of str
+        Feature networks (`analysis.metrics.network_names`) whose scores the paper reports.
     """
 
     beats: tuple[BeatSettings, ...] = ()
@@ -57,6 +59,7 @@ class Preset:
     absolute_errors: tuple[PointSettings, ...] = ()
     acceleration_errors: tuple[PointSettings, ...] = ()
     velocity_errors: tuple[Norm, ...] = ()
+    networks: tuple[str, ...] = ()
 
     @property
     def needs_recorded_spread(self) -> bool:
@@ -100,21 +103,28 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             jerks=(HANDS_UNFILTERED,),
             correct=(correct_motion.AMUSE,),
             recalls=(correct_motion.AMUSE,),
+            networks=(network_names.EMOTION,),
         ),
         "beat": Preset(
             beats=(beat_alignment.BEAT,),
             mean_pose_deviation=True,
             correct=(correct_motion.BEAT,),
             recalls=(correct_motion.BEAT,),
+            networks=(network_names.GESTURE,),
         ),
         "diffsheg": Preset(
             beats=(beat_alignment.BEAT,),
             pair_distance=True,
             correct=(correct_motion.DIFFSHEG,),
             recalls=(correct_motion.DIFFSHEG,),
+            networks=(network_names.WHOLE, network_names.EXPRESSION, network_names.GESTURE),
         ),
-        "genea": Preset(jerks=(GENEA,)),
-        "s2ue": Preset(absolute_errors=(MAJE,), acceleration_errors=(MACE_POSES,)),
+        "genea": Preset(jerks=(GENEA,), networks=(network_names.GESTURE,)),
+        "s2ue": Preset(
+            absolute_errors=(MAJE,),
+            acceleration_errors=(MACE_POSES,),
+            networks=(network_names.LANDMARKS, network_names.GESTURE),
+        ),
         "talkshow": Preset(beats=(beat_alignment.TALKSHOW,)),
         "physical": Preset(
             jerks=(HANDS, HANDS_UNFILTERED), foot_sliding=True, velocity_errors=("L1", "L2")
@@ -154,6 +164,7 @@ def _both(one: Preset, other: Preset) -> Preset:
         absolute_errors=_once(one.absolute_errors + other.absolute_errors),
         acceleration_errors=_once(one.acceleration_errors + other.acceleration_errors),
         velocity_errors=_once(one.velocity_errors + other.velocity_errors),
+        networks=_once(one.networks + other.networks),
     )
 
 

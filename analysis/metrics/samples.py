@@ -99,10 +99,11 @@ def of_equal_size(one: Embeddings, other: Embeddings) -> tuple[Embeddings, Embed
     compare.
     """
     count = min(len(one), len(other))
-    return _drawn(one, count), _drawn(other, count)
+    return drawn(one, count), drawn(other, count)
 
 
-def _drawn(sample: Embeddings, count: int) -> Embeddings:
+def drawn(sample: Embeddings, count: int) -> Embeddings:
+    """Return `count` rows of a sample, drawn without replacement, in their order."""
     if len(sample) == count:
         return sample
     chosen = np.random.default_rng(SEED).choice(len(sample), count, replace=False)

@@ -250,12 +250,7 @@ class _Reader:
         bench = self._bench
         if bench.store is None:
             return None
-        try:
-            place = bench.store.place(path, bench.frame_rate, bench.frozen, bench.file_rate)
-        except OSError as error:
-            raise InputError(
-                "the motion file cannot be read", where=path, remedy="Check the path"
-            ) from error
+        place = bench.store.place(path, bench.frame_rate, bench.frozen, bench.file_rate)
         self.kept.append(place)
         return place
 

@@ -45,3 +45,31 @@ class Workers:
         for number, _ in enumerate(as_completed(futures), start=1):
             show(number, len(tasks))
         return [future.result() for future in futures]
+
+
+class Steps:
+    """Counts the steps of several tasks after each other as one progress.
+
+    Parameters
+    ----------
+    total : int
+        Steps of all tasks together.
+    show : callable or None
+        Told how many steps are done, of `total`.
+    """
+
+    def __init__(self, total: int, show: Show | None) -> None:
+        self._total = total
+        self._show = show
+        self._begun = 0
+
+    def of(self, tasks: Sequence[object]) -> Show:
+        """Return what to tell about the next `tasks`, each of which is a step."""
+        before = self._begun
+        self._begun += len(tasks)
+
+        def told(done: int, _: int) -> None:
+            if self._show is not None:
+                self._show(before + done, self._total)
+
+        return told

@@ -7,8 +7,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
-from analysis.metrics.conditions import StudyMetrics, study_metrics
+from analysis.metrics.conditions import StudyMetrics
 from analysis.metrics.joint_motion import JointMotionStore
+from analysis.metrics.measuring import study_metrics
 from analysis.metrics.segment_scores import Excerpt
 from motion.errors import InputError
 from motion.segments_table import SEGMENTS_FILE, read_segments
@@ -96,7 +97,7 @@ def measure_folders(
     speech : Path or None
         ``<segment>.wav``, or a table ``segments.csv`` with the recordings it names.
     presets, processes, on_progress
-        As for `analysis.metrics.conditions.study_metrics`.
+        As for `analysis.metrics.measuring.study_metrics`.
     semantics : Path or None
         ``<segment>.txt`` with BEAT's semantic scores of the reference.
     cache : Path or None

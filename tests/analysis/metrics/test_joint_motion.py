@@ -97,9 +97,12 @@ def test_what_is_damaged_on_disk_counts_as_not_there(tmp_path, damaged):
 
 def test_what_is_no_longer_used_is_removed(tmp_path, waving):
     store = JointMotionStore(tmp_path / "kept")
-    store.forget_others(set())
-    used, other = (store.folder / f"{name}.npy" for name in "ab")
-    for place in (used, other):
-        store.keep(place, joint_motion(waving(seconds=0.2), 30.0))
-    store.forget_others({used})
-    assert list(store.folder.iterdir()) == [used]
+    store.forget_others(set(), 30.0, ())
+    places = []
+    for number, rate in ((1, 30.0), (2, 30.0), (3, 15.0)):
+        path = tmp_path / f"{number}.npz"
+        write_clip(path, waving(amplitude=number / 10, seconds=0.2))
+        places.append(store.place(path, rate, ()))
+        store.keep(places[-1], joint_motion(waving(seconds=0.2), rate))
+    store.forget_others({places[0]}, 30.0, ())
+    assert set(store.folder.iterdir()) == {places[0], places[2]}

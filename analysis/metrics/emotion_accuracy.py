@@ -1,0 +1,150 @@
+"""Gesture emotion accuracy (GA): how often a network names the emotion that was spoken.
+
+AMUSE (Chhatre et al. 2024, section 5.1) reports the top-1 accuracy of a classifier of gestures,
+as the mean over emotions, with a confusion matrix (its figure A.11). Recorded gestures are not
+classified without error either, so that their accuracy stands beside it as one more condition.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from analysis.metrics.result import MetricResult
+
+NAME: Final = "gesture emotion accuracy"
+
+_Z: Final = float(norm.ppf(0.975))
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmotionConfusion:
+    """Which emotions the gestures of one condition were taken for.
+
+    Attributes
+    ----------
+    condition : str
+        Whose gestures.
+    network : str
+        Hash of the network's file.
+    spoken : tuple of str
+        Emotions of the speech, in the order of the network's labels, with at least one clip each.
+    named : tuple of str
+        All emotions that the network tells apart.
+    counts : tuple of tuple of int
+        Clips: a row for each spoken emotion, a column for each named one.
+    """
+
+    condition: str
+    network: str
+    spoken: tuple[str, ...]
+    named: tuple[str, ...]
+    counts: tuple[tuple[int, ...], ...]
+
+
+def emotion_confusion(
+    spoken: Sequence[str],
+    named: Sequence[str],
+    labels: Sequence[str],
+    *,
+    condition: str,
+    network: str,
+) -> EmotionConfusion:
+    """Count which emotion each clip was taken for.
+
+    Parameters
+    ----------
+    spoken, named : sequence of str
+        Of each clip: the emotion of its speech, and the one that the network names.
+    labels : sequence of str
+        What the network tells apart. Clips of another spoken emotion are left out.
+    condition, network : str
+        Whose clips, and the hash of which network.
+    """
+    counts = np.zeros((len(labels), len(labels)), int)
+    place = {label: number for number, label in enumerate(labels)}
+    for truth, answer in zip(spoken, named, strict=True):
+        if truth in place:
+            counts[place[truth], place[answer]] += 1
+    there = [row for row in range(len(labels)) if counts[row].any()]
+    return EmotionConfusion(
+        condition=condition,
+        network=network,
+        spoken=tuple(labels[number] for number in there),
+        named=tuple(labels),
+        counts=tuple(tuple(int(count) for count in row) for row in counts[there]),
+    )
+
+
+def emotion_accuracy(
+    confusion: EmotionConfusion, *, name: str = NAME, settings: Mapping[str, str] | None = None
+) -> MetricResult:
+    """Return the share of clips whose spoken emotion is named, as the mean over emotions.
+
+    Parameters
+    ----------
+    confusion : EmotionConfusion
+        What was named.
+    name : str
+        Names the metric.
+    settings : mapping, optional
+        The network and its settings.
+
+    Returns
+    -------
+    MetricResult
+        In [0, 1]; emotions count alike, however many clips they have. The interval takes clips as
+        independent and combines Wilson's intervals of the emotions (MOVER; Zou, Huang & Zhang
+        2009, "A note on confidence interval estimation for a linear function of binomial
+        proportions"). NaN where no clip has an emotion that the network knows.
+    """
+    counts = np.array(confusion.counts, float).reshape(len(confusion.spoken), len(confusion.named))
+    clips = counts.sum(axis=1)
+    described = dict(settings or {}) | {
+        "mean over": ", ".join(
+            f"{emotion} ({int(count)})"
+            for emotion, count in zip(confusion.spoken, clips, strict=True)
+        ),
+        "chance": f"1 / {len(confusion.named)}",
+    }
+    if not len(clips):
+        return MetricResult(
+            name=name,
+            value=math.nan,
+            unit="",
+            n=0,
+            settings=described,
+            reason="no clip has speech of an emotion that the network knows",
+            better="higher",
+        )
+    right = counts[np.arange(len(clips)), [confusion.named.index(e) for e in confusion.spoken]]
+    shares = right / clips
+    value = float(shares.mean())
+    low, high = _wilson(shares, clips)
+    reach = [float(np.linalg.norm(shares - side)) / len(clips) for side in (low, high)]
+    described["interval"] = "Wilson's of each emotion, combined (MOVER), clips independent"
+    return MetricResult(
+        name=name,
+        value=value,
+        unit="",
+        n=int(clips.sum()),
+        settings=described,
+        interval=(max(0.0, value - reach[0]), min(1.0, value + reach[1])),
+        better="higher",
+    )
+
+
+def _wilson(
+    shares: NDArray[np.float64], clips: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return Wilson's 95 % limits of shares of so many clips."""
+    centre = (shares + _Z**2 / (2 * clips)) / (1 + _Z**2 / clips)
+    spread = np.sqrt(shares * (1 - shares) / clips + (_Z / (2 * clips)) ** 2)
+    reach = _Z * spread / (1 + _Z**2 / clips)
+    return centre - reach, centre + reach

@@ -1,0 +1,359 @@
+"""Measuring all clips of all conditions, over what participants saw or a folder holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.metrics.clip_features import ClipFeatures, FeaturesOf
+from analysis.metrics.clip_scores import pose_settings
+from analysis.metrics.conditions import (
+    ConditionScore,
+    StudyMetrics,
+    clip_means,
+    whole_condition,
+)
+from analysis.metrics.diversity import mean_pair_distance, motion_features
+from analysis.metrics.feature_networks import Network, command_for, networks
+from analysis.metrics.feature_scores import FeatureScores, feature_scores, scores_without_network
+from analysis.metrics.joint_motion import JointMotionStore
+from analysis.metrics.joint_positions import common_frame_rate
+from analysis.metrics.presets import REPORT, Preset, combined
+from analysis.metrics.recorded_spread import ClipExtent, recorded_spread
+from analysis.metrics.segment_scores import (
+    Bench,
+    ClipScore,
+    Excerpt,
+    SegmentFiles,
+    SegmentScores,
+    SkippedFile,
+    recorded_extent,
+    segment_scores,
+)
+from analysis.metrics.workers import Show, Steps, Workers
+from motion.errors import InputError
+from motion.formats import read_motion
+from motion.formats.clip_npz import read_frame_rate
+
+
+def study_metrics(
+    clips: Mapping[str, Mapping[str, Path]],
+    speech: Mapping[str, Excerpt],
+    *,
+    frozen: Collection[str] = (),
+    recorded: Mapping[str, Path] | None = None,
+    semantics: Mapping[str, Path] | None = None,
+    emotions: Mapping[str, str] | None = None,
+    evaluators: Iterable[Path] = (),
+    presets: Iterable[str] = (REPORT,),
+    own_files: bool = True,
+    file_rate: float | None = None,
+    skip_unusable: bool = False,
+    store: JointMotionStore | None = None,
+    processes: int = 1,
+    on_progress: Show | None = None,
+) -> StudyMetrics:
+    """Measure the clips of every condition at one frame rate, on one body.
+
+    Parameters
+    ----------
+    clips : mapping of condition to mapping of segment to path
+        Motion files.
+    speech : mapping of segment to (recording, start, end)
+        What each segment says; a segment without speech gets no beat alignment.
+    frozen : collection of str
+        Channels that the study holds still in its videos.
+    recorded : mapping of segment to path, optional
+        Recorded motion of the same speech, for metrics that compare with it.
+    semantics : mapping of segment to path, optional
+        Which gestures of the recordings carry meaning (`motion.formats.semantic_txt`).
+    emotions : mapping of segment to str, optional
+        Which emotion each segment is spoken with, for gesture emotion accuracy.
+    evaluators : iterable of Path
+        Feature networks that ``motionjury train evaluator`` has made; all of them are measured
+        with, whatever the presets ask for.
+    presets : iterable of str
+        Names in `analysis.metrics.presets.PRESETS`.
+    own_files : bool
+        Whether the motion files are a study's own, read as they stand; files from elsewhere are of
+        any format and put into the study's world.
+    file_rate : float, optional
+        Frames per second of all motion files, in place of what they state.
+    skip_unusable : bool
+        Whether files that cannot be used are left out and named, rather than an error.
+    store : JointMotionStore, optional
+        Where joint positions and features are kept between runs; what is kept under the settings
+        of this run, but not used by it, is removed.
+    processes : int
+        How many segments are measured at once.
+    on_progress : callable, optional
+        Called with steps done and all steps: a step is a segment, or a file that is looked at
+        beforehand or with a network.
+
+    Raises
+    ------
+    InputError
+        If a preset is unknown, a network cannot be used, or if a file cannot be used and is not
+        to be skipped.
+    """
+    preset = combined(presets)
+    given = networks(evaluators)
+    recordings = dict(recorded or {})
+    if not recordings:
+        preset = preset.without_recordings()
+    rates, usable, skipped = _frame_rates([*clips.values(), recordings], own_files, file_rate)
+    found = [
+        _segment(name, clips, recordings, speech, semantics or {}, usable)
+        for name in _segments(clips)
+    ]
+    found = [files for files in found if files.clips]
+    if not skip_unusable and skipped:
+        raise skipped[0].error()
+    if not found:
+        return StudyMetrics(frame_rate=math.nan, clips=(), conditions=(), skipped=tuple(skipped))
+    bench = Bench(
+        frame_rate=common_frame_rate(rates),
+        frozen=tuple(frozen),
+        preset=preset,
+        store=store,
+        own_files=own_files,
+        file_rate=file_rate,
+    )
+    recorded_files = sorted({files.recorded for files in found if files.recorded is not None})
+    looked_at = recorded_files if preset.needs_recorded_spread else []
+    motion_files = sorted({path for files in found for path in _motions(files)})
+    steps = Steps(len(looked_at) + len(found) + len(given) * len(motion_files), on_progress)
+    with Workers(processes) as workers:
+        if looked_at:
+            extents = workers.each(_ExtentOf(bench), looked_at, steps.of(looked_at))
+            bench = replace(bench, spread=recorded_spread(e for e in extents if e is not None))
+        measured = workers.each(_ScoresOf(bench), found, steps.of(found))
+        features = {
+            network.name: _features(network, bench, motion_files, workers, steps)
+            for network in given
+        }
+    skipped += list(dict.fromkeys(file for one in measured for file in one.skipped))
+    if not skip_unusable and skipped:
+        raise skipped[0].error()
+    if store is not None:
+        used = {place for one in measured for place in one.kept}
+        store.forget_others(used, bench.frame_rate, bench.frozen, file_rate)
+    damaged = {file.where for file in skipped}
+    seen = [
+        _feature_scores(network, tuple(clips), found, features[network.name], emotions, damaged)
+        for network in given
+    ]
+    return StudyMetrics(
+        frame_rate=bench.frame_rate,
+        clips=tuple(_by_condition(clips, [s for one in measured for s in one.scores], seen)),
+        conditions=tuple(
+            _condition_scores(tuple(clips), measured, bench, given, seen, _recordings(clips, found))
+        ),
+        skipped=tuple(skipped),
+        remarks=tuple(_remarks(found, preset, bool(recordings))),
+        confusions=tuple(confusion for one in seen for confusion in one.confusions),
+    )
+
+
+@dataclass(frozen=True)
+class _ScoresOf:
+    bench: Bench
+
+    def __call__(self, files: SegmentFiles) -> SegmentScores:
+        return segment_scores(files, self.bench)
+
+
+@dataclass(frozen=True)
+class _ExtentOf:
+    bench: Bench
+
+    def __call__(self, path: Path) -> ClipExtent | None:
+        return recorded_extent(path, self.bench)
+
+
+def _frame_rates(
+    files: Iterable[Mapping[str, Path]], own_files: bool, file_rate: float | None
+) -> tuple[list[float], set[Path], list[SkippedFile]]:
+    """Return the frame rates that occur, the files that state one, and those that do not."""
+    rates: set[float] = set()
+    usable: set[Path] = set()
+    skipped = []
+    for path in dict.fromkeys(path for paths in files for path in paths.values()):
+        try:
+            if file_rate is not None:
+                rates.add(file_rate)
+            elif own_files or path.suffix == ".npz":
+                rates.add(read_frame_rate(path))
+            else:
+                rates.add(read_motion(path).frame_rate)
+            usable.add(path)
+        except InputError as error:
+            skipped.append(SkippedFile.because(error))
+    return sorted(rates), usable, skipped
+
+
+def _segments(clips: Mapping[str, Mapping[str, Path]]) -> list[str]:
+    return sorted({segment for paths in clips.values() for segment in paths})
+
+
+def _segment(
+    name: str,
+    clips: Mapping[str, Mapping[str, Path]],
+    recordings: Mapping[str, Path],
+    speech: Mapping[str, Excerpt],
+    semantics: Mapping[str, Path],
+    usable: Collection[Path],
+) -> SegmentFiles:
+    recorded = recordings.get(name)
+    return SegmentFiles(
+        segment=name,
+        clips={
+            condition: paths[name]
+            for condition, paths in clips.items()
+            if name in paths and paths[name] in usable
+        },
+        recorded=recorded if recorded in usable else None,
+        speech=speech.get(name),
+        semantics=semantics.get(name),
+    )
+
+
+def _remarks(found: Sequence[SegmentFiles], preset: Preset, with_recordings: bool) -> Iterator[str]:
+    """Yield which segments lack what a metric needs."""
+    mute = [files.segment for files in found if files.speech is None]
+    if preset.beats and mute:
+        yield f"no beat alignment without speech: {_some(mute, len(found))}"
+    alone = [files.segment for files in found if files.recorded is None]
+    if with_recordings and alone:
+        yield f"no comparison without a recording: {_some(alone, len(found))}"
+    elif alone:
+        yield "no recordings are given, so nothing is compared with them"
+
+
+def _some(segments: Sequence[str], count: int) -> str:
+    """Return how many segments are meant, and the first of them by name."""
+    named = ", ".join(segments[:3]) + (", …" if len(segments) > 3 else "")
+    return f"{len(segments)} of {count} segments ({named})"
+
+
+def _motions(files: SegmentFiles) -> Iterator[Path]:
+    """Yield all motion files of a segment, its recording among them."""
+    yield from files.clips.values()
+    if files.recorded is not None:
+        yield files.recorded
+
+
+def _features(
+    network: Network, bench: Bench, files: Sequence[Path], workers: Workers, steps: Steps
+) -> dict[Path, ClipFeatures]:
+    """Return what a network says about each motion file."""
+    look = FeaturesOf(
+        network=network,
+        frozen=bench.frozen,
+        own_files=bench.own_files,
+        file_rate=bench.file_rate,
+        folder=bench.store.folder if bench.store is not None else None,
+    )
+    if network.sees and network.sees <= set(bench.frozen):
+        held = ClipFeatures(reason=f"the study holds still: {', '.join(sorted(network.sees))}")
+        steps.of(files)(len(files), len(files))
+        return dict.fromkeys(files, held)
+    found = dict(zip(files, workers.each(look, files, steps.of(files)), strict=True))
+    look.forget_others({one.kept for one in found.values() if one.kept is not None})
+    return found
+
+
+def _feature_scores(
+    network: Network,
+    conditions: Sequence[str],
+    found: Sequence[SegmentFiles],
+    features: Mapping[Path, ClipFeatures],
+    emotions: Mapping[str, str] | None,
+    damaged: Collection[str],
+) -> FeatureScores:
+    """Return the scores of one network; files that are named as unusable do not count as clips."""
+    usable = {path: one for path, one in features.items() if str(path) not in damaged}
+    recorded = {files.segment: files.recorded for files in found if files.recorded is not None}
+    by_condition = {
+        condition: {
+            files.segment: usable[files.clips[condition]]
+            for files in found
+            if files.clips.get(condition) in usable
+        }
+        for condition in conditions
+    }
+    return feature_scores(
+        network,
+        {condition: clips for condition, clips in by_condition.items() if clips},
+        {segment: usable[path] for segment, path in recorded.items() if path in usable},
+        recordings=_recordings(conditions, found),
+        emotions=emotions,
+    )
+
+
+def _recordings(conditions: Iterable[str], found: Sequence[SegmentFiles]) -> frozenset[str]:
+    """Return the conditions that are recorded motion themselves."""
+    return frozenset(
+        condition
+        for condition in conditions
+        if all(
+            files.clips[condition] == files.recorded for files in found if condition in files.clips
+        )
+    )
+
+
+def _by_condition(
+    conditions: Iterable[str], scores: Sequence[ClipScore], seen: Sequence[FeatureScores]
+) -> Iterator[ClipScore]:
+    """Yield the scores of all clips by condition; by segment as far as they were measured so."""
+    grouped: dict[str, list[ClipScore]] = {condition: [] for condition in conditions}
+    for score in (*scores, *(score for one in seen for score in one.clips)):
+        grouped[score.condition].append(score)
+    for found in grouped.values():
+        yield from found
+
+
+def _condition_scores(
+    conditions: Sequence[str],
+    measured: Sequence[SegmentScores],
+    bench: Bench,
+    given: Sequence[Network],
+    seen: Sequence[FeatureScores],
+    recordings: Collection[str],
+) -> Iterator[ConditionScore]:
+    scores = [score for segment in measured for score in segment.scores]
+    missing = [name for name in bench.preset.networks if name not in _kinds(given)]
+    for condition in conditions:
+        bodies = [s.upper_bodies[condition] for s in measured if condition in s.upper_bodies]
+        own = [score for score in scores if score.condition == condition]
+        clips = len({score.segment for score in own})
+        yield from clip_means(condition, own)
+        yield from _pair_distance(condition, bodies, bench.frame_rate)
+        for one in seen:
+            yield from (score for score in one.conditions if score.condition == condition)
+        for name in missing:
+            yield from scores_without_network(
+                name, command_for(name), condition, clips, recorded=condition in recordings
+            )
+
+
+def _kinds(given: Sequence[Network]) -> set[str]:
+    return {network.name.partition(", ")[0] for network in given}
+
+
+def _pair_distance(
+    condition: str, clips: Sequence[NDArray[np.float32]], frame_rate: float
+) -> Iterator[ConditionScore]:
+    if not clips:
+        return
+    result = mean_pair_distance(
+        motion_features([clip.astype(np.float64) for clip in clips]),
+        settings=pose_settings(frame_rate)
+        | {"distance": "root mean square over frames and joints, clips cut to the shortest"},
+    )
+    yield whole_condition(condition, result, len(clips))
