@@ -23,6 +23,9 @@ Changes = tuple[Floats, Floats, Floats]
 SMALLEST: Final = 1e-300
 """Probabilities below it are taken for it: their logarithm must exist."""
 
+NARROWEST: Final = 1e-100
+"""Distances between neighbouring thresholds below it are taken for it: one over it must exist."""
+
 STEEPEST: Final = 690.0
 """Ends beyond it are taken for it: exponentials of it are finite."""
 
@@ -85,7 +88,7 @@ class LogisticInterval(Interval):
     @cached_property
     def _gap(self) -> Floats:
         lower, upper = self._ends
-        return np.asarray(-np.expm1(lower - upper))
+        return np.maximum(-np.expm1(lower - upper), NARROWEST)
 
     @cached_property
     def _not_below(self) -> Floats:

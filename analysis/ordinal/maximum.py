@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -21,6 +22,12 @@ ROUGH: Final = 0.02
 
 FINE: Final = 0.005
 """The same where no Newton steps follow."""
+
+CLIMBS: Final = 4
+"""Climbs, at most: one that ends where the likelihood is not curved like a hill goes on."""
+
+FINER: Final = 30.0
+"""How many times nearer to the maximum each of them comes than the one before."""
 
 LAST_STEPS: Final = 5
 """Newton steps after it, at most."""
@@ -43,6 +50,12 @@ PART: Final = 1 / 12
 BOUNDARY: Final = 0.01
 """A standard deviation below it, in units of the noise's scale, is taken for zero."""
 
+BESIDE: Final = (0.1, 0.3)
+"""Deviations that are tried where one is at its boundary."""
+
+LARGEST: Final = 12.0
+"""An effect or a deviation beyond it, in units of the noise's scale, has no finite estimate."""
+
 
 def maximum(
     answers: Answers, *, curved: bool = True
@@ -59,25 +72,70 @@ def maximum(
     """
     start, scale = _start(answers)
     climb = _Climb(answers)
+    precision = ROUGH if curved else FINE
+    for _ in range(CLIMBS):
+        found, left = _climbed(climb, start, scale, precision)
+        if curved:
+            at, here, curvature, maximal = _stepped(climb, found)
+        else:
+            at, here, curvature = found, climb.at(found), None
+            maximal = here.settled and left < SHORT
+        if (higher := _off_the_boundary(climb, at, here)) is not None:
+            start, maximal = higher, False
+        elif maximal or limitless(answers, at):
+            break
+        else:
+            start, precision = at, precision / FINER
+        scale = None
+    return at, here, curvature, maximal
+
+
+def limitless(answers: Answers, parameters: Floats) -> bool:
+    """Tell whether an effect or a deviation is so large that it has no finite estimate."""
+    _, effects, deviations = answers.split(parameters)
+    return bool((np.abs(np.concatenate([effects, deviations])) > LARGEST).any())
+
+
+def _off_the_boundary(climb: _Climb, at: Floats, here: Likelihood) -> Floats | None:
+    """Return parameters with a higher likelihood where a deviation fell to zero for no reason.
+
+    Its gradient is zero there whatever the answers, so that a climb may end at zero although a
+    hill rises beside it.
+    """
+    bound = np.flatnonzero(~free_parameters(climb.answers, at))
+    for place, size in product(bound, BESIDE):
+        tried = at.copy()
+        tried[place] = size
+        if climb.at(tried).value > here.value + ROUNDING * abs(here.value):
+            return tried
+    return None
+
+
+def _climbed(
+    climb: _Climb, start: Floats, scale: Floats | None, precision: float
+) -> tuple[Floats, float]:
+    """Climb by a quasi-Newton method; also return its own idea of the way left, in errors."""
     options: dict[str, Any] = {
-        "gtol": (ROUGH if curved else FINE) * _gradient_unit(answers),
+        "gtol": precision * _gradient_unit(climb.answers),
         "maxiter": ITERATIONS,
         "hess_inv0": scale,
     }
     end = minimize(climb.descent, start, jac=True, method="BFGS", options=options)  # type: ignore[call-overload]
-    found = np.asarray(end.x, np.float64)
-    if not curved:
-        here = climb.at(found)
-        left = math.sqrt(len(answers.codes) * abs(float(end.jac @ end.hess_inv @ end.jac)))
-        return found, here, None, here.settled and left < SHORT
-    # Newton's steps from there on; the curvature is computed anew only after a long one.
+    left = math.sqrt(len(climb.answers.codes) * abs(float(end.jac @ end.hess_inv @ end.jac)))
+    return np.asarray(end.x, np.float64), left
+
+
+def _stepped(climb: _Climb, found: Floats) -> tuple[Floats, Likelihood, Floats, bool]:
+    """Take Newton's steps; the curvature is computed anew only after a long one."""
     for _ in range(LAST_STEPS):
         here, curvature = climb.at(found), climb.curvature(found)
-        free = free_parameters(answers, found)
+        free = free_parameters(climb.answers, found)
         inside = curvature[np.ix_(free, free)]
         step, length = _step(inside, here.gradient[free])
         if length < FLAT:
             return found, here, curvature, here.settled
+        if math.isinf(length):
+            break
         tried = found.copy()
         tried[free] += step
         there = climb.at(tried)

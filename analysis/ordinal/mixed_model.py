@@ -15,14 +15,15 @@ from scipy import stats
 from analysis.ordinal.crossed import Layout
 from analysis.ordinal.laplace import Answers, Likelihood
 from analysis.ordinal.links import Link
-from analysis.ordinal.maximum import BOUNDARY, free_parameters, maximum
+from analysis.ordinal.maximum import BOUNDARY, LARGEST, free_parameters, maximum
 from analysis.ordinal.thresholds import Structure, Thresholds
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]
 
-LARGEST_EFFECT: Final = 12.0
-"""A fixed effect beyond it means that the answers are separated by its covariate."""
+LARGE: Final = 6.0
+"""An effect beyond it that is smaller than its error, and an effect or a deviation beyond it where
+no maximum was found, has no finite estimate either."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,10 +213,17 @@ def _result(
     zero = tuple(
         effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) < BOUNDARY
     )
-    separated = [name for name, b in zip(names, effects, strict=True) if abs(b) > LARGEST_EFFECT]
+    most = LARGEST if converged else LARGE
+    errors = np.sqrt(np.diagonal(of_effects))
+    separated = [
+        name
+        for name, b, error in zip(names, effects, errors, strict=True)
+        if abs(b) > most or error > abs(b) > LARGE
+    ]
+    parted = [effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) > most]
     return OrdinalFit(
         estimates=dict(zip(names, effects.tolist(), strict=True)),
-        standard_errors=dict(zip(names, np.sqrt(np.diagonal(of_effects)).tolist(), strict=True)),
+        standard_errors=dict(zip(names, errors.tolist(), strict=True)),
         covariance=pd.DataFrame(of_effects, index=list(names), columns=list(names)),
         thresholds=tuple(answers.thresholds.values(own).tolist()),
         threshold_errors=tuple(np.sqrt(np.diagonal(of_thresholds)).tolist()),
@@ -224,19 +232,26 @@ def _result(
         parameters=answers.count,
         answers=len(answers.codes),
         groups={e.name: size for e, size in zip(random, sizes, strict=True)},
-        converged=converged and not separated,
+        converged=converged and not separated and not parted,
         boundary=zero,
         link=answers.link,
         structure=answers.thresholds.structure,
-        remark=_remark(converged, separated, zero),
+        remark=_remark(converged, separated, parted, zero),
     )
 
 
-def _remark(converged: bool, separated: Sequence[str], zero: Sequence[str]) -> str:
+def _remark(
+    converged: bool, separated: Sequence[str], parted: Sequence[str], zero: Sequence[str]
+) -> str:
     if separated:
         return (
             f"The answers are separated by {', '.join(separated)}: the effect has no finite "
             "estimate, and its standard error means nothing."
+        )
+    if parted:
+        return (
+            f"Hardly any answers differ within a {' or a '.join(parted)}, as those of small "
+            "tables may: the variance between them has no finite estimate, and the model none."
         )
     if not converged:
         return "The model did not converge: its estimates must not be used."
