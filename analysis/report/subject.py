@@ -7,8 +7,11 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
 
+from analysis.against_people.result import AgainstPeople
 from analysis.metrics.conditions import StudyMetrics
+from analysis.results.grouping import ByQuestion
 
+Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 Origin = Literal["participants", "rehearsal", "table", "none"]
 
 
@@ -23,35 +26,19 @@ class Excerpt:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Arm:
-    """A group of places of a study, which its participants are shared out to.
-
-    Attributes
-    ----------
-    name : str
-        As researchers know it; empty where a study has one arm.
-    places : int or None
-        How many participants it waits for; None where it takes all who come.
-    opened, completed : int
-        Study sessions begun, and those that reached the end.
-    """
-
-    name: str
-    places: int | None
-    opened: int
-    completed: int
-
-
-@dataclass(frozen=True, kw_only=True)
 class KnownValue:
     """What simulated raters were given to prefer.
 
     Attributes
     ----------
     about : str
-        The comparison or the condition.
+        The comparison (``first-second``) or the condition.
+    part : str
+        The set, block or task; empty where the study has none.
     question : str
         Name of the question.
+    measure : {'win_share', 'own_speech', 'mean_rating', 'mean_rank'}
+        What the number is.
     value : float
         Over all raters and all segments such as these: what an interval is an interval for.
     on_these_segments : float
@@ -59,7 +46,9 @@ class KnownValue:
     """
 
     about: str
+    part: str = ""
     question: str
+    measure: Measure
     value: float
     on_these_segments: float
 
@@ -121,12 +110,12 @@ class Subject:
         Of the study's definition; '' for a table.
     seed : int or None
         Of the study's draws.
-    arms : tuple of Arm
-        A study's arms with their places; () for a table.
     truth : tuple of KnownValue
         Of a rehearsal: what its raters were given; () otherwise.
     metrics : StudyMetrics or None
         Automatic metrics of the conditions, where there are motions.
+    against_people : ByQuestion of AgainstPeople
+        How far metrics order conditions as people do; empty where there are no metrics.
     stills : tuple of Still
         Frames of the conditions at chosen moments, by condition and then moment.
     no_stills : str
@@ -149,9 +138,9 @@ class Subject:
     frozen: tuple[str, ...] = ()
     study_sha256: str = ""
     seed: int | None = None
-    arms: tuple[Arm, ...] = ()
     truth: tuple[KnownValue, ...] = ()
     metrics: StudyMetrics | None = None
+    against_people: ByQuestion[AgainstPeople] = field(default_factory=lambda: MappingProxyType({}))
     stills: tuple[Still, ...] = ()
     no_stills: str = ""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from analysis.exclusions.applying import RuleOutcome
 from analysis.exclusions.rules import ExclusionRule
+from analysis.results.flow import ArmState, Flow, participant_flow
 from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out, table_rules
 from analysis.results.mismatch import MismatchResults, mismatch_results
 from analysis.results.pairwise import PairwiseResults, pairwise_results
@@ -73,6 +74,8 @@ class TableReport:
         Rules of exclusion in the order in which they were applied, and whom they removed.
     exclusions : dict of str to str
         Each participant left out, and the reason.
+    flow : tuple of Flow
+        By arm; a single one for a table.
     conditions_shown, questions, sets : tuple of str
         In the order of appearance; no sets where the table has none.
     notes : tuple of str
@@ -91,6 +94,7 @@ class TableReport:
     participants: Participants
     rules: tuple[RuleOutcome, ...]
     exclusions: dict[str, str]
+    flow: tuple[Flow, ...]
     conditions_shown: tuple[str, ...]
     questions: tuple[str, ...]
     sets: tuple[str, ...]
@@ -156,7 +160,13 @@ def analyse_table(
 
 
 def analyse_answers(
-    table: AnswerTable, left_out: LeftOut, *, source: Source, settings: Settings
+    table: AnswerTable,
+    left_out: LeftOut,
+    *,
+    source: Source,
+    settings: Settings,
+    arms: Sequence[ArmState] = (),
+    arm_of: Mapping[str, str] | None = None,
 ) -> TableReport:
     """Analyse checked answers, of a platform's table or of a study.
 
@@ -170,6 +180,8 @@ def analyse_answers(
         What the answers were read from.
     settings : Settings
         What the researcher decided.
+    arms, arm_of
+        Of a study; see `participant_flow`.
 
     Raises
     ------
@@ -187,6 +199,7 @@ def analyse_answers(
         participants=Participants(recruited=left_out.recruited, attentive=left_out.attentive),
         rules=left_out.rules,
         exclusions=left_out.exclusions,
+        flow=participant_flow(table, left_out, arms, arm_of),
         conditions_shown=table.conditions,
         questions=table.questions,
         sets=table.sets if table.has_sets else (),
