@@ -65,6 +65,8 @@ def incomplete() -> ExclusionRule:
     def judge(sitting: Sitting) -> str | None:
         if sitting.trials is None or sitting.settled is None:
             return None
+        if not sitting.trials:
+            return "not begun"
         if sitting.settled >= sitting.trials:
             return KEPT
         return f"{sitting.settled} of {sitting.trials} trials answered"

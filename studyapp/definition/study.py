@@ -19,6 +19,8 @@ from studyapp.definition.conditions import (
     generated,
     source_problems,
 )
+from studyapp.definition.exclusion_rules import exclusion_problems, settled
+from studyapp.definition.exclusions import Exclusion, ExclusionSection
 from studyapp.definition.form import Form
 from studyapp.definition.page import Page
 from studyapp.definition.questions import Question, question_problems
@@ -86,11 +88,14 @@ class Study(Section, ABC):
     open : bool
         Whether new participants are let in.
     replace_excluded : bool
-        Whether a participant who fails more catch trials or attention checks than allowed opens
-        the place again for somebody else.
+        Whether a participant who fails more catch trials or attention checks than the exclusion
+        rules allow opens the place again for somebody else.
     freeze : tuple of str
         Channels held still in every stimulus, so that what a condition happens to contain
         cannot give it away.
+    exclusions : tuple of ExclusionSection or None
+        Who is left out of the analysis, rule after rule; None for the rules of every study (see
+        `settled_exclusions`).
     questions : tuple of Question
         What is asked of every trial of the parts they name.
     form : Form
@@ -109,6 +114,7 @@ class Study(Section, ABC):
     conditions: dict[Name, Condition] = Field(min_length=1)
     catch: Catch = Catch()
     attention: Attention = Attention()
+    exclusions: tuple[Exclusion, ...] | None = Field(None, max_length=20, strict=False)
     questions: tuple[Question, ...] = Field(min_length=1, max_length=8, strict=False)
     form: Form = Form()
     video: Video = Video()
@@ -232,7 +238,13 @@ class Study(Section, ABC):
             *(p for name in self.conditions for p in source_problems(self.conditions, name)),
             *question_problems(self.questions, self.parts),
             *([f"freeze: unknown {', '.join(unknown)} (use {known})"] if unknown else []),
+            *exclusion_problems(self.exclusions, self.catch, self.attention),
         ]
+
+    @property
+    def settled_exclusions(self) -> tuple[ExclusionSection, ...]:
+        """Who is left out of the analysis, rule after rule, with every number settled."""
+        return settled(self.exclusions, self.catch, self.attention)
 
     @property
     def catch_against(self) -> str:

@@ -14,6 +14,9 @@ WORDS: Final = {
     "string_type": "must be a text in quotes",
     "int_type": "must be a whole number",
     "bool_type": "must be true or false",
+    "float_type": "must be a number",
+    "union_tag_not_found": "'rule' is missing",
+    "model_attributes_type": "must be a table of keys and values",
 }
 """What the kinds of finding mean in a study file; pydantic's own words serve for the rest."""
 
@@ -28,6 +31,9 @@ def explain(error: ValidationError) -> str:
             continue
         key = ".".join(str(part) for part in finding["loc"] if part != "[key]")
         message = WORDS.get(finding["type"], finding["msg"].removeprefix("Value error, "))
+        if finding["type"] == "union_tag_invalid":
+            tag, known = finding["ctx"]["tag"], finding["ctx"]["expected_tags"]
+            message = f"unknown rule {tag!r} (use one of {known})"
         findings.append(f"{key}: {message}" if key else message)
     return "; ".join(findings)
 

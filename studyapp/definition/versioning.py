@@ -20,21 +20,29 @@ OPERATION: Final[dict[str, Any]] = {
     "page": {"organisation", "contact", "minutes", "payment", "phones"},
     "watching": {"megabytes_per_page"},
 }
-"""Keys that may change while the study runs; all others are its design."""
+"""Keys that may change while the study runs."""
+
+ANALYSIS: Final[dict[str, Any]] = {"exclusions": True}
+"""Keys that say what is done with the answers. They may change too, but then the report says that
+they did. All keys that are neither these nor of the operation are the study's design."""
 
 
 def operation_part(study: Study) -> dict[str, Any]:
-    """Return the keys of `study` that may change while it runs, as plain data."""
-    return study.model_dump(mode="json", include=OPERATION)
+    """Return what of `study` may change while it runs, as plain data."""
+    rules = [each.written() for each in study.settled_exclusions]
+    return study.model_dump(mode="json", include=OPERATION) | {"exclusions": rules}
 
 
 def operation_changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[str, ...]:
-    """Return what differs between two operation parts, as ``key: before -> after``."""
+    """Return what differs between two operation parts, as ``key: before -> after``.
+
+    A key that only one of them has is known to one release and not to the other: no change.
+    """
     old, new = _flat(before), _flat(after)
     return tuple(
-        f"{key}: {old.get(key)!r} -> {new.get(key)!r}"
-        for key in sorted({*old, *new})
-        if old.get(key) != new.get(key)
+        f"{key}: {old[key]!r} -> {new[key]!r}"
+        for key in sorted(old.keys() & new.keys())
+        if old[key] != new[key]
     )
 
 
@@ -42,7 +50,7 @@ def design_digest(study: Study, segments: Sequence[Segment]) -> str:
     """Return what changes with anything that decides what participants see and are asked."""
     # Keys that say what would be so without them do not count: writing one down, or a new
     # release that knows more of them, is no other design.
-    keys = study.model_dump(mode="json", exclude=OPERATION, exclude_defaults=True)
+    keys = study.model_dump(mode="json", exclude=OPERATION | ANALYSIS, exclude_defaults=True)
     design = {key: value for key, value in keys.items() if value != {}}
     heard = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
     state = json.dumps([study.protocol, design, heard])

@@ -2,25 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Final
+
+from analysis.exclusions.sitting import Sitting
 from studyapp.definition.study import Study
 from studyapp.models import StudySession, Trial
+
+JUDGED: Final = ("catch", "attention")
+"""Kinds of trial that can be failed, and the rules that count the failures."""
 
 
 def is_excluded(study: Study, study_session: StudySession) -> bool:
     """Tell whether more catch trials or attention checks were failed than the study allows.
 
-    The analysis finds the same from the answers; here it only decides about the place.
+    The analysis finds the same from the answers, and applies all other rules besides; here it
+    only decides about the place.
     """
-    failed = [trial.kind for trial in study_session.trials if _failed(study, trial)]
-    return (
-        failed.count("catch") > study.catch.max_failed
-        or failed.count("attention") > study.attention.max_failed
+    failed = failures(study, study_session.trials)
+    sitting = Sitting(
+        participant=str(study_session.id),
+        failed_catch=failed["catch"],
+        failed_attention=failed["attention"],
     )
+    rules = [each.made() for each in study.settled_exclusions if each.rule in JUDGED]
+    return any(rule.judge(sitting) for rule in rules)
+
+
+def failures(study: Study, trials: Iterable[Trial]) -> dict[str, int]:
+    """Return how many of `trials` were failed, by kind; one that was not answered was not."""
+    failed = [trial.kind for trial in trials if _failed(study, trial)]
+    return {kind: failed.count(kind) for kind in JUDGED}
 
 
 def _failed(study: Study, trial: Trial) -> bool:
-    """Tell whether a trial was failed; one that was not answered was not."""
-    if trial.answered_at is None or trial.kind not in ("catch", "attention"):
+    if trial.answered_at is None or trial.kind not in JUDGED:
         return False
     answers = {(given.question, given.stimulus): given.value for given in trial.responses}
     return study.failed(trial, answers)

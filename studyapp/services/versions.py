@@ -65,6 +65,9 @@ def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: 
     known = next((version for version in versions if version.design == served.design), None)
     if known is None:
         known = _note(session, served, versions, now, new_version=new_version)
+    elif not _was_seen(session, known):
+        # Whoever comes first is to find the exclusion rules of now, not those of the first opening.
+        known.definition = served.definition
     _note_operation(session, served, known, now)
     release_outdated(session, served)
     open_places(session, served)

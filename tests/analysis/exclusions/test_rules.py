@@ -60,7 +60,7 @@ def test_more_failed_attention_checks_than_allowed_remove(
 
 @pytest.mark.parametrize(
     ("settled", "trials", "why"),
-    [(30, 30, ""), (12, 30, "12 of 30 trials answered"), (None, None, None)],
+    [(30, 30, ""), (12, 30, "12 of 30 trials answered"), (0, 0, "not begun"), (None, None, None)],
 )
 def test_who_did_not_reach_the_end_is_removed(
     settled: int | None, trials: int | None, why: str | None
