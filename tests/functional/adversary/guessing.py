@@ -88,32 +88,57 @@ def guessers() -> list[Any]:
 
 
 def guesses(sittings: Sequence[Sitting]) -> list[Guess]:
-    """Learn from each half of `sittings` and guess the other."""
-    halves = list(sittings[0::2]), list(sittings[1::2])
-    return [_guess_half(learnt, asked) for learnt, asked in (halves, halves[::-1])]
+    """Learn from each half of `sittings` and guess the other.
 
-
-def _guess_half(learnt: Sequence[Sitting], asked: Sequence[Sitting]) -> Guess:
-    truths = np.array([truth for sitting in learnt for truth in sitting.truth])
+    All of them must have equally many items.
+    """
     names = DictVectorizer(sparse=False)
-    names.fit([row for sitting in learnt for row in sitting.rows])
-    facts = np.array([names.transform(sitting.rows) for sitting in learnt])
+    rows = names.fit_transform(_unlike([row for sitting in sittings for row in sitting.rows]))
+    facts = rows.reshape(len(sittings), -1, rows.shape[1])
+    halves = np.arange(0, len(sittings), 2), np.arange(1, len(sittings), 2)
+    return [
+        _guess_half(
+            facts[learnt],
+            [sittings[index] for index in learnt],
+            facts[asked],
+            [sittings[index] for index in asked],
+            names.feature_names_,
+        )
+        for learnt, asked in (halves, halves[::-1])
+    ]
+
+
+def _unlike(rows: Sequence[Facts]) -> list[Facts]:
+    """Return `rows` without the facts that are the same in all of them, which tell nothing."""
+    alike = set(rows[0].items())
+    for row in rows:
+        alike = alike & row.items()
+    return [dict(row.items() - alike) for row in rows]
+
+
+def _guess_half(
+    facts: NDArray[np.float64],
+    learnt: Sequence[Sitting],
+    facts_asked: NDArray[np.float64],
+    asked: Sequence[Sitting],
+    names: Sequence[str],
+) -> Guess:
+    truths = np.array([truth for sitting in learnt for truth in sitting.truth])
     # What all study sessions have alike at one place says nothing of any of them.
     usual = facts.mean(axis=0)
     known = (facts - usual).reshape(len(truths), -1)
     telling = _telling(known, truths)
+    given = (facts_asked - usual)[:, :, telling].reshape(-1, len(telling))
     fitted = [guesser.fit(known[:, telling], truths) for guesser in guessers()]
-    chances = []
-    for sitting in asked:
-        given = (names.transform(sitting.rows) - usual)[:, telling]
-        chances.append(np.mean([guesser.predict_proba(given) for guesser in fitted], axis=0))
-    classes = {truth: column for column, truth in enumerate(fitted[0].classes_)}
-    guessed = [fitted[0].classes_[chance.argmax(axis=1)] for chance in chances]
-    right = [np.asarray(s.truth) == g for s, g in zip(asked, guessed, strict=True)]
+    chances = np.mean([guesser.predict_proba(given) for guesser in fitted], axis=0)
+    kinds = fitted[0].classes_
+    guessed = kinds[chances.argmax(axis=1)]
+    right = guessed == [truth for sitting in asked for truth in sitting.truth]
+    logs = np.log(np.maximum(chances, LEAST)).reshape(len(asked), -1, len(kinds))
     return Guess(
-        p=_p([np.log(np.maximum(chance, LEAST)) for chance in chances], asked, classes),
-        right=float(np.concatenate(right).mean()),
-        told=tuple(str(names.feature_names_[column]) for column in telling[:5]),
+        p=_p(list(logs), asked, {truth: column for column, truth in enumerate(kinds)}),
+        right=float(right.mean()),
+        told=tuple(str(names[column]) for column in telling[:5]),
     )
 
 

@@ -49,23 +49,35 @@ def page_facts(trial: HeardTrial, *, questions: bool) -> Facts:
     return facts
 
 
-def stimulus_facts(trial: HeardTrial, number: int, *, questions: bool) -> Facts:
-    """Return what was received of one stimulus: its video, compared with the others, and the page.
+def stimulus_facts(trial: HeardTrial, *, questions: bool) -> dict[int, Facts]:
+    """Return what was received of each stimulus: its video, beside the others, and the page.
 
     Parameters
     ----------
-    number : int
-        1 for A.
     questions : bool
         Whether the words of the questions are read too.
+
+    Returns
+    -------
+    dict of int to dict
+        By the stimulus' number, 1 for A.
     """
+    page = page_facts(trial, questions=questions)
     videos = {label: _told(exchanges) for label, exchanges in trial.videos.items()}
-    (own,) = (videos[label] for label, shown in trial.numbers.items() if number in shown)
-    facts = page_facts(trial, questions=questions) | _named("own", own)
+    return {
+        number: page | _own_facts(videos[label], list(videos.values()), number)
+        for label, shown in trial.numbers.items()
+        for number in shown
+    }
+
+
+def _own_facts(own: Facts, videos: list[Facts], number: int) -> Facts:
+    """Return what was received of the video `own`, one of `videos`."""
+    facts = _named("own", own)
     facts["number"] = number
     for name, value in own.items():
         if isinstance(value, int | float):
-            among = [told.get(name, 0.0) for told in videos.values()]
+            among = [told.get(name, 0.0) for told in videos]
             numbers = [float(told) for told in among if not isinstance(told, str)]
             facts[f"own {name} above the mean"] = round(value - sum(numbers) / len(numbers), 6)
     return facts
