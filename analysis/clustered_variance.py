@@ -42,17 +42,36 @@ def clustered_variance(
     by_participant, by_segment, by_cell = (
         _one_way(influences, groups) for groups in (participants, segments, cells)
     )
+    independent = float(influences @ influences)
+    return larger_variance(
+        by_participant, by_segment, by_cell, independent, answers=len(influences)
+    )
+
+
+def larger_variance(
+    by_participant: float, by_segment: float, by_cell: float, independent: float, *, answers: int
+) -> tuple[float, str]:
+    """Return the two-way variance, or the one-way one that is larger, and which one it is.
+
+    Parameters
+    ----------
+    by_participant, by_segment, by_cell : float
+        Variances clustered one way: by participant, by segment, by both together.
+    independent : float
+        Sum of the squared influences.
+    answers : int
+        How many influences there are, at least two.
+    """
     variance, method = max(
         (by_participant + by_segment - by_cell, TWO_WAY),
         (by_participant, ONE_WAY_PARTICIPANTS),
         (by_segment, ONE_WAY_SEGMENTS),
         key=lambda found: found[0],
     )
-    answers, squares = len(influences), float(influences @ influences)
     # Sums of rounding errors are no variance.
-    if variance > 1e-12 * answers * squares:
+    if variance > 1e-12 * answers * independent:
         return variance, method
-    return squares * answers / (answers - 1), INDEPENDENT
+    return independent * answers / (answers - 1), INDEPENDENT
 
 
 def _one_way(influences: Floats, groups: NDArray[np.intp]) -> float:

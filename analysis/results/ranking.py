@@ -14,10 +14,11 @@ from analysis.rankings.kendall_w import kendall_w
 from analysis.rankings.placements import Placements, placements
 from analysis.rankings.summary import RankSummary, rank_summaries
 from analysis.results.estimate import Estimate, estimate_of
-from analysis.results.grouping import ByQuestion, by_question, codes, parts, people, set_name
+from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
 from analysis.results.left_out import LeftOut
 from analysis.results.place import ConditionPlace
-from analysis.results.strengths import ONE_PARTICIPANT, RankInterval, named, ranks_of
+from analysis.results.strength_errors import RankInterval, strength_errors
+from analysis.results.strengths import named, remark_of
 from analysis.strengths.plackett_luce import plackett_luce
 from analysis.tables.answers import AnswerTable
 
@@ -57,25 +58,34 @@ class Worths:
     ----------
     worths, errors : mapping of condition to float
         Log worths, which add up to zero, and their errors clustered by participant.
+    errors_two_way, low, high : mapping of condition to float
+        Errors clustered by participant and segment, and the ends of the 95 % intervals.
     ranks : mapping of condition to RankInterval
-        At 95 %.
+        At 95 %, all together.
     ties : mapping of int to float
         For each size of tie that occurs, the logarithm of its parameter.
     loglik : float
         At the estimates.
-    n, participants : int
-        Rankings, and participants.
+    n, participants, segments : int
+        What it rests on.
+    method : str
+        Which errors the intervals and ranks rest on.
     remark, reason : str
         What limits the result; why there is none.
     """
 
     worths: Mapping[str, float]
     errors: Mapping[str, float]
+    errors_two_way: Mapping[str, float]
+    low: Mapping[str, float]
+    high: Mapping[str, float]
     ranks: Mapping[str, RankInterval]
     ties: Mapping[int, float]
     loglik: float
     n: int
     participants: int
+    segments: int
+    method: str
     remark: str
     reason: str
 
@@ -204,20 +214,31 @@ def _worths(answers: pd.DataFrame) -> Worths:
             "condition": answers["condition"].to_numpy(object),
             "rank": answers["value"].to_numpy(),
             "participant": who,
+            "segment": codes(answers, "segment"),
         }
     )
     found = plackett_luce(rows, conditions=names)
-    alone = people(answers) < 2
-    unknown = bool(found.reason)
+    known = not found.reason
+    segments = len(np.unique(codes(answers, "segment")))
     return Worths(
-        worths=named(names, found.worths, hide=unknown),
-        errors=named(names, found.errors, hide=alone or unknown),
-        ranks={} if alone or unknown else ranks_of(names, found.worths, found.covariance, who),
-        ties={} if unknown else found.ties,
-        loglik=math.nan if unknown else found.log_likelihood,
+        worths=named(names, found.worths, hide=not known),
+        errors=named(names, found.errors, hide=not known),
+        **vars(
+            strength_errors(
+                names,
+                found.worths,
+                found.covariance,
+                found.two_way,
+                participants=found.participants,
+                known=known,
+            )
+        ),
+        ties=found.ties if known else {},
+        loglik=found.log_likelihood if known else math.nan,
         n=found.rankings,
         participants=found.participants,
-        remark=ONE_PARTICIPANT if alone else "",
+        segments=segments,
+        remark=remark_of(found.remark, segments=segments),
         reason=found.reason,
     )
 

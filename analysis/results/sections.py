@@ -15,7 +15,7 @@ from analysis.results.pairwise import PairwiseResults
 from analysis.results.preference import Preference
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatedCondition, RatingResults
-from analysis.results.strengths import RankInterval
+from analysis.results.strength_errors import RankInterval
 
 Placed = TypeVar("Placed")
 Row = tuple[Cell, ...]

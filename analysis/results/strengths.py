@@ -4,25 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import codes, people
+from analysis.results.grouping import codes
+from analysis.results.strength_errors import ONE_SEGMENT, RankInterval, strength_errors
 from analysis.strengths.bradley_terry import Votes, bradley_terry
-from analysis.strengths.rank_intervals import rank_intervals
-
-ONE_PARTICIPANT = "one participant: no errors, because nothing tells how people differ"
-
-
-@dataclass(frozen=True, kw_only=True)
-class RankInterval:
-    """The best and the worst rank that a condition may have, from 1."""
-
-    best: int
-    worst: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,22 +23,29 @@ class Strengths:
     ----------
     strengths, errors : mapping of condition to float
         Log strengths, which add up to zero, and their errors clustered by participant.
+    errors_two_way, low, high : mapping of condition to float
+        Errors clustered by participant and segment, and the ends of the 95 % intervals.
     ranks : mapping of condition to RankInterval
-        At 95 %.
+        At 95 %, all together.
     tie, tie_error : float
         Davidson's log nu: how likely ties are among equals; NaN where nobody tied.
     left, left_error : float
         The left side's advantage in logits.
     loglik : float
         At the estimates.
-    n, participants : int
+    n, participants, segments : int
         What it rests on.
+    method : str
+        Which errors the intervals and ranks rest on.
     remark, reason : str
         What limits the result; why there is none.
     """
 
     strengths: Mapping[str, float]
     errors: Mapping[str, float]
+    errors_two_way: Mapping[str, float]
+    low: Mapping[str, float]
+    high: Mapping[str, float]
     ranks: Mapping[str, RankInterval]
     tie: float
     tie_error: float
@@ -57,6 +54,8 @@ class Strengths:
     loglik: float
     n: int
     participants: int
+    segments: int
+    method: str
     remark: str
     reason: str
 
@@ -66,33 +65,44 @@ def strengths_of(answers: pd.DataFrame) -> Strengths:
     left, right = codes(answers, "left"), codes(answers, "right")
     shown, number = np.unique(np.concatenate([left, right]), return_inverse=True)
     names = tuple(str(answers["left"].cat.categories[place]) for place in shown)
-    who = np.unique(codes(answers, "participant"), return_inverse=True)[1]
     found = bradley_terry(
         Votes(
             conditions=names,
             left=number[: len(left)].astype(np.intp),
             right=number[len(left) :].astype(np.intp),
             outcome=np.sign(3 - answers["value"].to_numpy()).astype(np.intp),
-            participant=who.astype(np.intp),
+            participant=_numbered(answers, "participant"),
+            segment=_numbered(answers, "segment"),
         )
     )
-    alone = people(answers) < 2
-    all_tied = not (answers["value"] != 3).any()
-    unknown = bool(found.reason) or all_tied
-    hidden = alone or unknown
+    if not (answers["value"] != 3).any():
+        found = replace(found, reason="all answers are ties")
+    segments = len(np.unique(codes(answers, "segment")))
+    no_ties = found.tie is None and not found.reason
+    known = not found.reason
     return Strengths(
-        strengths=named(names, found.strengths, hide=unknown),
-        errors=named(names, found.errors, hide=hidden),
-        ranks={} if hidden else ranks_of(names, found.strengths, found.covariance, who),
-        tie=math.nan if found.tie is None or unknown else found.tie,
-        tie_error=math.nan if hidden else found.tie_error,
-        left=math.nan if found.left is None or unknown else found.left,
-        left_error=math.nan if hidden else found.left_error,
-        loglik=math.nan if unknown else found.log_likelihood,
+        strengths=named(names, found.strengths, hide=not known),
+        errors=named(names, found.errors, hide=not known),
+        **vars(
+            strength_errors(
+                names,
+                found.strengths,
+                found.covariance,
+                found.two_way,
+                participants=found.participants,
+                known=known,
+            )
+        ),
+        tie=found.tie if known and found.tie is not None else math.nan,
+        tie_error=found.tie_error if known else math.nan,
+        left=found.left if known and found.left is not None else math.nan,
+        left_error=found.left_error if known else math.nan,
+        loglik=found.log_likelihood if known else math.nan,
         n=found.answers,
         participants=found.participants,
-        remark=_remark(alone, found.tie is None and not unknown),
-        reason="all answers are ties" if all_tied else found.reason,
+        segments=segments,
+        remark=remark_of(found.remark, "nobody answered with a tie" * no_ties, segments=segments),
+        reason=found.reason,
     )
 
 
@@ -103,22 +113,12 @@ def named(names: tuple[str, ...], values: NDArray[np.float64], *, hide: bool) ->
     }
 
 
-def ranks_of(
-    names: tuple[str, ...],
-    strengths: NDArray[np.float64],
-    covariance: NDArray[np.float64],
-    participants: NDArray[np.integer],
-) -> dict[str, RankInterval]:
-    """Return the ranks that conditions may have."""
-    freedom = len(np.unique(participants)) - 1
-    found = rank_intervals(strengths, covariance, freedom=freedom)
-    return {
-        name: RankInterval(best=best, worst=worst)
-        for name, (best, worst) in zip(names, found, strict=True)
-    }
+def remark_of(*remarks: str, segments: int) -> str:
+    """Return the remarks that are not empty, and that there is one segment where there is."""
+    said = [remark for remark in remarks if remark]
+    return "; ".join([*said, *([ONE_SEGMENT] if segments == 1 else [])])
 
 
-def _remark(alone: bool, no_ties: bool) -> str:
-    remarks = [ONE_PARTICIPANT] if alone else []
-    remarks += ["nobody answered with a tie"] if no_ties else []
-    return "; ".join(remarks)
+def _numbered(answers: pd.DataFrame, column: str) -> NDArray[np.intp]:
+    """Return a column of names as numbers from 0 without gaps."""
+    return np.unique(codes(answers, column), return_inverse=True)[1].astype(np.intp)

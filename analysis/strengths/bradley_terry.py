@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.strengths.choices import ChoiceFit, Choices, Situation, fit_choices
 from analysis.strengths.identified import why_not_identified
+from analysis.strengths.two_way import ONE_PARTICIPANT, TwoWayErrors, deviations
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -40,6 +41,8 @@ class Votes:
         1 where the left one was preferred, 0 for a tie, -1 where the right one was.
     participant : ndarray of int, shape (N,)
         Who answered, from 0.
+    segment : ndarray of int, shape (N,), or None
+        Which segment it is about, from 0; None where that is not known.
     """
 
     conditions: tuple[str, ...]
@@ -47,6 +50,7 @@ class Votes:
     right: Codes
     outcome: Codes
     participant: Codes
+    segment: Codes | None = None
 
     def __post_init__(self) -> None:
         """Refuse a pair of a condition with itself."""
@@ -114,6 +118,9 @@ class BradleyTerry:
         Of the strengths, clustered by participant (CR0).
     errors, errors_by_model, errors_robust : ndarray, shape (conditions,)
         Standard errors: clustered by participant; of the model; robust but not clustered.
+    two_way : TwoWayErrors or None
+        Errors clustered by participant and segment; None where segments are not known, or there
+        is one of either.
     tie : float or None
         Davidson's log nu: how likely ties are among equals; None where ties are halved.
     tie_error : float
@@ -127,7 +134,7 @@ class BradleyTerry:
     answers, participants : int
         What it rests on.
     reason : str
-        Why there are no strengths; empty where there are.
+        Why there are no strengths; empty where there are. `remark` says why they have no errors.
     """
 
     conditions: tuple[str, ...]
@@ -136,6 +143,7 @@ class BradleyTerry:
     errors: Floats
     errors_by_model: Floats
     errors_robust: Floats
+    two_way: TwoWayErrors | None
     tie: float | None
     tie_error: float
     left: float | None
@@ -144,6 +152,17 @@ class BradleyTerry:
     answers: int
     participants: int
     reason: str = ""
+
+    @property
+    def remark(self) -> str:
+        """Why clustered errors are NaN although there are strengths; empty where they are not."""
+        return ONE_PARTICIPANT if self.participants < 2 and not self.reason else ""
+
+    @property
+    def errors_two_way(self) -> Floats:
+        """Standard errors clustered by participant and segment; NaN where there are none."""
+        none = np.full(len(self.conditions), math.nan)
+        return none if self.two_way is None else self.two_way.errors
 
 
 def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -> BradleyTerry:
@@ -184,7 +203,8 @@ def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -
             times=times,
         )
     )
-    return centred(votes, fit, modelled, left)
+    kind = 3 * place[votes.left * count + votes.right] + 1 - votes.outcome
+    return centred(votes, fit, kind, modelled, left)
 
 
 def _situation(first: int, second: int, count: int, modelled: bool, left: bool) -> Situation:
@@ -202,7 +222,7 @@ def _situation(first: int, second: int, count: int, modelled: bool, left: bool) 
     return Situation(features=np.stack([wins[0], tie, wins[1]]), ways=np.eye(3))
 
 
-def centred(votes: Votes, fit: ChoiceFit, modelled: bool, left: bool) -> BradleyTerry:
+def centred(votes: Votes, fit: ChoiceFit, kind: Codes, modelled: bool, left: bool) -> BradleyTerry:
     """Return strengths that add up to zero from those relative to the first condition.
 
     Parameters
@@ -210,6 +230,8 @@ def centred(votes: Votes, fit: ChoiceFit, modelled: bool, left: bool) -> Bradley
     fit : ChoiceFit
         Of the other conditions' log strengths, then the tie where `modelled`, then the left
         side's advantage where `left`.
+    kind : ndarray of int, shape (N,)
+        Each answer's row among `fit.influences`.
     """
     count = len(votes.conditions)
     turn = np.eye(count)[:, 1:] - 1 / count
@@ -220,14 +242,18 @@ def centred(votes: Votes, fit: ChoiceFit, modelled: bool, left: bool) -> Bradley
             for part in (fit.clustered, fit.by_model, fit.robust)
         ],
     )
-    errors = np.sqrt(np.diagonal(fit.clustered))
+    errors = deviations(fit.clustered)
+    influences = fit.influences[:, : count - 1] @ turn.T
     return BradleyTerry(
         conditions=votes.conditions,
         strengths=strengths,
         covariance=covariances[0],
-        errors=np.sqrt(np.diagonal(covariances[0])),
-        errors_by_model=np.sqrt(np.diagonal(covariances[1])),
-        errors_robust=np.sqrt(np.diagonal(covariances[2])),
+        errors=deviations(covariances[0]),
+        errors_by_model=deviations(covariances[1]),
+        errors_robust=deviations(covariances[2]),
+        two_way=None
+        if votes.segment is None
+        else TwoWayErrors.of(influences, kind, votes.participant, votes.segment),
         tie=float(fit.estimates[count - 1]) if modelled else None,
         tie_error=float(errors[count - 1]) if modelled else math.nan,
         left=float(fit.estimates[-1]) if left else None,
@@ -250,6 +276,7 @@ def unknown(votes: Votes, reason: str) -> BradleyTerry:
         errors=none,
         errors_by_model=none,
         errors_robust=none,
+        two_way=None,
         tie=None,
         tie_error=math.nan,
         left=None,
@@ -268,6 +295,7 @@ def votes_of(
     participant: Sequence[str],
     *,
     conditions: Sequence[str] = (),
+    segment: Sequence[str] | None = None,
 ) -> Votes:
     """Return named answers as numbers; conditions in order of appearance unless given."""
     names = tuple(conditions) or tuple(
@@ -281,4 +309,7 @@ def votes_of(
         right=np.array([number[name] for name in right], np.intp),
         outcome=np.asarray(outcome, np.intp),
         participant=people.astype(np.intp),
+        segment=None
+        if segment is None
+        else np.unique(np.asarray(segment, str), return_inverse=True)[1].astype(np.intp),
     )

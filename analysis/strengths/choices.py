@@ -146,6 +146,8 @@ class ChoiceFit:
         Covariance that doubts the model but not the independence (sandwich, HC0).
     clustered : ndarray
         Covariance that lets the choices of one cluster depend on one another (sandwich, CR0).
+    influences : ndarray, shape (kinds, parameters)
+        What a choice of each kind (`Choices.kind`) adds to the estimates' error, to first order.
     log_likelihood : float
         At the estimates.
     choices, clusters : int
@@ -158,6 +160,7 @@ class ChoiceFit:
     by_model: Floats
     robust: Floats
     clustered: Floats
+    influences: Floats
     log_likelihood: float
     choices: int
     clusters: int
@@ -220,18 +223,19 @@ def _with_errors(
     except np.linalg.LinAlgError:
         bread = np.full_like(hessian, np.nan)
     means = table.means(np.exp(table.log_shares(parameters)))
-    scores = [
-        situation.ways @ (situation.features - mean)
-        for situation, mean in zip(data.situations, means, strict=True)
-    ]
-    robust, clustered = sandwiches(
-        bread, np.concatenate(scores), data.kind, data.cluster, data.times
+    scores = np.concatenate(
+        [
+            situation.ways @ (situation.features - mean)
+            for situation, mean in zip(data.situations, means, strict=True)
+        ]
     )
+    robust, clustered = sandwiches(bread, scores, data.kind, data.cluster, data.times)
     return ChoiceFit(
         estimates=parameters,
         by_model=bread,
         robust=robust,
         clustered=clustered,
+        influences=scores @ bread,
         log_likelihood=value,
         choices=len(data.way) if data.times is None else int(data.times.sum()),
         clusters=int(data.cluster.max(initial=-1)) + 1,

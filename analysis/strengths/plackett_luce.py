@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from analysis.strengths.choices import Choices, Situation, fit_choices
 from analysis.strengths.identified import why_not_identified
+from analysis.strengths.two_way import ONE_PARTICIPANT, TwoWayErrors, deviations
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -41,6 +42,9 @@ class PlackettLuce:
         Clustered by participant (CR0).
     errors, errors_by_model : ndarray, shape (conditions,)
         Standard errors: clustered by participant; of the model.
+    two_way : TwoWayErrors or None
+        Errors clustered by participant and segment; None where segments are not known, or there
+        is one of either.
     ties : mapping of int to float
         For each size of tie that occurs, the logarithm of its parameter.
     log_likelihood : float
@@ -48,7 +52,7 @@ class PlackettLuce:
     rankings, participants : int
         What it rests on.
     reason : str
-        Why there are no worths; empty where there are.
+        Why there are no worths; empty where there are. `remark` says why they have no errors.
     """
 
     conditions: tuple[str, ...]
@@ -56,11 +60,23 @@ class PlackettLuce:
     covariance: Floats
     errors: Floats
     errors_by_model: Floats
+    two_way: TwoWayErrors | None
     ties: dict[int, float]
     log_likelihood: float
     rankings: int
     participants: int
     reason: str = ""
+
+    @property
+    def remark(self) -> str:
+        """Why clustered errors are NaN although there are worths; empty where they are not."""
+        return ONE_PARTICIPANT if self.participants < 2 and not self.reason else ""
+
+    @property
+    def errors_two_way(self) -> Floats:
+        """Standard errors clustered by participant and segment; NaN where there are none."""
+        none = np.full(len(self.conditions), math.nan)
+        return none if self.two_way is None else self.two_way.errors
 
 
 def plackett_luce(
@@ -72,7 +88,8 @@ def plackett_luce(
     ----------
     rankings : DataFrame
         Columns `ranking` (names one ranking), `condition`, `rank` (1 is best, equal numbers are
-        a tie) and the one named by `cluster`. A ranking may leave conditions out.
+        a tie) and the one named by `cluster`; `segment`, where two-way errors are wanted. A
+        ranking may leave conditions out.
     conditions : sequence of str
         Their order; that of appearance unless given.
     cluster : str
@@ -86,28 +103,28 @@ def plackett_luce(
     names = tuple(conditions) or tuple(dict.fromkeys(rankings["condition"]))
     if rankings.duplicated(["ranking", "condition"]).any():
         raise InputError("a ranking places a condition twice")
-    stages, beats, people = _stages(rankings, names, cluster)
+    made = _stages(rankings, names, cluster)
+    stages, beats = made.stages, made.beats
     reason = why_not_identified(beats, names) if stages else "no rankings"
     if reason:
-        return _unknown(names, rankings, people, reason)
+        return _unknown(names, rankings, made.people, reason)
     sizes = sorted({len(chosen) for _, chosen in stages} - {1})
     left_over = list(dict.fromkeys(still for still, _ in stages))
     sets = {still: _choosable(still, sizes) for still in left_over}
     place = {still: number for number, still in enumerate(left_over)}
-    fit = fit_choices(
-        Choices(
-            situations=tuple(
-                Situation(
-                    features=np.array([_features(s, len(names), sizes) for s in sets[still]]),
-                    ways=np.eye(len(sets[still])),
-                )
-                for still in left_over
-            ),
-            situation=np.array([place[still] for still, _ in stages], np.intp),
-            way=np.array([sets[still].index(chosen) for still, chosen in stages], np.intp),
-            cluster=people[0],
-        )
+    choices = Choices(
+        situations=tuple(
+            Situation(
+                features=np.array([_features(s, len(names), sizes) for s in sets[still]]),
+                ways=np.eye(len(sets[still])),
+            )
+            for still in left_over
+        ),
+        situation=np.array([place[still] for still, _ in stages], np.intp),
+        way=np.array([sets[still].index(chosen) for still, chosen in stages], np.intp),
+        cluster=made.participants,
     )
+    fit = fit_choices(choices)
     free = len(names) - 1
     turn = np.eye(len(names))[:, 1:] - 1 / len(names)
     clustered = turn @ fit.clustered[:free, :free] @ turn.T
@@ -116,35 +133,58 @@ def plackett_luce(
         conditions=names,
         worths=turn @ fit.estimates[:free],
         covariance=clustered,
-        errors=np.sqrt(np.diagonal(clustered)),
-        errors_by_model=np.sqrt(np.diagonal(by_model)),
+        errors=deviations(clustered),
+        errors_by_model=deviations(by_model),
+        two_way=None
+        if made.segments is None
+        else TwoWayErrors.of(
+            fit.influences[:, :free] @ turn.T, choices.kind, made.participants, made.segments
+        ),
         ties=dict(zip(sizes, fit.estimates[free:].tolist(), strict=True)),
         log_likelihood=fit.log_likelihood,
         rankings=int(rankings["ranking"].nunique()),
-        participants=people[1],
+        participants=made.people,
         reason="" if fit.converged else "the worths did not converge",
     )
 
 
-def _stages(
-    rankings: pd.DataFrame, names: Sequence[str], cluster: str
-) -> tuple[list[Stage], Floats, tuple[NDArray[np.intp], int]]:
-    """Return every choice of the next best, who beat whom, and whose choice it was."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Stages:
+    """Every choice of the next best.
+
+    Attributes
+    ----------
+    stages : list of Stage
+        What was chosen of what.
+    participants, segments : ndarray of int, shape (stages,)
+        Whose choice it was, and about which segment; None where segments are not known.
+    beats : ndarray, shape (conditions, conditions)
+        How often the row's condition was placed before or beside the column's.
+    people : int
+        How many gave rankings.
+    """
+
+    stages: list[Stage]
+    participants: NDArray[np.intp]
+    segments: NDArray[np.intp] | None
+    beats: Floats
+    people: int
+
+
+def _stages(rankings: pd.DataFrame, names: Sequence[str], cluster: str) -> _Stages:
     number = {name: place for place, name in enumerate(names)}
     codes, people = pd.factorize(rankings[cluster])
     known = (rankings["ranking"].notna() & rankings["rank"].notna()).to_numpy()
     rankings, codes = rankings[known], codes[known]
     placed: dict[int, dict[float, list[int]]] = {}
-    owner: dict[int, int] = {}
-    for ranking, person, condition, rank in zip(
-        pd.factorize(rankings["ranking"])[0].tolist(),
-        codes.tolist(),
+    ranking_of = pd.factorize(rankings["ranking"])[0]
+    for ranking, condition, rank in zip(
+        ranking_of.tolist(),
         rankings["condition"].map(number).tolist(),
         rankings["rank"].tolist(),
         strict=True,
     ):
         placed.setdefault(ranking, {}).setdefault(rank, []).append(condition)
-        owner.setdefault(ranking, person)
     stages: list[Stage] = []
     owners: list[int] = []
     for ranking, by_rank in placed.items():
@@ -153,13 +193,22 @@ def _stages(
         for level in levels:
             if len(still) > 1:
                 stages.append((still, level))
-                owners.append(owner[ranking])
+                owners.append(ranking)
             still -= level
     beats = np.zeros((len(names), len(names)))
     for (still, level), count in Counter(stages).items():
         for better in level:
             beats[better, list(still - {better})] += count
-    return stages, beats, (np.array(owners, np.intp), len(people))
+    # The row in which each choice's ranking begins.
+    rows = np.unique(ranking_of, return_index=True)[1][np.array(owners, np.intp)]
+    things = pd.factorize(rankings["segment"])[0] if "segment" in rankings else None
+    return _Stages(
+        stages=stages,
+        participants=codes[rows],
+        segments=None if things is None else things[rows],
+        beats=beats,
+        people=len(people),
+    )
 
 
 def _choosable(still: frozenset[int], sizes: Sequence[int]) -> list[frozenset[int]]:
@@ -181,7 +230,7 @@ def _features(chosen: frozenset[int], count: int, sizes: Sequence[int]) -> Float
 def _unknown(
     names: tuple[str, ...],
     rankings: pd.DataFrame,
-    people: tuple[NDArray[np.intp], int],
+    people: int,
     reason: str,
 ) -> PlackettLuce:
     none = np.full(len(names), math.nan)
@@ -191,9 +240,10 @@ def _unknown(
         covariance=np.full((len(names), len(names)), math.nan),
         errors=none,
         errors_by_model=none,
+        two_way=None,
         ties={},
         log_likelihood=math.nan,
         rankings=int(rankings["ranking"].nunique()),
-        participants=people[1],
+        participants=people,
         reason=reason,
     )

@@ -61,12 +61,13 @@ def rao_kupper(votes: Votes, *, left: bool = True) -> BradleyTerry:
         by_model=scale * bread,
         robust=scale * robust,
         clustered=scale * clustered,
+        influences=turn * (scores @ bread),
         log_likelihood=-float(found.fun) * len(cell),
         choices=len(cell),
         clusters=int(votes.participant.max()) + 1,
         converged=bool(np.abs(found.jac).max() < 1e-6),
     )
-    return centred(votes, fit, modelled=True, left=left)
+    return centred(votes, fit, cell.astype(np.intp), modelled=True, left=left)
 
 
 def _design(cells: NDArray[np.intp], count: int, left: bool) -> Floats:

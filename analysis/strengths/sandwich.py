@@ -30,6 +30,11 @@ def sandwiches(
         Each answer's kind, and whose it is; from 0.
     times : ndarray of int, shape (N,), optional
         How many answers each row stands for; one each unless given.
+
+    Returns
+    -------
+    tuple of ndarray, shape (k, k)
+        The clustered one is NaN where there is one cluster: nothing tells how clusters differ.
     """
     weights = np.ones(len(kind)) if times is None else times.astype(np.float64)
     clusters, kinds = int(cluster.max(initial=-1)) + 1, len(scores)
@@ -41,7 +46,7 @@ def sandwiches(
         table = sparse.coo_matrix((weights, (cluster, kind)), shape=(clusters, kinds))
         by_cluster = np.asarray(table.tocsr() @ scores, np.float64)
     counts = np.bincount(kind, weights=weights, minlength=len(scores))[:, None]
-    return (
-        bread @ (scores.T @ (counts * scores)) @ bread,
-        bread @ (by_cluster.T @ by_cluster) @ bread,
-    )
+    robust = bread @ (scores.T @ (counts * scores)) @ bread
+    if len(np.unique(cluster)) < 2:
+        return robust, np.full_like(bread, np.nan)
+    return robust, bread @ (by_cluster.T @ by_cluster) @ bread
