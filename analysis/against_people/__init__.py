@@ -1,0 +1,1 @@
+"""Whether automatic metrics order conditions, and clips, as people do."""
