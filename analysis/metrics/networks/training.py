@@ -1,0 +1,313 @@
+"""Training a feature network on a researcher's own recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.metrics.networks.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
+from analysis.metrics.networks.clip_views import Channels, Face, face_of, view_of
+from analysis.metrics.networks.design import SIZES, Design, Kind, Size
+from analysis.metrics.networks.emotion_network import EmotionConfig, EmotionNetwork
+from analysis.metrics.networks.emotion_task import EmotionTask
+from analysis.metrics.networks.evaluator_file import (
+    DataFacts,
+    EvaluatorFacts,
+    EvaluatorFile,
+    TrainingFacts,
+    write_evaluator,
+)
+from analysis.metrics.networks.examples import Split, split
+from analysis.metrics.networks.reconstruction_task import ReconstructionTask
+from analysis.metrics.networks.training_clips import (
+    ClipSource,
+    TrainingClips,
+    labels_in_order,
+    read_training_clips,
+)
+from generators.training.config import TrainingConfig
+from generators.training.loop import Show, Trained, train
+from generators.training.run_folder import RunFolder
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.face_landmarks import FaceLandmarks
+from motion.freeze import freeze
+from motion.resample import resample
+from motion.segment import EMOTIONS
+
+FEWEST_WINDOWS: Final = 32
+"""Fewer windows than this teach a network nothing that holds for other motion."""
+
+FEWEST_HELD_OUT: Final = 8
+"""Fewer windows than this do not tell which weights are best."""
+
+TRAINING: Final = MappingProxyType[tuple[Kind, Size], TrainingConfig](
+    {
+        ("emotion", "full"): TrainingConfig(
+            steps=20_000, batch_size=32, learning_rate=1e-4, weight_decay=0.01, validate_every=200
+        ),
+        ("emotion", "tiny"): TrainingConfig(
+            steps=600, batch_size=32, learning_rate=1e-3, weight_decay=0.01, validate_every=25
+        ),
+        ("motion", "full"): TrainingConfig(
+            steps=20_000, batch_size=128, learning_rate=5e-4, optimizer="adam", validate_every=200
+        ),
+        ("motion", "tiny"): TrainingConfig(
+            steps=1_000, batch_size=64, learning_rate=1e-3, optimizer="adam", validate_every=50
+        ),
+        ("face", "full"): TrainingConfig(
+            steps=20_000, batch_size=128, learning_rate=5e-4, optimizer="adam", validate_every=200
+        ),
+        ("face", "tiny"): TrainingConfig(
+            steps=1_000, batch_size=64, learning_rate=1e-3, optimizer="adam", validate_every=50
+        ),
+    }
+)
+"""How each kind is trained unless the researcher says otherwise."""
+
+_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluatorRequest:
+    """Which network to train.
+
+    Attributes
+    ----------
+    kind, size : str
+        As in `analysis.metrics.networks.design`.
+    channels : str
+        One of `analysis.metrics.networks.design.CHANNELS_OF_KIND` of its kind.
+    training : TrainingConfig
+        How it is trained.
+    frozen : tuple of str
+        Channels held still in every clip, here and whenever the network looks at one.
+    landmarks : FaceLandmarks or None
+        Needed by the kind ``face``.
+    device : str
+        ``cpu`` or ``cuda``.
+    """
+
+    kind: Kind
+    size: Size
+    channels: Channels
+    training: TrainingConfig
+    frozen: tuple[str, ...] = ()
+    landmarks: FaceLandmarks | None = None
+    device: str = "cpu"
+
+    def __post_init__(self) -> None:
+        if "face" in self.frozen and self.channels in ("expression", "both", "landmarks"):
+            raise InputError(
+                "the face is held still, and the network is to look at it",
+                remedy="Remove 'face' from freeze in study.toml, or train on gestures",
+            )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrainedEvaluator:
+    """What came out.
+
+    Attributes
+    ----------
+    facts : EvaluatorFacts
+        What the file says of its network.
+    skipped : tuple of InputError
+        Clips that could not be used.
+    """
+
+    facts: EvaluatorFacts
+    skipped: tuple[InputError, ...]
+
+
+def train_evaluator(
+    request: EvaluatorRequest,
+    sources: Sequence[ClipSource],
+    out: Path,
+    folder: RunFolder,
+    *,
+    show_reading: Callable[[int, int], None] | None = None,
+    show_training: Show | None = None,
+) -> TrainedEvaluator:
+    """Train a feature network on recorded clips, and write it to `out`.
+
+    Parameters
+    ----------
+    request : EvaluatorRequest
+        Which network.
+    sources : sequence of ClipSource
+        The recordings.
+    out : Path
+        Its file.
+    folder : RunFolder
+        Where the run is kept; an interrupted one goes on.
+    show_reading, show_training : callable, optional
+        Told about progress.
+
+    Raises
+    ------
+    InputError
+        If the clips that can be used are too few or show one emotion, or the run kept in `folder`
+        is another one.
+    TrainingStopped
+        After Ctrl-C; the state is saved.
+    """
+    config = SIZES[request.kind][request.size]
+    seer = _Seer(request, config.frame_rate)
+    clips = read_training_clips(
+        sources,
+        seer.see,
+        window=config.window,
+        frame_rate=config.frame_rate,
+        needs_emotion=request.kind == "emotion",
+        show=show_reading,
+    )
+    emotions = [source.emotion if request.kind == "emotion" else "" for source in clips.sources]
+    labels = labels_in_order(emotions, EMOTIONS)
+    _check_clips(clips, labels, request.kind)
+    design = Design(
+        kind=request.kind,
+        channels=request.channels,
+        config=config,
+        face=seer.face,
+        labels=labels if request.kind == "emotion" else (),
+        frozen=request.frozen,
+    )
+    parts = split(
+        clips.frames,
+        [source.recording for source in clips.sources],
+        emotions,
+        names=labels,
+        window=config.window,
+        stride=config.stride,
+        floor=design.view(request.landmarks).floor,
+        seed=request.training.seed,
+        device=request.device,
+    )
+    _check_windows(parts, config)
+    trained = _trained(request, design, parts, clips, folder, show_training)
+    facts = EvaluatorFacts.of(
+        design,
+        data=DataFacts(
+            sha256=clips.sha256,
+            clips=len(clips.sources),
+            recordings=parts.recordings,
+            windows=len(parts.training),
+            held_out_windows=len(parts.held_out),
+            held_out=parts.how,
+        ),
+        training=TrainingFacts(
+            config=request.training.facts(),
+            best_step=trained.best.step,
+            last_loss=trained.last_loss,
+            versions={name: metadata.version(name) for name in _PACKAGES},
+        ),
+        held_out=dict(trained.best.measured),
+    )
+    write_evaluator(
+        out,
+        EvaluatorFile(
+            facts=facts,
+            network=trained.network.cpu(),
+            normalisation=parts.normalisation,
+            landmarks=request.landmarks,
+        ),
+    )
+    return TrainedEvaluator(facts=facts, skipped=clips.skipped)
+
+
+class _Seer:
+    """Looks at clips as the network will; the first face decides in which terms."""
+
+    def __init__(self, request: EvaluatorRequest, frame_rate: float) -> None:
+        self._request = request
+        self._frame_rate = frame_rate
+        self.face: Face | None = None
+
+    def see(self, clip: MotionClip) -> NDArray[np.float32]:
+        """Return the clip's frames at the network's frame rate, shape (T, C)."""
+        if self.face is None and self._request.channels in ("expression", "both"):
+            self.face = face_of(clip)
+        view = view_of(self._request.channels, self.face, self._request.landmarks)
+        return view.frames(resample(freeze(clip, self._request.frozen), self._frame_rate))
+
+
+def _check_clips(clips: TrainingClips, labels: tuple[str, ...], kind: Kind) -> None:
+    """Raise where there is nothing to learn."""
+    if not clips.sources:
+        first = f", such as {clips.skipped[0]}" if clips.skipped else "."
+        raise InputError(
+            f"none of the {len(clips.skipped)} clips can be used{first.rstrip('.')}",
+            remedy="Give recordings that hold what the network looks at, of a window's length",
+        )
+    if kind == "emotion" and len(labels) < 2:
+        raise InputError(
+            f"all {len(clips.sources)} clips show one emotion, {labels[0]!r}",
+            remedy="Give recordings of two emotions or more, or train a network of another kind",
+        )
+
+
+def _check_windows(parts: Split, config: EmotionConfig | AutoencoderConfig) -> None:
+    """Raise where there is too little to learn from, or to tell how well it was learned."""
+    for found, needed, what in (
+        (len(parts.training), FEWEST_WINDOWS, "to learn from"),
+        (len(parts.held_out), FEWEST_HELD_OUT, "to keep back"),
+    ):
+        if found < needed:
+            raise InputError(
+                f"the clips make {found} windows of {config.seconds:.4g} s {what}, and a network "
+                f"needs {needed}",
+                remedy="Give more recordings, or longer ones",
+            )
+
+
+def _trained(
+    request: EvaluatorRequest,
+    design: Design,
+    parts: Split,
+    clips: TrainingClips,
+    folder: RunFolder,
+    show: Show | None,
+) -> Trained[EmotionNetwork] | Trained[AutoencoderNetwork]:
+    """Train the network of `design`."""
+    settings = {
+        "kind": design.kind,
+        "channels": design.channels,
+        "face": design.face,
+        "labels": list(design.labels),
+        "frozen": list(design.frozen),
+        "device": request.device,
+        "held out": parts.how,
+        **{name: _plain(value) for name, value in asdict(design.config).items()},
+    }
+    if isinstance(design.config, EmotionConfig):
+        emotion = EmotionTask(
+            config=design.config,
+            emotions=len(design.labels),
+            training=parts.training,
+            held_out=parts.held_out,
+            settings=settings,
+            data_sha256=clips.sha256,
+            device=request.device,
+        )
+        return train(emotion, request.training, folder, show=show)
+    reconstruction = ReconstructionTask(
+        config=design.config,
+        training=parts.training,
+        held_out=parts.held_out,
+        settings=settings,
+        data_sha256=clips.sha256,
+        device=request.device,
+    )
+    return train(reconstruction, request.training, folder, show=show)
+
+
+def _plain(value: object) -> object:
+    return list(value) if isinstance(value, tuple) else value

@@ -1,0 +1,89 @@
+"""How a network is trained: numbers that check themselves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Final, Literal, get_args
+
+from motion.errors import InputError
+
+Optimizer = Literal["adam", "adamw"]
+
+UNCOMPARED: Final = ("steps", "checkpoint_every")
+"""Settings that may change when a run goes on: the steps already made stay what they are."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingConfig:
+    """How a network is trained.
+
+    Attributes
+    ----------
+    steps : int
+        Updates of the weights, at least 1.
+    batch_size : int
+        Examples in an update, at least 1; all of them where there are fewer.
+    learning_rate : float
+        Above 0 and at most 1; the same in every step.
+    optimizer : {'adam', 'adamw'}
+        Kingma & Ba 2015, or with decoupled weight decay, Loshchilov & Hutter 2019.
+    betas : pair of float
+        Decay of the optimizer's two running means, each in [0, 1).
+    weight_decay : float
+        At least 0.
+    gradient_clip : float or None
+        Longest gradient, over all weights together; longer ones are shortened to it.
+    validate_every : int
+        Steps from one look at held-out examples to the next; the last step is always followed by
+        one.
+    checkpoint_every : int
+        Steps after which the state is saved, beside the end and an interruption.
+    seed : int
+        Decides first weights, order of examples and dropout.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range; the message names it.
+    """
+
+    steps: int
+    batch_size: int
+    learning_rate: float
+    optimizer: Optimizer = "adamw"
+    betas: tuple[float, float] = (0.9, 0.999)
+    weight_decay: float = 0.0
+    gradient_clip: float | None = 1.0
+    validate_every: int = 100
+    checkpoint_every: int = 500
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("steps", "batch_size", "validate_every", "checkpoint_every"):
+            self._check(name, getattr(self, name) >= 1, "a whole number of 1 or more")
+        self._check("learning_rate", 0 < self.learning_rate <= 1, "a number above 0, at most 1")
+        self._check("optimizer", self.optimizer in get_args(Optimizer), "adam or adamw")
+        betas_fit = len(self.betas) == 2 and all(0 <= beta < 1 for beta in self.betas)
+        self._check("betas", betas_fit, "two numbers from 0 to below 1")
+        self._check("weight_decay", 0 <= self.weight_decay < math.inf, "a number of 0 or more")
+        clip = self.gradient_clip
+        self._check("gradient_clip", clip is None or 0 < clip < math.inf, "a number above 0")
+        self._check("seed", 0 <= self.seed < 2**63, "a whole number of 0 or more")
+
+    def _check(self, name: str, fits: bool, wanted: str) -> None:
+        if not fits:
+            raise InputError(
+                f"{name} of the training is {getattr(self, name)!r}", remedy=f"Give {wanted}"
+            )
+
+    def facts(self) -> dict[str, Any]:
+        """Return the settings as JSON holds them."""
+        return asdict(self) | {"betas": list(self.betas)}
+
+    @classmethod
+    def from_facts(cls, facts: Mapping[str, Any]) -> TrainingConfig:
+        """Return the settings that `facts` returned."""
+        known = {field.name: facts[field.name] for field in fields(cls)}
+        return cls(**known | {"betas": tuple(known["betas"])})

@@ -1,0 +1,51 @@
+"""What the loop needs to know of a network, its examples and its loss."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+Network = TypeVar("Network", bound=nn.Module)
+
+
+class Task(Protocol[Network]):
+    """Something to be learned."""
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """What makes this task another one than the next, as JSON values: kind, sizes, labels."""
+        ...
+
+    @property
+    def data_sha256(self) -> str:
+        """Hash of all examples, held-out ones included."""
+        ...
+
+    @property
+    def examples(self) -> int:
+        """How many examples there are to learn from, without the held-out ones."""
+        ...
+
+    @property
+    def device(self) -> str:
+        """Where it is computed: ``cpu`` or ``cuda``."""
+        ...
+
+    def network(self) -> Network:
+        """Return a fresh network on the device; its first weights come from torch's generator."""
+        ...
+
+    def losses(self, network: Network, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+        """Return the losses of a batch of examples: ``loss``, which is minimised, and its parts."""
+        ...
+
+    def validation(self, network: Network) -> Mapping[str, float]:
+        """Return what is measured of held-out examples: ``loss``, of which less is better, first.
+
+        The network is in evaluation mode, and no gradients are kept.
+        """
+        ...

@@ -1,0 +1,255 @@
+"""Landmarks of the face: a few vertices of a body, and how a clip moves them.
+
+A landmark belongs to one facial action or expression component, as those of
+Speech2UnifiedExpressions (Bhattacharya et al. 2024, section 3.3.2) are based on action units. All
+clips are put on the body's mean shape and looked at from the head, so that landmarks of different
+speakers compare.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from motion.body import BodyModel
+from motion.clip import ARKIT_COUNT, EXPRESSION_COUNT, MotionClip
+from motion.errors import InputError
+from motion.skeleton import JOINT_COUNT, joint_index
+
+FloatArray = NDArray[np.float32]
+
+_COMPONENTS: Final = 52
+"""Facial actions, or leading expression components, that get a landmark each."""
+
+_LEAST_APART: Final = 0.006
+"""Metres between two landmarks of the neutral face."""
+
+_LEAST_MOVED: Final = 1e-3
+"""Metres by which a component moves its landmark at least."""
+
+_SKIN: Final = ("skin", "lips")
+"""What landmarks lie on, where the body says what its vertices are."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FaceLandmarks:
+    """Landmarks on one face.
+
+    Attributes
+    ----------
+    body : BodyModel
+        A body of the landmarks and of the joints alone: its first vertices are the landmarks.
+    count : int
+        How many landmarks there are.
+    """
+
+    body: BodyModel
+    count: int
+
+    @classmethod
+    def of(cls, body: BodyModel) -> FaceLandmarks:
+        """Choose landmarks on the face of `body`.
+
+        For each component in turn: the vertex it moves most among those at least 6 mm from all
+        chosen before, where it moves one by 1 mm or more.
+
+        Raises
+        ------
+        InputError
+            If the body has no face that moves.
+        """
+        vertices = landmark_vertices(body)
+        if not len(vertices):
+            raise InputError(
+                "the body has no face that moves",
+                remedy="Name an avatar with a face, or an SMPL-X body, under [video] in study.toml",
+            )
+        return cls(body=_reduced(body, vertices), count=len(vertices))
+
+    def shifts(self, clip: MotionClip) -> FloatArray:
+        """Return how far the clip moves each landmark from the neutral face.
+
+        Parameters
+        ----------
+        clip : MotionClip
+            Its face and jaw count; where the head is does not.
+
+        Returns
+        -------
+        ndarray, shape (T, L, 3), float32
+            Metres.
+
+        Raises
+        ------
+        InputError
+            If the clip's face is in terms that the body does not show.
+        """
+        return np.asarray(self.positions(clip) - self.neutral)
+
+    def positions(self, clip: MotionClip) -> FloatArray:
+        """Return where the landmarks are while the head is held still, shape (T, L, 3), metres.
+
+        Raises
+        ------
+        InputError
+            If the clip's face is in terms that the body does not show.
+        """
+        if self.body.face(clip) is None:
+            shown = "ARKit weights" if self.body.has_arkit_slots else "expression coefficients"
+            raise InputError(
+                f"the clip tells no face in terms of the landmarks' body, {shown}",
+                remedy="Use clips that do, or name an expression matrix under [video]",
+            )
+        poses = np.zeros_like(clip.poses)
+        jaw = joint_index("jaw")
+        poses[:, jaw] = clip.poses[:, jaw]
+        seen = replace(
+            clip, poses=poses, trans=np.zeros_like(clip.trans), betas=np.zeros(0, np.float32)
+        )
+        return self.body.vertices(seen)[:, : self.count]
+
+    def arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return the landmarks as arrays, of which `from_arrays` makes them again."""
+        body = self.body
+        held: dict[str, NDArray[np.generic]] = {
+            "template": body.template,
+            "expression_directions": body.expression_directions,
+            "weights": body.weights.toarray(),
+            "arkit_slots": np.array([body.has_arkit_slots], np.uint8),
+        }
+        if body.pose_directions is not None:
+            held["pose_directions"] = body.pose_directions
+        if body.expression_matrix is not None:
+            held["expression_matrix"] = body.expression_matrix
+        return held
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> FaceLandmarks:
+        """Return the landmarks whose `arrays` these are.
+
+        Raises
+        ------
+        InputError
+            If an array is missing, or they do not fit together.
+        """
+        try:
+            template = arrays["template"]
+            directions = arrays["expression_directions"]
+            weights = arrays["weights"]
+            slots = arrays["arkit_slots"]
+        except KeyError as error:
+            raise InputError(f"the landmarks lack {error}", remedy="Make the file again") from error
+        rows = len(template)
+        pose, matrix = arrays.get("pose_directions"), arrays.get("expression_matrix")
+        fits = (
+            rows > JOINT_COUNT
+            and template.shape == (rows, 3)
+            and directions.ndim == 3
+            and directions.shape[:2] == (rows, 3)
+            and weights.shape == (rows, JOINT_COUNT)
+            and slots.shape == (1,)
+            and (pose is None or pose.shape == (rows, 3, 9 * (JOINT_COUNT - 1)))
+            and (matrix is None or matrix.shape == (EXPRESSION_COUNT, ARKIT_COUNT))
+        )
+        if not fits:
+            raise InputError(
+                "the arrays of the landmarks do not fit together", remedy="Make the file again"
+            )
+        body = _landmark_body(
+            template=template,
+            expression_directions=directions,
+            weights=weights,
+            pose_directions=pose,
+            expression_matrix=matrix,
+            has_arkit_slots=bool(slots[0]),
+        )
+        return cls(body=body, count=rows - JOINT_COUNT)
+
+    @cached_property
+    def neutral(self) -> FloatArray:
+        """Where the landmarks are in the neutral face, shape (L, 3), in metres."""
+        return self.body.template[: self.count]
+
+
+def landmark_vertices(body: BodyModel) -> NDArray[np.int64]:
+    """Return the vertices of `body` that `FaceLandmarks.of` chooses, in the order of components."""
+    moved = np.linalg.norm(body.expression_directions, axis=1)
+    allowed = _on_skin(body)
+    chosen: list[int] = []
+    for component in range(min(_COMPONENTS, moved.shape[1])):
+        reach = np.where(allowed, moved[:, component], 0)
+        vertex = int(reach.argmax())
+        if reach[vertex] < _LEAST_MOVED:
+            continue
+        chosen.append(vertex)
+        apart = np.linalg.norm(body.template - body.template[vertex], axis=1)
+        allowed &= apart >= _LEAST_APART
+    return np.array(chosen, np.int64)
+
+
+def _on_skin(body: BodyModel) -> NDArray[np.bool_]:
+    """Tell of each vertex whether a landmark may lie on it."""
+    if "material" not in body.surface:
+        return np.ones(len(body.template), bool)
+    names = [str(name) for name in body.surface["material_names"]]
+    wanted = [names.index(name) for name in _SKIN if name in names]
+    return np.isin(body.surface["material"], wanted)
+
+
+def _reduced(body: BodyModel, vertices: NDArray[np.int64]) -> BodyModel:
+    """Return a body whose vertices are `vertices` of `body`, then its joints.
+
+    Joints are sums of vertices, and move with expressions as these sums do.
+    """
+    regressor = body.joint_regressor
+
+    def kept(values: FloatArray) -> FloatArray:
+        flat = (regressor @ values.reshape(len(values), -1)).reshape(JOINT_COUNT, *values.shape[1:])
+        return np.concatenate([values[vertices], flat.astype(np.float32)])
+
+    weights = body.weights[vertices].toarray()[:, :JOINT_COUNT]
+    pose = body.pose_directions
+    if pose is not None:
+        none = np.zeros((JOINT_COUNT, *pose.shape[1:]), np.float32)
+        pose = np.concatenate([pose[vertices], none])
+    return _landmark_body(
+        template=kept(body.template),
+        expression_directions=kept(body.expression_directions),
+        weights=np.concatenate([weights, np.eye(JOINT_COUNT, dtype=np.float32)]),
+        pose_directions=pose,
+        expression_matrix=body.expression_matrix,
+        has_arkit_slots=body.has_arkit_slots,
+    )
+
+
+def _landmark_body(
+    *,
+    template: FloatArray,
+    expression_directions: FloatArray,
+    weights: FloatArray,
+    pose_directions: FloatArray | None,
+    expression_matrix: FloatArray | None,
+    has_arkit_slots: bool,
+) -> BodyModel:
+    """Return the body of L landmarks, then joints, whose arrays have L + 55 rows."""
+    vertices = len(template)
+    joints = sparse.eye_array(
+        JOINT_COUNT, vertices, k=vertices - JOINT_COUNT, format="csr", dtype=np.float32
+    )
+    return BodyModel(
+        template=template,
+        faces=np.zeros((0, 3), np.int64),
+        shape_directions=np.zeros((vertices, 3, 0), np.float32),
+        expression_directions=expression_directions,
+        pose_directions=pose_directions,
+        joint_regressor=sparse.csr_array(joints),
+        weights=sparse.csr_array(weights),
+        expression_matrix=expression_matrix,
+        has_arkit_slots=has_arkit_slots,
+    )
