@@ -82,3 +82,17 @@ def test_otherwise_the_place_stays_filled(
     finish(participant, careless=careless)
 
     assert holders(database) == 1
+
+
+def test_a_list_without_a_rule_about_failures_keeps_the_place_filled(
+    tiny_study: Path, database: Database, clock: SetClock
+) -> None:
+    path = tiny_study / "study.toml"
+    rules = 'replace_excluded = true\nexclusions = [{ rule = "incomplete" }]\n'
+    path.write_text(rules + path.read_text("utf-8"), "utf-8")
+    served = ServedStudy.read(tiny_study)
+    open_study(database, served, clock)
+
+    finish(Participant(database, served, clock).enrol().begin(), careless="catch")
+
+    assert holders(database) == 1

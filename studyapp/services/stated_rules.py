@@ -1,0 +1,30 @@
+"""The exclusion rules that a version of the study stated while nobody had taken part in it."""
+
+from __future__ import annotations
+
+from sqlalchemy import select
+
+from motion.errors import InputError
+from studyapp.definition.exclusions import ExclusionSection
+from studyapp.definition.reading import parse_text
+from studyapp.models import StudyVersion
+from studyapp.services.database import Database
+
+
+def stated_rules(database: Database, version: int) -> tuple[ExclusionSection, ...] | None:
+    """Return the exclusion rules of `version` when its first participant came.
+
+    Returns
+    -------
+    tuple of ExclusionSection, or None
+        In order; None where there is no such version, or its study file cannot be read any more.
+    """
+    wanted = select(StudyVersion.definition).where(StudyVersion.number == version)
+    with database.reading() as session:
+        definition = session.scalars(wanted).first()
+    if definition is None:
+        return None
+    try:
+        return parse_text(definition, where=f"version {version}").settled_exclusions
+    except InputError:
+        return None

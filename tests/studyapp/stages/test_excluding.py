@@ -1,0 +1,42 @@
+"""A rule that was not settled before anybody came is exploratory, however it came in."""
+
+from __future__ import annotations
+
+from studyapp.definition.exclusions import Coverage, FailedCatch, Incomplete
+from studyapp.stages.excluding import StudyExclusions, study_exclusions
+
+STATED = (Incomplete(), FailedCatch(more_than=1))
+
+
+def marks(found: StudyExclusions) -> list[tuple[str, bool]]:
+    return [(rule.name, rule.exploratory) for rule in found.rules]
+
+
+def test_what_the_file_has_always_said_is_planned() -> None:
+    for found in (study_exclusions(STATED), study_exclusions(STATED, STATED)):
+        assert marks(found) == [("incomplete", False), ("catch", False)]
+        assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
+        assert found.notes == ()
+
+
+def test_a_rule_of_the_command_line_comes_last_and_is_exploratory() -> None:
+    found = study_exclusions(STATED, STATED, [Coverage(below=0.9)])
+    assert marks(found) == [("incomplete", False), ("catch", False), ("coverage", True)]
+    assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
+
+
+def test_a_rule_changed_after_the_first_participant_is_exploratory_and_the_old_one_planned() -> (
+    None
+):
+    found = study_exclusions((Incomplete(), FailedCatch(more_than=0)), STATED)
+    assert marks(found) == [("incomplete", False), ("catch", True)]
+    assert [rule.description for rule in found.planned] == [
+        "unfinished",
+        "failed more than 1 catch trial",
+    ]
+    assert found.notes == (
+        "Exclusion by catch>0 was not in the study file when the first participant came: it is "
+        "exploratory.",
+        "Exclusion by catch>1 was in the study file when the first participant came, and has been "
+        "taken out of it since.",
+    )
