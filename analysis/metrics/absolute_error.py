@@ -106,6 +106,7 @@ def absolute_error(
     frame_rate: float,
     settings: PointSettings,
     scale: float = 1.0,
+    missing: str = "",
 ) -> MetricResult:
     """Return the mean absolute difference of coordinates.
 
@@ -119,6 +120,8 @@ def absolute_error(
         `MAJE` or `MALE`.
     scale : float
         Factor that all points are multiplied by; see `box_scale`.
+    missing : str
+        Why there are no points, where there are none.
 
     Returns
     -------
@@ -127,6 +130,7 @@ def absolute_error(
         there.
     """
     one, other, reason = paired(generated, recorded)
+    reason = missing or reason
     one, other = one[settings.seed_frames :], other[settings.seed_frames :]
     if not reason and not one.size:
         reason = "the clip has no frame behind those that seed the generator"

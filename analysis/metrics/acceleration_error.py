@@ -36,6 +36,7 @@ def acceleration_error(
     frame_rate: float,
     settings: PointSettings,
     scale: float = 1.0,
+    missing: str = "",
 ) -> MetricResult:
     """Return the mean absolute difference of the coordinates' accelerations.
 
@@ -49,6 +50,8 @@ def acceleration_error(
         `MACE_POSES` or `MACE_LANDMARKS`.
     scale : float
         Factor that all points are multiplied by (`analysis.metrics.absolute_error.box_scale`).
+    missing : str
+        Why there are no points, where there are none.
 
     Returns
     -------
@@ -57,6 +60,7 @@ def acceleration_error(
         or fewer than three frames are left.
     """
     one, other, reason = paired(generated, recorded)
+    reason = missing or reason
     one, other = one[settings.seed_frames :], other[settings.seed_frames :]
     if not reason and len(one) < _FEWEST_FRAMES:
         reason = f"the clip has fewer than {_FEWEST_FRAMES} frames behind those that seed"

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from analysis.metrics.feature_networks import FeatureNetwork, Network, open_network
 from analysis.metrics.kept_arrays import KeptArrays
+from analysis.metrics.seen_motion import SeenMotion
 from motion.errors import InputError
-from motion.formats import read_clip, read_motion
-from motion.freeze import freeze
 from motion.source_version import imported_sources, source_version
 
 Array = NDArray[np.float32]
@@ -54,20 +53,14 @@ class FeaturesOf:
     ----------
     network : Network
         With which.
-    frozen : tuple of str
-        Channels that the study holds still.
-    own_files : bool
-        Whether files are a study's own and read as they stand.
-    file_rate : float or None
-        Frames per second of all files, in place of their own.
+    motion : SeenMotion
+        How the files are read.
     folder : Path or None
         Where features are kept between runs.
     """
 
     network: Network
-    frozen: tuple[str, ...]
-    own_files: bool
-    file_rate: float | None
+    motion: SeenMotion
     folder: Path | None
 
     def __call__(self, path: Path) -> ClipFeatures:
@@ -90,8 +83,7 @@ class FeaturesOf:
             found = KeptArrays.read(place, (None, None))
             if found is not None and found.shape[1] > labels:
                 return _split(found, labels, place)
-        read = read_clip if self.own_files else read_motion
-        clip = freeze(read(path, frame_rate=self.file_rate), self.frozen)
+        clip = self.motion.read(path)
         network = _opened(self.network.path, self.network.sha256)
         both = np.asarray(network.embed(clip), np.float32)
         if labels:
@@ -108,7 +100,7 @@ class FeaturesOf:
 
     @property
     def _settings(self) -> str:
-        return f"{self.network.sha256} {sorted(self.frozen)} {self.file_rate!r}"
+        return f"{self.network.sha256} {self.motion}"
 
 
 def _split(both: Array, labels: int, place: Path | None) -> ClipFeatures:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +18,8 @@ from analysis.metrics.correct_motion import CorrectSettings, percent_correct_mot
 from analysis.metrics.diversity import l1_deviation
 from analysis.metrics.foot_sliding import FEET, foot_sliding
 from analysis.metrics.jerk import jerk
-from analysis.metrics.joint_motion import JointMotion
 from analysis.metrics.joint_positions import GESTURE_JOINTS, UPPER_BODY_JOINTS, select
+from analysis.metrics.measured_clips import FACE_RATE, Landmarks, MeasuredClip
 from analysis.metrics.presets import Preset
 from analysis.metrics.recorded_spread import RecordedSpread
 from analysis.metrics.result import MetricResult
@@ -28,21 +30,10 @@ from motion.speech_onsets import DETECTOR
 
 FloatArray = NDArray[np.float64]
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MeasuredClip:
-    """What metrics look at in one clip.
-
-    Attributes
-    ----------
-    joints : JointMotion
-        Where the joints are.
-    rotations : ndarray, shape (T, G, 3), or None
-        Axis-angle of `analysis.metrics.joint_positions.GESTURE_JOINTS`, where a preset needs them.
-    """
-
-    joints: JointMotion
-    rotations: FloatArray | None = None
+_ON_THE_FACE: Final = {
+    "positions": "on the mean shape of one body, the head held still",
+    "box": "that of the recordings' landmarks",
+}
 
 
 def clip_metrics(
@@ -91,6 +82,10 @@ def clip_metrics(
         if spread is not None:
             yield from _point_errors(
                 positions, recorded.joints.relative, frame_rate, preset, spread
+            )
+        if preset.needs_landmarks:
+            yield from _landmark_errors(
+                clip.landmarks, recorded.landmarks, min(frame_rate, FACE_RATE), preset, spread
             )
 
 
@@ -200,6 +195,34 @@ def _point_errors(
         yield acceleration_error(
             generated, other, frame_rate=rate, settings=settings, scale=spread.scale
         )
+
+
+def _landmark_errors(
+    generated: Landmarks,
+    recorded: Landmarks,
+    frame_rate: float,
+    preset: Preset,
+    spread: RecordedSpread | None,
+) -> Iterator[MetricResult]:
+    reason = generated.reason or recorded.reason
+    scale = math.nan if spread is None else spread.face_scale
+    if not reason and math.isnan(scale):
+        reason = "no recording has a face that moves"
+    none = np.zeros((1, 0, 3))
+    one, other = (
+        none if reason or side.positions is None else side.positions
+        for side in (generated, recorded)
+    )
+    for settings in preset.landmark_errors:
+        result = absolute_error(
+            one, other, frame_rate=frame_rate, settings=settings, scale=scale, missing=reason
+        )
+        yield replace(result, settings={**result.settings, **_ON_THE_FACE})
+    for settings in preset.landmark_accelerations:
+        result = acceleration_error(
+            one, other, frame_rate=frame_rate, settings=settings, scale=scale, missing=reason
+        )
+        yield replace(result, settings={**result.settings, **_ON_THE_FACE})
 
 
 def _slower(points: FloatArray, frame_rate: float, wanted: float) -> FloatArray:

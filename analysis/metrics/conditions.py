@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 
 from analysis.metrics.emotion_accuracy import EmotionConfusion
+from analysis.metrics.measured_clips import SkippedFile
 from analysis.metrics.result import Better, MetricResult
-from analysis.metrics.segment_scores import ClipScore, SkippedFile
+from analysis.metrics.segment_scores import ClipScore
 
 _REASONS: Final = 3
 """Different reasons that are named; clips of different lengths have one each."""

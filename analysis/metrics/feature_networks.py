@@ -14,6 +14,8 @@ from analysis.metrics import network_names as names
 from motion.clip import MotionClip
 
 _OF_CHANNELS: Final = {
+    "body": names.EMOTION,
+    "landmarks": names.LANDMARKS,
     "gesture": names.GESTURE,
     "expression": names.EXPRESSION,
     "both": names.WHOLE,
@@ -45,8 +47,8 @@ class FeatureNetwork(Protocol):
     """A network that turns clips into features, and of kind ``emotion`` into emotions too."""
 
     @property
-    def kind(self) -> str:
-        """``emotion``, ``motion`` or ``face``."""
+    def channels(self) -> str:
+        """What it looks at: ``body``, ``gesture``, ``expression``, ``both`` or ``landmarks``."""
 
     @property
     def sha256(self) -> str:
@@ -123,7 +125,7 @@ def networks(paths: Iterable[Path]) -> tuple[Network, ...]:
     for path in paths:
         network = open_network(path)
         found.setdefault(network.sha256, (path, network))
-    names_there = [name_of(network) for _, network in found.values()]
+    names_there = [_OF_CHANNELS[network.channels] for _, network in found.values()]
     result = []
     for name, (path, network) in zip(names_there, found.values(), strict=True):
         several = names_there.count(name) > 1
@@ -132,18 +134,9 @@ def networks(paths: Iterable[Path]) -> tuple[Network, ...]:
                 path=path,
                 sha256=network.sha256,
                 name=f"{name}, {network.sha256[:8]}" if several else name,
-                settings={"network": network.sha256, **network.describe()},
+                settings=network.describe(),
                 labels=tuple(network.labels),
                 sees=_SEES[name],
             )
         )
     return tuple(result)
-
-
-def name_of(network: FeatureNetwork) -> str:
-    """Return which of `analysis.metrics.network_names` a network is."""
-    if network.kind == "emotion":
-        return names.EMOTION
-    if network.kind == "face":
-        return names.LANDMARKS
-    return _OF_CHANNELS.get(network.describe().get("channels", ""), names.GESTURE)

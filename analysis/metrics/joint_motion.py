@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.metrics.kept_arrays import KeptArrays
+from analysis.metrics.seen_motion import SeenMotion
 from motion.clip import MotionClip
-from motion.freeze import freeze
 from motion.ground import stand_on_ground
 from motion.resample import resample
 from motion.rest_pose import REST_JOINTS
@@ -38,7 +38,7 @@ class JointMotion:
     pelvis: FloatArray
 
 
-def joint_motion(clip: MotionClip, frame_rate: float, frozen: Collection[str] = ()) -> JointMotion:
+def joint_motion(clip: MotionClip, frame_rate: float) -> JointMotion:
     """Return where all joints are, on the default body, whatever the clip's own shape.
 
     Parameters
@@ -47,10 +47,8 @@ def joint_motion(clip: MotionClip, frame_rate: float, frozen: Collection[str] = 
         Any frame rate.
     frame_rate : float
         Frames per second of the result.
-    frozen : collection of str
-        Channels that the study holds still in its videos (`motion.freeze`).
     """
-    seen = stand_on_ground(freeze(resample(clip, frame_rate), frozen), REST_JOINTS)
+    seen = stand_on_ground(resample(clip, frame_rate), REST_JOINTS)
     relative = forward_kinematics(seen.poses, np.zeros_like(seen.trans), REST_JOINTS)[0]
     relative -= relative[:, :1]
     pelvis = REST_JOINTS[0] + seen.trans
@@ -71,32 +69,24 @@ class JointMotionStore:
         version = source_version(imported_sources([__name__]), ["numpy", "scipy"])
         self._kept = KeptArrays(folder, "joints", version)
 
-    def place(
-        self,
-        motion: Path,
-        frame_rate: float,
-        frozen: Collection[str],
-        file_rate: float | None = None,
-    ) -> Path:
-        """Return where the joint motion of the file `motion` is kept, whether it is there or not.
+    def place(self, path: Path, frame_rate: float, motion: SeenMotion) -> Path:
+        """Return where the joint motion of the file at `path` is kept, whether it is there or not.
 
         Parameters
         ----------
-        motion : Path
+        path : Path
             The motion file.
         frame_rate : float
             Frames per second of the joint motion.
-        frozen : collection of str
-            Channels held still.
-        file_rate : float, optional
-            Frames per second that the file is taken to have, in place of its own.
+        motion : SeenMotion
+            How the file is read.
 
         Raises
         ------
         InputError
             If the file cannot be read.
         """
-        return self._kept.place(motion, _settings(frame_rate, frozen, file_rate))
+        return self._kept.place(path, f"{frame_rate!r} {motion}")
 
     @staticmethod
     def read(place: Path) -> JointMotion | None:
@@ -110,19 +100,9 @@ class JointMotionStore:
         packed = np.concatenate([motion.relative, motion.pelvis[:, None]], axis=1)
         KeptArrays.keep(place, packed.astype(np.float32))
 
-    def forget_others(
-        self,
-        used: Collection[Path],
-        frame_rate: float,
-        frozen: Collection[str],
-        file_rate: float | None = None,
-    ) -> None:
+    def forget_others(self, used: Collection[Path], frame_rate: float, motion: SeenMotion) -> None:
         """Remove what is kept under these settings but no longer `used`."""
-        self._kept.forget(_settings(frame_rate, frozen, file_rate), used)
-
-
-def _settings(frame_rate: float, frozen: Collection[str], file_rate: float | None) -> str:
-    return f"{frame_rate!r} {sorted(frozen)} {file_rate!r}"
+        self._kept.forget(f"{frame_rate!r} {motion}", used)
 
 
 def _unpacked(packed: NDArray[np.float32]) -> JointMotion:

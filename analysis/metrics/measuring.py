@@ -7,31 +7,34 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from analysis.metrics.clip_features import ClipFeatures, FeaturesOf
-from analysis.metrics.clip_scores import pose_settings
+from analysis.metrics.clip_distances import distances_between_clips
 from analysis.metrics.conditions import (
     ConditionScore,
     StudyMetrics,
     clip_means,
-    whole_condition,
 )
-from analysis.metrics.diversity import mean_pair_distance, motion_features
 from analysis.metrics.feature_networks import Network, command_for, networks
-from analysis.metrics.feature_scores import FeatureScores, feature_scores, scores_without_network
+from analysis.metrics.feature_scores import FeatureScores, scores_without_network
 from analysis.metrics.joint_motion import JointMotionStore
 from analysis.metrics.joint_positions import common_frame_rate
+from analysis.metrics.measured_clips import Bench, LandmarkBody, SkippedFile
+from analysis.metrics.passes import (
+    depths_of_files,
+    features_of_files,
+    motions,
+    penetrations,
+    recorded_conditions,
+    scores_of_network,
+)
+from analysis.metrics.penetration_of_files import DepthsOf
 from analysis.metrics.presets import REPORT, Preset, combined
 from analysis.metrics.recorded_spread import ClipExtent, recorded_spread
+from analysis.metrics.seen_motion import SeenMotion
 from analysis.metrics.segment_scores import (
-    Bench,
     ClipScore,
     Excerpt,
     SegmentFiles,
     SegmentScores,
-    SkippedFile,
     recorded_extent,
     segment_scores,
 )
@@ -50,6 +53,8 @@ def study_metrics(
     semantics: Mapping[str, Path] | None = None,
     emotions: Mapping[str, str] | None = None,
     evaluators: Iterable[Path] = (),
+    face: LandmarkBody | None = None,
+    penetrable: Path | None = None,
     presets: Iterable[str] = (REPORT,),
     own_files: bool = True,
     file_rate: float | None = None,
@@ -77,6 +82,10 @@ def study_metrics(
     evaluators : iterable of Path
         Feature networks that ``motionjury train evaluator`` has made; all of them are measured
         with, whatever the presets ask for.
+    face : LandmarkBody, optional
+        Whose face landmarks are on, for metrics that compare them with recorded ones.
+    penetrable : Path, optional
+        A body whose arms are looked for inside it; without it there is no self-penetration.
     presets : iterable of str
         Names in `analysis.metrics.presets.PRESETS`.
     own_files : bool
@@ -116,43 +125,54 @@ def study_metrics(
         raise skipped[0].error()
     if not found:
         return StudyMetrics(frame_rate=math.nan, clips=(), conditions=(), skipped=tuple(skipped))
+    motion = SeenMotion(frozen=tuple(frozen), own_files=own_files, file_rate=file_rate)
     bench = Bench(
-        frame_rate=common_frame_rate(rates),
-        frozen=tuple(frozen),
-        preset=preset,
-        store=store,
-        own_files=own_files,
-        file_rate=file_rate,
+        frame_rate=common_frame_rate(rates), motion=motion, preset=preset, store=store, face=face
     )
+    folder = store.folder if store is not None else None
+    inside = DepthsOf.on(penetrable, motion, folder) if penetrable is not None else None
     recorded_files = sorted({files.recorded for files in found if files.recorded is not None})
     looked_at = recorded_files if preset.needs_recorded_spread else []
-    motion_files = sorted({path for files in found for path in _motions(files)})
-    steps = Steps(len(looked_at) + len(found) + len(given) * len(motion_files), on_progress)
+    motion_files = sorted({path for files in found for path in motions(files)})
+    passes = len(given) + (inside is not None)
+    steps = Steps(len(looked_at) + len(found) + passes * len(motion_files), on_progress)
     with Workers(processes) as workers:
         if looked_at:
             extents = workers.each(_ExtentOf(bench), looked_at, steps.of(looked_at))
             bench = replace(bench, spread=recorded_spread(e for e in extents if e is not None))
         measured = workers.each(_ScoresOf(bench), found, steps.of(found))
         features = {
-            network.name: _features(network, bench, motion_files, workers, steps)
+            network.name: features_of_files(network, bench, motion_files, workers, steps)
             for network in given
         }
+        depths = depths_of_files(inside, motion_files, workers, steps) if inside is not None else {}
     skipped += list(dict.fromkeys(file for one in measured for file in one.skipped))
     if not skip_unusable and skipped:
         raise skipped[0].error()
     if store is not None:
         used = {place for one in measured for place in one.kept}
-        store.forget_others(used, bench.frame_rate, bench.frozen, file_rate)
+        store.forget_others(used, bench.frame_rate, motion)
+    scores = [score for one in measured for score in one.scores]
+    if inside is not None:
+        scores += penetrations(found, depths, inside.described)
     damaged = {file.where for file in skipped}
     seen = [
-        _feature_scores(network, tuple(clips), found, features[network.name], emotions, damaged)
+        scores_of_network(network, tuple(clips), found, features[network.name], emotions, damaged)
         for network in given
     ]
     return StudyMetrics(
         frame_rate=bench.frame_rate,
-        clips=tuple(_by_condition(clips, [s for one in measured for s in one.scores], seen)),
+        clips=tuple(_by_condition(clips, scores, seen)),
         conditions=tuple(
-            _condition_scores(tuple(clips), measured, bench, given, seen, _recordings(clips, found))
+            _condition_scores(
+                tuple(clips),
+                scores,
+                measured,
+                bench,
+                given,
+                seen,
+                recorded_conditions(clips, found),
+            )
         ),
         skipped=tuple(skipped),
         remarks=tuple(_remarks(found, preset, bool(recordings))),
@@ -241,72 +261,6 @@ def _some(segments: Sequence[str], count: int) -> str:
     return f"{len(segments)} of {count} segments ({named})"
 
 
-def _motions(files: SegmentFiles) -> Iterator[Path]:
-    """Yield all motion files of a segment, its recording among them."""
-    yield from files.clips.values()
-    if files.recorded is not None:
-        yield files.recorded
-
-
-def _features(
-    network: Network, bench: Bench, files: Sequence[Path], workers: Workers, steps: Steps
-) -> dict[Path, ClipFeatures]:
-    """Return what a network says about each motion file."""
-    look = FeaturesOf(
-        network=network,
-        frozen=bench.frozen,
-        own_files=bench.own_files,
-        file_rate=bench.file_rate,
-        folder=bench.store.folder if bench.store is not None else None,
-    )
-    if network.sees and network.sees <= set(bench.frozen):
-        held = ClipFeatures(reason=f"the study holds still: {', '.join(sorted(network.sees))}")
-        steps.of(files)(len(files), len(files))
-        return dict.fromkeys(files, held)
-    found = dict(zip(files, workers.each(look, files, steps.of(files)), strict=True))
-    look.forget_others({one.kept for one in found.values() if one.kept is not None})
-    return found
-
-
-def _feature_scores(
-    network: Network,
-    conditions: Sequence[str],
-    found: Sequence[SegmentFiles],
-    features: Mapping[Path, ClipFeatures],
-    emotions: Mapping[str, str] | None,
-    damaged: Collection[str],
-) -> FeatureScores:
-    """Return the scores of one network; files that are named as unusable do not count as clips."""
-    usable = {path: one for path, one in features.items() if str(path) not in damaged}
-    recorded = {files.segment: files.recorded for files in found if files.recorded is not None}
-    by_condition = {
-        condition: {
-            files.segment: usable[files.clips[condition]]
-            for files in found
-            if files.clips.get(condition) in usable
-        }
-        for condition in conditions
-    }
-    return feature_scores(
-        network,
-        {condition: clips for condition, clips in by_condition.items() if clips},
-        {segment: usable[path] for segment, path in recorded.items() if path in usable},
-        recordings=_recordings(conditions, found),
-        emotions=emotions,
-    )
-
-
-def _recordings(conditions: Iterable[str], found: Sequence[SegmentFiles]) -> frozenset[str]:
-    """Return the conditions that are recorded motion themselves."""
-    return frozenset(
-        condition
-        for condition in conditions
-        if all(
-            files.clips[condition] == files.recorded for files in found if condition in files.clips
-        )
-    )
-
-
 def _by_condition(
     conditions: Iterable[str], scores: Sequence[ClipScore], seen: Sequence[FeatureScores]
 ) -> Iterator[ClipScore]:
@@ -320,20 +274,19 @@ def _by_condition(
 
 def _condition_scores(
     conditions: Sequence[str],
+    scores: Sequence[ClipScore],
     measured: Sequence[SegmentScores],
     bench: Bench,
     given: Sequence[Network],
     seen: Sequence[FeatureScores],
     recordings: Collection[str],
 ) -> Iterator[ConditionScore]:
-    scores = [score for segment in measured for score in segment.scores]
     missing = [name for name in bench.preset.networks if name not in _kinds(given)]
     for condition in conditions:
-        bodies = [s.upper_bodies[condition] for s in measured if condition in s.upper_bodies]
         own = [score for score in scores if score.condition == condition]
         clips = len({score.segment for score in own})
         yield from clip_means(condition, own)
-        yield from _pair_distance(condition, bodies, bench.frame_rate)
+        yield from distances_between_clips(condition, measured, bench)
         for one in seen:
             yield from (score for score in one.conditions if score.condition == condition)
         for name in missing:
@@ -344,16 +297,3 @@ def _condition_scores(
 
 def _kinds(given: Sequence[Network]) -> set[str]:
     return {network.name.partition(", ")[0] for network in given}
-
-
-def _pair_distance(
-    condition: str, clips: Sequence[NDArray[np.float32]], frame_rate: float
-) -> Iterator[ConditionScore]:
-    if not clips:
-        return
-    result = mean_pair_distance(
-        motion_features([clip.astype(np.float64) for clip in clips]),
-        settings=pose_settings(frame_rate)
-        | {"distance": "root mean square over frames and joints, clips cut to the shortest"},
-    )
-    yield whole_condition(condition, result, len(clips))

@@ -12,8 +12,8 @@ from types import MappingProxyType
 from typing import Final, TypeVar
 
 from analysis.metrics import beat_alignment, correct_motion, network_names
-from analysis.metrics.absolute_error import MAJE, PointSettings
-from analysis.metrics.acceleration_error import MACE_POSES
+from analysis.metrics.absolute_error import MAJE, MALE, PointSettings
+from analysis.metrics.acceleration_error import MACE_LANDMARKS, MACE_POSES
 from analysis.metrics.beat_alignment import BeatSettings
 from analysis.metrics.correct_motion import CorrectSettings
 from analysis.metrics.jerk import GENEA, HANDS, HANDS_UNFILTERED, JerkSettings
@@ -33,8 +33,8 @@ class Preset:
         Beat alignments; they need speech.
     jerks : tuple of JerkSettings
         Jerks.
-    mean_pose_deviation, pair_distance : bool
-        Diversity within clips, and between clips.
+    mean_pose_deviation, pair_distance, expression_distance : bool
+        Diversity within clips, between clips, and between their faces.
     foot_sliding : bool
         Sliding of the feet.
     correct : tuple of CorrectSettings
@@ -43,6 +43,8 @@ class Preset:
         Semantic-relevant gesture recalls; they need semantic scores too.
     absolute_errors, acceleration_errors : tuple of PointSettings
         Errors of joints in a box of one metre.
+    landmark_errors, landmark_accelerations : tuple of PointSettings
+        The same of face landmarks.
     velocity_errors : tuple of {'L1', 'L2'}
         Velocity errors.
     networks : tuple of str
@@ -53,20 +55,28 @@ class Preset:
     jerks: tuple[JerkSettings, ...] = ()
     mean_pose_deviation: bool = False
     pair_distance: bool = False
+    expression_distance: bool = False
     foot_sliding: bool = False
     correct: tuple[CorrectSettings, ...] = ()
     recalls: tuple[CorrectSettings, ...] = ()
     absolute_errors: tuple[PointSettings, ...] = ()
     acceleration_errors: tuple[PointSettings, ...] = ()
+    landmark_errors: tuple[PointSettings, ...] = ()
+    landmark_accelerations: tuple[PointSettings, ...] = ()
     velocity_errors: tuple[Norm, ...] = ()
     networks: tuple[str, ...] = ()
 
     @property
     def needs_recorded_spread(self) -> bool:
         """Whether all recordings must be looked at before the first clip is measured."""
-        return bool(self.absolute_errors or self.acceleration_errors) or any(
-            settings.representation == "normalised rotations"
-            for settings in (*self.correct, *self.recalls)
+        errors = (self.absolute_errors, self.acceleration_errors)
+        return (
+            any(errors)
+            or self.needs_landmarks
+            or any(
+                settings.representation == "normalised rotations"
+                for settings in (*self.correct, *self.recalls)
+            )
         )
 
     @property
@@ -76,6 +86,16 @@ class Preset:
             settings.representation != "positions" for settings in (*self.correct, *self.recalls)
         )
 
+    @property
+    def needs_landmarks(self) -> bool:
+        """Whether face landmarks are measured."""
+        return bool(self.landmark_errors or self.landmark_accelerations)
+
+    @property
+    def needs_clips(self) -> bool:
+        """Whether anything but joint positions is measured, so that files must be read."""
+        return self.needs_rotations or self.needs_landmarks or self.expression_distance
+
     def without_recordings(self) -> Preset:
         """Return what of this can be measured without recorded motion."""
         return replace(
@@ -84,6 +104,8 @@ class Preset:
             recalls=(),
             absolute_errors=(),
             acceleration_errors=(),
+            landmark_errors=(),
+            landmark_accelerations=(),
             velocity_errors=(),
         )
 
@@ -115,6 +137,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
         "diffsheg": Preset(
             beats=(beat_alignment.BEAT,),
             pair_distance=True,
+            expression_distance=True,
             correct=(correct_motion.DIFFSHEG,),
             recalls=(correct_motion.DIFFSHEG,),
             networks=(network_names.WHOLE, network_names.EXPRESSION, network_names.GESTURE),
@@ -123,6 +146,8 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
         "s2ue": Preset(
             absolute_errors=(MAJE,),
             acceleration_errors=(MACE_POSES,),
+            landmark_errors=(MALE,),
+            landmark_accelerations=(MACE_LANDMARKS,),
             networks=(network_names.LANDMARKS, network_names.GESTURE),
         ),
         "talkshow": Preset(beats=(beat_alignment.TALKSHOW,)),
@@ -158,11 +183,14 @@ def _both(one: Preset, other: Preset) -> Preset:
         jerks=_once(one.jerks + other.jerks),
         mean_pose_deviation=one.mean_pose_deviation or other.mean_pose_deviation,
         pair_distance=one.pair_distance or other.pair_distance,
+        expression_distance=one.expression_distance or other.expression_distance,
         foot_sliding=one.foot_sliding or other.foot_sliding,
         correct=_once(one.correct + other.correct),
         recalls=_once(one.recalls + other.recalls),
         absolute_errors=_once(one.absolute_errors + other.absolute_errors),
         acceleration_errors=_once(one.acceleration_errors + other.acceleration_errors),
+        landmark_errors=_once(one.landmark_errors + other.landmark_errors),
+        landmark_accelerations=_once(one.landmark_accelerations + other.landmark_accelerations),
         velocity_errors=_once(one.velocity_errors + other.velocity_errors),
         networks=_once(one.networks + other.networks),
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -27,6 +28,8 @@ class ClipExtent:
         Sums of rotations, and of their squares, over frames.
     low, high : ndarray, shape (3,)
         Opposite corners of the box in which all joints stay, in metres.
+    face_low, face_high : ndarray, shape (3,), or None
+        The same of face landmarks; None for a recording without a face.
     """
 
     frames: int
@@ -34,16 +37,28 @@ class ClipExtent:
     squares: FloatArray
     low: FloatArray
     high: FloatArray
+    face_low: FloatArray | None = None
+    face_high: FloatArray | None = None
 
     @classmethod
-    def of(cls, rotations: FloatArray, positions: FloatArray) -> ClipExtent:
-        """Return the extent of rotations and positions of shape (T, J, 3), (T, P, 3)."""
+    def of(
+        cls, rotations: FloatArray, positions: FloatArray, landmarks: FloatArray | None = None
+    ) -> ClipExtent:
+        """Return the extent of one recording.
+
+        Parameters
+        ----------
+        rotations, positions, landmarks : ndarray, shape (T, J, 3), (T, P, 3), (U, L, 3)
+            Of joints, and of the face where it has one.
+        """
         return cls(
             frames=len(rotations),
             total=rotations.sum(axis=0),
             squares=(rotations**2).sum(axis=0),
             low=positions.min(axis=(0, 1)),
             high=positions.max(axis=(0, 1)),
+            face_low=None if landmarks is None else landmarks.min(axis=(0, 1)),
+            face_high=None if landmarks is None else landmarks.max(axis=(0, 1)),
         )
 
 
@@ -59,6 +74,9 @@ class RecordedSpread:
         Joints of which any channel moves.
     scale : float
         Puts all recorded joints into a box of one metre diagonal.
+    face_scale : float
+        Puts all recorded face landmarks into a box of one metre diagonal; NaN where no recording
+        has a face.
     recordings : int
         How many there are.
     """
@@ -67,6 +85,7 @@ class RecordedSpread:
     deviation: FloatArray
     moving: NDArray[np.bool_]
     scale: float
+    face_scale: float
     recordings: int
 
     def normalised(self, rotations: FloatArray) -> FloatArray:
@@ -86,15 +105,25 @@ def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
     # Rotations are near 1, so that squares lose nothing that `_STILL` would see.
     deviation = np.sqrt(np.maximum(0, squares - mean**2))
     moves = deviation > _STILL
-    low = np.min([extent.low for extent in found], axis=0)
-    high = np.max([extent.high for extent in found], axis=0)
-    diagonal = float(np.linalg.norm(high - low))
-    if not diagonal > 0:
+    scale = _box_scale([extent.low for extent in found], [extent.high for extent in found])
+    if math.isnan(scale):
         return None
     return RecordedSpread(
         mean=np.asarray(mean),
         deviation=np.where(moves, deviation, 1.0),
         moving=np.asarray(moves.any(axis=1)),
-        scale=1 / diagonal,
+        scale=scale,
+        face_scale=_box_scale(
+            [extent.face_low for extent in found if extent.face_low is not None],
+            [extent.face_high for extent in found if extent.face_high is not None],
+        ),
         recordings=len(found),
     )
+
+
+def _box_scale(low: Sequence[FloatArray], high: Sequence[FloatArray]) -> float:
+    """Return the factor that puts all boxes into one of a metre's diagonal; NaN for a point."""
+    if not low:
+        return math.nan
+    diagonal = float(np.linalg.norm(np.max(high, axis=0) - np.min(low, axis=0)))
+    return 1 / diagonal if diagonal > 0 else math.nan

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.metrics import segment_scores
+from analysis.metrics import measured_clips, seen_motion
 from analysis.metrics.joint_motion import JointMotionStore
 from analysis.metrics.measuring import study_metrics
 from analysis.metrics.presets import PRESETS
@@ -182,8 +182,8 @@ def test_what_is_kept_from_an_earlier_run_changes_no_number(study, tmp_path):
 def test_clips_of_an_unchanged_store_are_not_read_again(study, tmp_path, monkeypatch):
     store = JointMotionStore(tmp_path / "kept")
     study_metrics(*study, store=store)
-    monkeypatch.setattr(segment_scores, "joint_motion", pytest.fail)
-    monkeypatch.setattr(segment_scores, "read_clip", pytest.fail)
+    monkeypatch.setattr(measured_clips, "joint_motion", pytest.fail)
+    monkeypatch.setattr(seen_motion, "read_clip", pytest.fail)
     study_metrics(*study, store=store)
 
 

@@ -7,8 +7,10 @@ import pytest
 
 from analysis.metrics.joint_motion import JointMotionStore, joint_motion
 from analysis.metrics.joint_positions import select
+from analysis.metrics.seen_motion import SeenMotion
 from motion.clip import MotionClip
 from motion.formats import write_clip
+from motion.freeze import freeze
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import joint_index
 
@@ -35,7 +37,7 @@ def test_what_the_videos_hold_still_is_still_here(waving):
     poses = clip.poses.copy()
     poses[:, 0, 1] = np.linspace(0, 2, len(clip))
     turning = replace(clip, poses=poses)
-    frozen = select(joint_motion(turning, 30.0, ("root",)).relative, ["head"])
+    frozen = select(joint_motion(freeze(turning, ("root",)), 30.0).relative, ["head"])
     assert np.ptp(frozen, axis=0).max() == pytest.approx(0, abs=1e-6)
 
 
@@ -63,7 +65,7 @@ def test_what_is_kept_is_what_was_computed(tmp_path, waving):
     path, store = tmp_path / "a.npz", JointMotionStore(tmp_path / "kept")
     write_clip(path, waving(drift=0.3))
     computed = joint_motion(waving(drift=0.3), 30.0)
-    place = store.place(path, 30.0, ())
+    place = store.place(path, 30.0, SeenMotion())
     assert store.read(place) is None
     store.keep(place, computed)
     found = store.read(place)
@@ -79,11 +81,11 @@ def test_another_motion_rate_or_frozen_channel_is_kept_elsewhere(tmp_path, wavin
         write_clip(path, waving(amplitude=size))
         for rate in (15.0, 30.0):
             for frozen in ((), ("face",), ("face", "hands")):
-                places.add(store.place(path, rate, frozen))
+                places.add(store.place(path, rate, SeenMotion(frozen=frozen)))
     assert len(places) == 2 * 2 * 3
     write_clip(path, waving(amplitude=0.4))
-    assert store.place(path, 30.0, ()) in places
-    assert store.place(path, 30.0, ("hands", "face")) in places
+    assert store.place(path, 30.0, SeenMotion()) in places
+    assert store.place(path, 30.0, SeenMotion(frozen=("hands", "face"))) in places
 
 
 @pytest.mark.parametrize("damaged", [b"", b"\x93NUMPY", b"no array at all"])
@@ -97,12 +99,12 @@ def test_what_is_damaged_on_disk_counts_as_not_there(tmp_path, damaged):
 
 def test_what_is_no_longer_used_is_removed(tmp_path, waving):
     store = JointMotionStore(tmp_path / "kept")
-    store.forget_others(set(), 30.0, ())
+    store.forget_others(set(), 30.0, SeenMotion())
     places = []
     for number, rate in ((1, 30.0), (2, 30.0), (3, 15.0)):
         path = tmp_path / f"{number}.npz"
         write_clip(path, waving(amplitude=number / 10, seconds=0.2))
-        places.append(store.place(path, rate, ()))
+        places.append(store.place(path, rate, SeenMotion()))
         store.keep(places[-1], joint_motion(waving(seconds=0.2), rate))
-    store.forget_others({places[0]}, 30.0, ())
+    store.forget_others({places[0]}, 30.0, SeenMotion())
     assert set(store.folder.iterdir()) == {places[0], places[2]}

@@ -1,0 +1,254 @@
+"""Self-penetration: how deep forearms and hands reach into trunk, head and thighs.
+
+A vertex of a forearm or hand is inside where the surface of trunk, head and thighs winds around it
+(generalised winding number above one half; Jacobson et al. 2013, "Robust inside-outside
+segmentation using generalized winding numbers"), which open edges of clothes and at the shoulders
+do not disturb. Its depth is its distance from that surface. Upper arms are left out: they are the
+trunk's and the forearms' neighbours and touch both in every pose. So are legs, which gestures leave
+alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from trimesh.triangles import closest_point
+
+from analysis.metrics.result import MetricResult
+from motion.body import BodyModel
+from motion.clip import MotionClip
+from motion.skeleton import JOINT_COUNT, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS, joint_index
+
+FloatArray = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+SAMPLES_PER_SECOND: Final = 2.0
+"""Frames that are looked at: a hand that sinks in stays in for longer than half a second."""
+
+TOLERANCE: Final = 0.005
+"""Metres that skin and clothes give way: a frame counts as penetrated beyond them."""
+
+_MOVING: Final = (
+    *(f"{side}_{joint}" for side in ("left", "right") for joint in ("elbow", "wrist")),
+    *LEFT_HAND_JOINTS,
+    *RIGHT_HAND_JOINTS,
+)
+"""Joints whose skin is that of forearms and hands."""
+
+_SOLIDS: Final = (
+    ("pelvis", "spine1", "spine2", "spine3", "left_collar", "right_collar"),
+    ("neck", "head", "jaw", "left_eye", "right_eye"),
+    ("left_hip",),
+    ("right_hip",),
+)
+"""Joints whose skin is that of trunk, head and thighs."""
+
+_DIRECTIONS: Final = np.array(
+    [d for d in product((-1, 0, 1), repeat=3) if d > (0, 0, 0)], np.float64
+)
+"""Half of the directions to a cube's faces, edges and corners."""
+
+_INSIDE: Final = 0.5
+_NEAREST: Final = 8
+"""Triangles with the nearest centres, among which the nearest one is."""
+
+_POINTS_AT_A_TIME: Final = 64
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PenetrableBody:
+    """A body, and which of its vertices can be inside which.
+
+    Attributes
+    ----------
+    body : BodyModel
+        The body.
+    moving : ndarray, shape (M,), int
+        Vertices of forearms and hands.
+    solids : tuple of ndarray, int
+        Vertices of trunk, head and each thigh.
+    faces : ndarray, shape (F, 3), int
+        Triangles of their surface.
+    """
+
+    body: BodyModel
+    moving: Index
+    solids: tuple[Index, ...]
+    faces: Index
+
+    @classmethod
+    def of(cls, body: BodyModel) -> PenetrableBody:
+        """Tell the parts of `body` apart, by the joint that moves each vertex most."""
+        joints = _main_joints(body)
+        solids = tuple(np.flatnonzero(np.isin(joints, _indices(names))) for names in _SOLIDS)
+        is_solid = np.zeros(len(joints), bool)
+        is_solid[np.concatenate(solids)] = True
+        return cls(
+            body=body,
+            moving=np.flatnonzero(np.isin(joints, _indices(_MOVING))),
+            solids=solids,
+            faces=body.faces[is_solid[body.faces].all(axis=1)],
+        )
+
+    def depths(self, clip: MotionClip) -> NDArray[np.float32]:
+        """Return how deep the deepest vertex is inside, in sampled frames of `clip`.
+
+        Parameters
+        ----------
+        clip : MotionClip
+            Its own shape and face are left out, so that all clips are on one body.
+
+        Returns
+        -------
+        ndarray, shape (n,), float32
+            Metres; 0 where no vertex is inside.
+        """
+        poses = MotionClip(poses=clip.poses, trans=clip.trans, frame_rate=clip.frame_rate)
+        sampled = self.body.vertices(poses.frames(sampled_frames(len(clip), clip.frame_rate)))
+        return np.array([self._depth(vertices) for vertices in sampled], np.float32)
+
+    def _depth(self, vertices: NDArray[np.float32]) -> float:
+        """Return how deep the deepest vertex of a frame is, in metres."""
+        placed = vertices.astype(np.float64)
+        points = placed[self.moving]
+        points = points[self._may_be_inside(placed, points)]
+        if not len(points):
+            return 0.0
+        apart = _distances(points, placed[self.faces])
+        deepest_first = np.argsort(-apart, kind="stable")
+        for start in range(0, len(points), _POINTS_AT_A_TIME):
+            part = deepest_first[start : start + _POINTS_AT_A_TIME]
+            inside = winding_numbers(points[part], placed, self.faces) > _INSIDE
+            if inside.any():
+                return float(apart[part[inside][0]])
+        return 0.0
+
+    def _may_be_inside(self, placed: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
+        """Return which points lie within the bounds of a solid in 26 directions."""
+        along = points @ _DIRECTIONS.T
+        may = np.zeros(len(points), bool)
+        for solid in self.solids:
+            reach = placed[solid] @ _DIRECTIONS.T
+            may |= ((along >= reach.min(axis=0)) & (along <= reach.max(axis=0))).all(axis=1)
+        return may
+
+
+def sampled_frames(frames: int, frame_rate: float) -> Index:
+    """Return which frames of a clip are looked at: the middle one of each half second."""
+    count = max(1, math.floor(frames / frame_rate * SAMPLES_PER_SECOND))
+    middles = (np.arange(count) + 0.5) * frame_rate / SAMPLES_PER_SECOND
+    return np.minimum(middles.astype(np.int64), frames - 1)
+
+
+def winding_numbers(points: FloatArray, vertices: FloatArray, faces: Index) -> FloatArray:
+    """Return how often a surface winds around each point: 1 inside a closed one, 0 outside.
+
+    Parameters
+    ----------
+    points : ndarray, shape (Q, 3)
+        Where to look.
+    vertices : ndarray, shape (V, 3)
+        Corners of the surface.
+    faces : ndarray, shape (F, 3), int
+        Its triangles, in one order seen from outside.
+
+    Returns
+    -------
+    ndarray, shape (Q,)
+        Solid angle of all triangles over 4 pi (Van Oosterom & Strackee 1983).
+    """
+    corners, faces = np.unique(faces, return_inverse=True)
+    # All products of a point with corners are matrix products; near the origin none cancels.
+    centre = vertices[corners].mean(axis=0)
+    placed, seen = vertices[corners] - centre, points - centre
+    one, two, three = (placed[faces[:, corner]] for corner in range(3))
+    normals = np.cross(one, two) + np.cross(two, three) + np.cross(three, one)
+    volume = np.einsum("fx,fx->f", one, np.cross(two, three)) - seen @ normals.T
+    square = np.einsum("qx,qx->q", seen, seen)[:, None]
+    along = seen @ placed.T
+    lengths = np.sqrt(np.maximum(square - 2 * along + np.einsum("vx,vx->v", placed, placed), 0))
+    first, second, third = (faces[:, corner] for corner in range(3))
+
+    def product(a: Index, b: Index) -> FloatArray:
+        own = np.einsum("fx,fx->f", placed[a], placed[b])
+        return np.asarray(own - along[:, a] - along[:, b] + square)
+
+    across = (
+        lengths[:, first] * lengths[:, second] * lengths[:, third]
+        + product(first, second) * lengths[:, third]
+        + product(second, third) * lengths[:, first]
+        + product(third, first) * lengths[:, second]
+    )
+    return np.asarray(np.arctan2(volume, across).sum(axis=1) / (2 * np.pi))
+
+
+def self_penetration(depths: NDArray[np.float32], *, body: str) -> Iterator[MetricResult]:
+    """Yield the depth and the share of frames of one clip.
+
+    Parameters
+    ----------
+    depths : ndarray, shape (n,), n > 0
+        In metres, by sampled frame; see `PenetrableBody.depths`.
+    body : str
+        Which body the clip was put on.
+
+    Yields
+    ------
+    MetricResult
+        The mean over frames of the deepest vertex' depth in mm, 0 where none is inside; and the
+        share of frames in which it is deeper than `TOLERANCE`.
+    """
+    values = np.asarray(depths, np.float64)
+    settings = {
+        "parts": "forearms and hands inside trunk, head and thighs",
+        "inside": "winding number above 0.5",
+        "frames": f"{SAMPLES_PER_SECOND:g} per second",
+        "body": body,
+    }
+    yield MetricResult(
+        name="self-penetration, depth",
+        value=1000 * float(values.mean()),
+        unit="mm",
+        n=len(values),
+        settings=settings | {"depth": "of the deepest vertex, from the surface"},
+        better="lower",
+    )
+    yield MetricResult(
+        name="self-penetration, share of frames",
+        value=float((values > TOLERANCE).mean()),
+        unit="",
+        n=len(values),
+        settings=settings | {"counted": f"frames deeper than {1000 * TOLERANCE:g} mm"},
+        better="lower",
+    )
+
+
+def _indices(names: Sequence[str]) -> list[int]:
+    return [joint_index(name) for name in names]
+
+
+def _main_joints(body: BodyModel) -> Index:
+    """Return the joint of the skeleton that moves each vertex most, shape (V,)."""
+    weights = body.weights.toarray()
+    own = weights[:, :JOINT_COUNT].copy()
+    if body.twist_joints is not None:
+        for number, (start, _) in enumerate(body.twist_joints.bones):
+            own[:, start] += weights[:, JOINT_COUNT + number]
+    return np.asarray(own.argmax(axis=1), np.int64)
+
+
+def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
+    """Return the distance of points from the surface: to the triangles with the nearest centres."""
+    near = cKDTree(triangles.mean(axis=1)).query(points, k=min(_NEAREST, len(triangles)))[1]
+    near = near.reshape(len(points), -1)
+    repeated = np.repeat(points, near.shape[1], axis=0)
+    closest = closest_point(triangles[near.reshape(-1)], repeated)  # type: ignore[no-untyped-call]
+    apart = np.linalg.norm(closest - repeated, axis=1).reshape(near.shape)
+    return np.asarray(apart.min(axis=1))
