@@ -11,6 +11,7 @@ from analysis.tables.layouts import LAYOUTS
 from motion.errors import InputError
 from studyapp.command.arguments import optional_study_folder
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.written_exclusion import read_exclusion
 from studyapp.stages.reporting import report, report_table
 
 
@@ -41,6 +42,15 @@ from studyapp.stages.reporting import report, report_table
     help="Of a table: the largest difference that does not matter, stated before the answers were "
     "seen; of a win share from one half (such as 0.05), of two mean ratings in scores.",
 )
+@click.option(
+    "--exclude",
+    "exclude",
+    multiple=True,
+    metavar="RULE",
+    help="Leave out more participants, marked as exploratory: incomplete, catch>N, attention>N, "
+    "coverage<SHARE, time<SECONDS[,share=SHARE], straight_lining>=SHARE[,trials=N]. Can be "
+    "repeated; planned rules stand in study.toml.",
+)
 def command(
     folder: StudyFolder | None,
     responses: Path | None,
@@ -48,6 +58,7 @@ def command(
     out: Path | None,
     max_catch_failures: int | None,
     margin: float | None,
+    exclude: tuple[str, ...],
 ) -> None:
     """Write the report of the study FOLDER: preferences and metrics, side by side.
 
@@ -59,6 +70,7 @@ def command(
         "--out": out,
         "--max-catch-failures": max_catch_failures,
         "--margin": margin,
+        "--exclude": exclude or None,
     }
     if folder is not None:
         _refuse([name for name, value in of_table.items() if value is not None])
@@ -75,6 +87,7 @@ def command(
             MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
         ),
         margin=margin,
+        exclude=[read_exclusion(text, where="--exclude").made() for text in exclude],
     )
     click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
 

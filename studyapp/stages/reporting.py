@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from analysis.exclusions.rules import ExclusionRule
 from analysis.report import KnownShare, ReportInputs, write_report
 from analysis.results.report import analyse_table
 from analysis.results.writing import write_table_report
@@ -59,13 +61,25 @@ def report(folder: StudyFolder) -> Path:
 
 
 def report_table(
-    responses: Path, protocol: str, out: Path, *, max_catch_failures: int, margin: float | None
+    responses: Path,
+    protocol: str,
+    out: Path,
+    *,
+    max_catch_failures: int,
+    margin: float | None,
+    exclude: Sequence[ExclusionRule] = (),
 ) -> Path:
     """Write the report of a platform's table of answers into `out` and return its page.
 
     See `analyse_table`; it needs no study folder.
     """
-    found = analyse_table(responses, protocol, max_catch_failures=max_catch_failures, margin=margin)
+    found = analyse_table(
+        responses,
+        protocol,
+        max_catch_failures=max_catch_failures,
+        margin=margin,
+        exclude=exclude,
+    )
     return write_table_report(found, out)
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -40,6 +41,36 @@ def test_the_rule_of_catch_trials_can_be_changed(
     run("--responses", str(table), "--protocol", "pairwise", "--out", str(out), *allowed)
     found = json.loads((out / "results.json").read_text("utf-8"))
     assert ("p01" in found["exclusions"]) == excluded
+
+
+def test_rules_of_the_command_line_are_applied_last_and_marked_exploratory(tmp_path: Path) -> None:
+    table = tmp_path / "answers.csv"
+    answers = ranking_table(participants=4, segments=3)
+    answers.assign(watched=np.where(answers["participant"] == "p02", 0.5, 1)).to_csv(
+        table, index=False
+    )
+    out = tmp_path / "out"
+    run(
+        *("--responses", str(table), "--protocol", "ranking", "--out", str(out)),
+        *("--exclude", "coverage<0.9", "--exclude", "time<3"),
+    )
+    found = json.loads((out / "results.json").read_text("utf-8"))
+    assert found["exclusions"] == {"p02": "50 % of the videos watched"}
+    assert [(one["rule"], one["reached"], one["removed"]) for one in found["rules"]] == [
+        ("coverage", 4, 1),
+        ("time", 3, 0),
+    ]
+    assert all(one["exploratory"] for one in found["rules"])
+    assert found["rules"][1]["remark"] == "cannot be applied: how long answers took is not known"
+
+
+def test_a_word_that_is_no_rule_is_refused(tmp_path: Path) -> None:
+    table = tmp_path / "answers.csv"
+    ranking_table(participants=2, segments=2).to_csv(table, index=False)
+    arguments = ["--responses", str(table), "--protocol", "ranking", "--out", str(tmp_path / "o")]
+    with pytest.raises(InputError, match="--exclude.*Write coverage<NUMBER"):
+        CliRunner().invoke(command, [*arguments, "--exclude", "coverage"], catch_exceptions=False)
+    assert not (tmp_path / "o").exists()
 
 
 @pytest.mark.parametrize(
