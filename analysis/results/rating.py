@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 import pandas as pd
 
 from analysis.equivalence import equivalence_of_means
-from analysis.preferences.win_share import holm
 from analysis.ratings.table import RatingSummary, rating_table
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.left_out import LeftOut
 from analysis.results.margin import Equivalent, within_margin
 from analysis.results.place import ConditionPlace, PairPlace
-from analysis.results.rating_contrasts import RatingContrast, rating_contrasts
+from analysis.results.rating_contrasts import RatingContrast, rating_contrasts, with_holm
 from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
 from analysis.results.retest import TestRetest, retest_of
 from analysis.tables.answers import AnswerTable
@@ -112,11 +111,10 @@ def rating_results(
         )
         if margin is not None:
             equivalents += _equivalents(of, question, answers, shown, margin)
-    corrected = holm([one.p for one in differences])
     return RatingResults(
         conditions=tuple(conditions),
         clmm=nested(table, models),
-        contrasts=tuple(replace(c, p_holm=p) for c, p in zip(differences, corrected, strict=True)),
+        contrasts=with_holm(differences),
         agreement=by_question(table, analysed, _agreement),
         test_retest=by_question(table, left_out.kept, _retest),
         equivalence=tuple(equivalents),

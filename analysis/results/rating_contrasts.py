@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 import pandas as pd
 
 from analysis.ordinal.mixed_model import OrdinalFit
+from analysis.preferences.win_share import holm
 from analysis.ratings.cliffs_delta import cliffs_delta
 from analysis.ratings.contrasts import Contrast, contrasts
+from analysis.ratings.differences import mean_differences, rated_cells
+from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import codes
 from analysis.results.place import PairPlace
 from analysis.results.rating_model import RatingModel
@@ -43,17 +47,33 @@ class Dominance:
 
 
 @dataclass(frozen=True, kw_only=True)
+class RatedDifference(Estimate):
+    """How much better a is rated than b, in scores: the headline.
+
+    Attributes
+    ----------
+    p_holm : float
+        `p`, corrected over all contrasts and questions of the report.
+    """
+
+    p_holm: float = math.nan
+
+
+@dataclass(frozen=True, kw_only=True)
 class RatingContrast(PairPlace):
     """How much better a is rated than b.
 
     Attributes
     ----------
+    difference : RatedDifference
+        Mean difference of paired ratings; the headline.
     estimate, se, low, high : float
-        Difference in logits with its 95 % interval.
+        Difference in logits in the mixed model, with its 95 % interval. The model takes
+        conditions to differ alike for all participants and segments.
     z, p : float
         Its test.
     p_holm : float
-        p, corrected over all contrasts and questions of the report.
+        That p, corrected over all contrasts and questions of the report.
     odds_ratio, odds_low, odds_high : float
         Odds of a better rating for a over those for b.
     cliffs_delta : Dominance
@@ -62,6 +82,7 @@ class RatingContrast(PairPlace):
         Why there is no difference, or what limits it.
     """
 
+    difference: RatedDifference
     estimate: float
     se: float
     low: float
@@ -98,6 +119,7 @@ def rating_contrasts(
         See `rating_model`.
     """
     of_model = {(c.a, c.b): c for c in contrasts(fitted, shown)} if fitted is not None else {}
+    differences = _differences(answers, shown)
     found = []
     for a, b in combinations(shown, 2):
         delta = _dominance(answers, a, b)
@@ -108,6 +130,7 @@ def rating_contrasts(
                 a=a,
                 b=b,
                 question=question,
+                difference=differences[a, b],
                 estimate=contrast.estimate,
                 se=contrast.standard_error,
                 low=contrast.low,
@@ -123,6 +146,32 @@ def rating_contrasts(
             )
         )
     return found
+
+
+def with_holm(found: Sequence[RatingContrast]) -> tuple[RatingContrast, ...]:
+    """Return the contrasts of a report, their tests corrected over all of them."""
+    of_scores = holm([one.difference.p for one in found])
+    of_model = holm([one.p for one in found])
+    return tuple(
+        replace(one, difference=replace(one.difference, p_holm=p), p_holm=q)
+        for one, p, q in zip(found, of_scores, of_model, strict=True)
+    )
+
+
+def _differences(
+    answers: pd.DataFrame, shown: tuple[str, ...]
+) -> dict[tuple[str, str], RatedDifference]:
+    cells = rated_cells(
+        answers["value"].to_numpy(np.float64),
+        np.unique(codes(answers, "condition"), return_inverse=True)[1].astype(np.intp),
+        codes(answers, "participant"),
+        codes(answers, "segment"),
+        count=len(shown),
+    )
+    return {
+        (shown[a], shown[b]): RatedDifference(**vars(estimate_of(found)))
+        for (a, b), found in mean_differences(cells).items()
+    }
 
 
 def _unknown(a: str, b: str, model: RatingModel) -> Contrast:
