@@ -1,0 +1,1 @@
+"""What each protocol found, in the figures and tables in which its paper shows it."""

@@ -1,0 +1,203 @@
+"""Answers as stacked bars with an estimate and its interval beside each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch
+
+from analysis.report import wording
+from analysis.report.content import Picture
+from analysis.report.headline.legend import Entries, draw_legend, legend_entries
+from analysis.report.headline.panels import (
+    SMALL_SIZE,
+    Place,
+    RowName,
+    Scale,
+    dress,
+    numbered,
+    plans,
+    write_names,
+    write_title,
+)
+from analysis.report.ink import INK, STYLE, on
+from analysis.report.sheet import Sheet
+from analysis.report.svg import picture
+
+_ESTIMATE_SHARE: Final = 0.24
+"""Share of a panel in which estimates stand."""
+
+_WORDS: Final = 0.66
+"""Room for an estimate in words, in inches."""
+
+_GAP: Final = 0.14
+"""Between a panel's bars and its estimates, in inches."""
+
+_NARROWEST: Final = 0.155
+"""Inches that a part must span to carry its number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One part of a bar: how many percent, and what a reader sees who points at it."""
+
+    percent: float
+    hint: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bar:
+    """One row of a panel.
+
+    Attributes
+    ----------
+    start : float
+        Where it begins, in percent.
+    parts : tuple of Part
+        In the order of the legend; () where there are no answers.
+    estimate, low, high : float
+        NaN where there is none.
+    words, below : str
+        The estimate in words, and its interval.
+    """
+
+    start: float
+    parts: tuple[Part, ...]
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    words: str = ""
+    below: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BarFigure:
+    """Everything that the figure shows.
+
+    Attributes
+    ----------
+    panels : mapping of str to tuple of Bar
+        By question; every panel has as many bars as there are rows.
+    told : mapping of str to str
+        By question, what its panel shows in words, with the numbers.
+    rows : tuple of RowName
+        From the top.
+    colours, legend : tuple of str
+        Of the parts.
+    bars, estimates : Scale
+        The axes of both halves of a panel.
+    """
+
+    panels: Mapping[str, tuple[Bar, ...]]
+    told: Mapping[str, str]
+    rows: tuple[RowName, ...]
+    colours: tuple[str, ...]
+    legend: tuple[str, ...]
+    bars: Scale
+    estimates: Scale
+
+
+def bar_pictures(
+    figure: BarFigure, *, name: str, title: str, caption: str, data: str, mark: str
+) -> tuple[Picture, ...]:
+    """Draw a figure on as many sheets as it needs; see `analysis.report.svg.picture`."""
+    questions = tuple(figure.panels)
+    titles = [wording.heading(question) for question in questions]
+    legend = legend_entries(figure.legend)
+    sheets = plans(titles, figure.rows, foot=legend.height)
+    found = []
+    for plan, own_name in zip(sheets, numbered(name, len(sheets)), strict=True):
+        hints: dict[str, str] = {}
+        with mpl.rc_context(STYLE):
+            sheet = Sheet(plan.height, mark=mark)
+            for place in plan.places:
+                write_title(sheet, place, titles[place.number])
+                write_names(sheet, place, figure.rows)
+                hints |= _panel(sheet, place, figure, figure.panels[questions[place.number]])
+            _legend(sheet, figure.colours, legend)
+            found.append(
+                picture(
+                    sheet.figure,
+                    name=own_name,
+                    title=title,
+                    alt=" ".join(figure.told[questions[p.number]] for p in plan.places),
+                    caption=caption,
+                    data=data,
+                    hints=hints,
+                )
+            )
+    return tuple(found)
+
+
+def _panel(sheet: Sheet, place: Place, figure: BarFigure, bars: Sequence[Bar]) -> dict[str, str]:
+    beside = place.width * _ESTIMATE_SHARE
+    wide = place.width - beside - _WORDS - _GAP
+    left = sheet.panel(place.left, place.top, wide, place.height)
+    right = sheet.panel(place.left + wide + _GAP, place.top, beside, place.height)
+    hints: dict[str, str] = {}
+    for row, bar in enumerate(bars):
+        hints |= _bar(left, row, bar, figure, f"bar{place.number}-{row}", wide)
+        _estimate(right, row, bar)
+    for axes, scale in ((left, figure.bars), (right, figure.estimates)):
+        dress(axes, len(bars), scale)
+    return hints
+
+
+def _bar(
+    axes: Axes, row: int, bar: Bar, figure: BarFigure, gid: str, inches: float
+) -> dict[str, str]:
+    """Draw one bar; return the hover text of its parts."""
+    low, high = figure.bars.limits
+    if not bar.parts:
+        axes.text((low + high) / 2, row, "no answers", ha="center", va="center", fontsize=7.5)
+        return {}
+    hints: dict[str, str] = {}
+    left = bar.start
+    for level, part in enumerate(bar.parts):
+        colour = figure.colours[level]
+        patch = axes.barh(row, part.percent, left=left, height=0.66, color=colour)[0]
+        patch.set_gid(f"{gid}-{level}")
+        hints[f"{gid}-{level}"] = part.hint
+        if part.percent / (high - low) * inches >= _NARROWEST:
+            axes.text(
+                left + part.percent / 2,
+                row,
+                f"{part.percent:.0f}",
+                ha="center",
+                va="center_baseline",
+                color=on(colour),
+                fontsize=7.0,
+            )
+        left += part.percent
+    return hints
+
+
+def _estimate(axes: Axes, row: int, bar: Bar) -> None:
+    if not math.isnan(bar.low):
+        axes.plot([bar.low, bar.high], [row, row], color=INK, linewidth=1.3, solid_capstyle="butt")
+    if not math.isnan(bar.estimate):
+        axes.plot([bar.estimate], [row], marker="o", markersize=4.2, color=INK, clip_on=False)
+    beside = axes.get_yaxis_transform()
+    axes.text(
+        1.12,
+        row - (0.17 if bar.below else 0),
+        bar.words,
+        transform=beside,
+        va="center",
+        fontsize=8.5,
+        fontweight="bold",
+    )
+    axes.text(1.12, row + 0.2, bar.below, transform=beside, va="center", fontsize=SMALL_SIZE - 0.5)
+
+
+def _legend(sheet: Sheet, colours: Sequence[str], entries: Entries) -> None:
+    draw_legend(
+        sheet,
+        [Patch(color=c, label=word) for c, word in zip(colours, entries.words, strict=True)],
+        entries,
+    )

@@ -1,0 +1,189 @@
+"""Preferences in tables: as AMUSE's Table A.5, in full, with intervals, and as published."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from analysis.preferences.clustered import LEVEL
+from analysis.report import wording
+from analysis.report.content import Cell, Table, cells
+from analysis.report.headline.preference_figure import levels
+from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow
+from analysis.report.headline.words import counted, gathered, interval, of_set, plus_minus
+
+_MOST_BESIDE: Final = 3
+"""Questions up to which a table shows them beside each other."""
+
+
+def sums_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
+    """Return the percentages for the one, for the other and for neither."""
+    caption = (
+        f"{of_set(group.set)}Preferences in the layout of AMUSE's Table A.5: clear and slight "
+        f"preferences for {group.one} and for {group.other}, in % of the n answers after "
+        "exclusions. That table leaves “no difference” out; here it stands beside. The larger "
+        "share is bold, which is no test."
+    )
+    heads = (group.one, group.other, "no difference", "n")
+    if len(group.questions) > _MOST_BESIDE:
+        return Table(
+            caption=caption,
+            header=("question", group.heading, *heads),
+            rows=tuple(
+                (*cells(wording.heading(row.question), row.label), *_sums(row))
+                for row in group.rows
+            ),
+            text_columns=2,
+            name=name,
+            data=data,
+        )
+    by_place = {(row.label, row.question): row for row in group.rows}
+    return Table(
+        caption=caption,
+        header=(group.heading, *(heads * len(group.questions))),
+        groups=(
+            ("", 1),
+            *((wording.heading(question), len(heads)) for question in group.questions),
+        ),
+        rows=tuple(
+            (
+                Cell(text=label),
+                *(
+                    cell
+                    for question in group.questions
+                    for cell in _sums(by_place.get((label, wording.name(question))))
+                ),
+            )
+            for label in group.labels
+        ),
+        name=name,
+        data=data,
+    )
+
+
+def counts_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
+    """Return how many gave each of the five answers."""
+    return Table(
+        caption=f"{of_set(group.set)}Answers after exclusions: number, and % of the row.",
+        header=("question", group.heading, *levels(group.one, group.other), "answers"),
+        rows=tuple(
+            (
+                *cells(wording.heading(row.question), row.label),
+                *(
+                    counted(count, f"{count} ({percent:.0f})" if row.n else "–")
+                    for count, percent in zip(row.levels, row.percentages, strict=True)
+                ),
+                counted(row.n, str(row.n)),
+            )
+            for row in group.rows
+        ),
+        text_columns=2,
+        notes=("Rounded percentages may not add up to 100.",),
+        name=name,
+        data=data,
+    )
+
+
+def win_share_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
+    """Return the headline numbers: win share with its interval, and the model's net preference."""
+    methods = {row.win_share.method for row in group.rows if row.win_share.method}
+    return Table(
+        caption=f"{of_set(group.set)}Win share of {group.one}: preferences for it plus half of "
+        "“no difference”, as a share of all answers, with its "
+        f"{LEVEL:.0%} interval, clustered by participant and segment (CR1, t with "
+        "min(participants, segments) − 1 degrees of freedom). Log-odds: net preference in a "
+        "cumulative link mixed model with crossed effects of participants and segments; p by its "
+        "likelihood ratio, corrected by Holm over all comparisons and questions of the report. "
+        "After exclusions.",
+        header=(
+            *("question", group.heading, "recruited", "analysed", "answers"),
+            *("win share", f"{LEVEL:.0%} interval", "log-odds", "p", f"p{wording.NO_BREAK}(Holm)"),
+        ),
+        rows=tuple(_headline(row) for row in group.rows),
+        text_columns=2,
+        notes=(
+            *_reasons(group),
+            *(f"Variance of win shares: {method}." for method in sorted(methods)),
+        ),
+        name=name,
+        data=data,
+    )
+
+
+def further_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
+    """Return what stands beside the headline: without exclusions, by other tests, as published."""
+    ignored = dict.fromkeys(words for row in group.rows for words in row.as_published.ignores)
+    return Table(
+        caption=f"{of_set(group.set)}Beside the headline. Nobody excluded: the win share over all "
+        "who answered. Further tests: exact ones over participants' means, which take the "
+        "segments as the only ones of interest, and min F′, which is conservative. As published: "
+        "what papers report, all answers pooled as if each came from another person, ties "
+        "dropped; not a valid test of these answers.",
+        groups=(("", 2), ("nobody excluded", 2), ("further tests, p", 3), ("as published, p", 2)),
+        header=(
+            *("question", group.heading, "win share", f"{LEVEL:.0%} interval"),
+            *("sign", "Wilcoxon", "min F′", "binomial", "Wilcoxon"),
+        ),
+        rows=tuple(
+            (
+                *cells(wording.heading(row.question), row.label),
+                counted(row.everyone.estimate, wording.share(row.everyone.estimate)),
+                Cell(text=interval(row.everyone) or "–"),
+                *(
+                    counted(p, wording.p_value(p))
+                    for p in (
+                        row.robustness.sign_p,
+                        row.robustness.wilcoxon_p,
+                        row.robustness.min_f_p,
+                        row.as_published.binomial_p,
+                        row.as_published.wilcoxon_p,
+                    )
+                ),
+            )
+            for row in group.rows
+        ),
+        text_columns=2,
+        notes=(f"As published leaves out of account {'; '.join(ignored)}.",) if ignored else (),
+        name=name,
+        data=data,
+    )
+
+
+def _sums(row: PreferenceRow | None) -> tuple[Cell, ...]:
+    if row is None or not row.n:
+        return cells("–", "–", "–", "0")
+    one_strong, one_weak, equal, other_weak, other_strong = row.percentages
+    one, other = one_strong + one_weak, other_strong + other_weak
+    return (
+        counted(one, wording.percent(one), best=one > other),
+        counted(other, wording.percent(other), best=other > one),
+        counted(equal, wording.percent(equal)),
+        counted(row.n, str(row.n)),
+    )
+
+
+def _headline(row: PreferenceRow) -> tuple[Cell, ...]:
+    net = row.net
+    return (
+        *cells(wording.heading(row.question), row.label),
+        counted(row.recruited, str(row.recruited)),
+        counted(row.attentive, str(row.attentive)),
+        counted(row.n, str(row.n)),
+        counted(row.win_share.estimate, wording.share(row.win_share.estimate)),
+        counted(row.win_share.low, interval(row.win_share) or "–"),
+        counted(net.estimate, plus_minus(net.estimate, net.se)),
+        counted(net.p, wording.p_value(net.p)),
+        counted(row.p_holm, wording.p_value(row.p_holm)),
+    )
+
+
+def _reasons(group: PreferenceGroup) -> tuple[str, ...]:
+    """Return why numbers are missing or limited."""
+    return gathered(
+        (f"{wording.heading(row.question)}, {row.label}", note)
+        for row in group.rows
+        for note in (
+            row.win_share.reason and f"no interval: {row.win_share.reason}",
+            row.net.reason and f"no log-odds: {row.net.reason}",
+            row.net.remark,
+        )
+    )

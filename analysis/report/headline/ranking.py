@@ -1,0 +1,116 @@
+"""Rankings as DiffSHEG shows them, with mean ranks, first places and Plackett-Luce worths."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from analysis.preferences.clustered import LEVEL
+from analysis.report.content import Picture, Section
+from analysis.report.headline.by_set import of
+from analysis.report.headline.degenerate import why_no_figure
+from analysis.report.headline.ranking_figures import first_share_pictures, place_pictures
+from analysis.report.headline.ranking_tables import place_table, rank_table
+from analysis.report.headline.strength_figure import strength_pictures
+from analysis.report.headline.strengths import standings, standings_table
+from analysis.report.headline.words import in_set, of_set, suffix
+from analysis.report.subject import Subject
+from analysis.results.ranking import RankedCondition, RankingResults
+
+_DATA = "conditions.csv"
+
+
+def ranking_sections(results: RankingResults, subject: Subject) -> tuple[Section, ...]:
+    """Return one section for each set."""
+    sets = dict.fromkeys(c.set for c in results.conditions)
+    return tuple(
+        _section(results, name, subject.mark, suffix(None if name is None else number))
+        for number, name in enumerate(sets, start=1)
+    )
+
+
+def _section(results: RankingResults, name: str | None, mark: str, end: str) -> Section:
+    conditions = [c for c in results.conditions if c.set == name]
+    worths = of(results.plackett_luce, name)
+    reason = why_no_figure(
+        answers=sum(c.n for c in conditions),
+        participants=max(c.mean_rank_interval.participants for c in conditions),
+        tied=_all_tied(conditions),
+    )
+    caption = (
+        f"{of_set(name)}Plackett–Luce worths of the rankings after exclusions (ties included), on "
+        "a log scale on which they add up to zero, and the ranks that each condition may have at "
+        f"{LEVEL:.0%}."
+    )
+    return Section(
+        anchor=f"headline{end}",
+        heading=in_set(name, "How the conditions were ranked"),
+        paragraphs=(reason,) if reason else (),
+        pictures=() if reason else _pictures(results, conditions, name, mark, end),
+        tables=(
+            rank_table(
+                conditions,
+                of(results.kendall_w, name),
+                of(results.friedman, name),
+                name=f"ranks{end}",
+                data=_DATA,
+            ),
+            place_table(conditions, name=f"places{end}", data=_DATA),
+            standings_table(
+                worths,
+                what="worth",
+                caption=caption,
+                name=f"worths{end}",
+                data="plackett_luce.csv",
+            ),
+        ),
+    )
+
+
+def _pictures(
+    results: RankingResults,
+    conditions: Sequence[RankedCondition],
+    name: str | None,
+    mark: str,
+    end: str,
+) -> tuple[Picture, ...]:
+    fitted = of(results.plackett_luce, name)
+    standing = {question: found for question, one in fitted.items() if (found := standings(one))}
+    worths = (
+        strength_pictures(
+            standing,
+            axis="worth, log scale",
+            name=f"worths{end}",
+            title="Plackett–Luce worths",
+            caption=f"{of_set(name)}Plackett–Luce worths (ties included), on a log scale on which "
+            f"they add up to zero, with {LEVEL:.0%} intervals one at a time, and the ranks that "
+            "each condition may have.",
+            data="plackett_luce.csv",
+            mark=mark,
+        )
+        if standing
+        else ()
+    )
+    return (
+        *place_pictures(conditions, name=f"places{end}", data=_DATA, mark=mark),
+        *first_share_pictures(conditions, name=f"first-places{end}", data=_DATA, mark=mark),
+        *worths,
+    )
+
+
+def _all_tied(conditions: Sequence[RankedCondition]) -> str:
+    """Return a sentence where every ranking ties all conditions."""
+    middle = (1 + len(conditions[0].rank_percent)) / 2
+    alike = all(
+        c.mean_rank == middle and len({round(p, 9) for p in c.rank_percent.values()}) == 1
+        for c in conditions
+        if c.n
+    )
+    certain = all(
+        c.mean_rank_interval.se in {0.0} or c.mean_rank_interval.reason for c in conditions
+    )
+    if alike and certain:
+        return (
+            "Every ranking ties all conditions: nobody put one before another, so there is nothing "
+            "to draw and nothing to test."
+        )
+    return ""

@@ -1,0 +1,126 @@
+"""Rankings in tables: as DiffSHEG's Figure 7 in numbers, and their uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from analysis.preferences.clustered import LEVEL
+from analysis.report import wording
+from analysis.report.content import Table, cells
+from analysis.report.headline.ranking_figures import ordinal
+from analysis.report.headline.words import between, counted, gathered, interval, number, of_set
+from analysis.results.ranking import Concordance, Friedman, RankedCondition
+
+
+def place_table(conditions: Sequence[RankedCondition], *, name: str, data: str) -> Table:
+    """Return how often each condition came to each place, in percent."""
+    places = max(len(c.rank_percent) for c in conditions)
+    return Table(
+        caption=f"{of_set(conditions[0].set)}How often each condition came to each place, in % of "
+        "its n rankings after exclusions; tied conditions share their places.",
+        header=(
+            *("question", "condition", "n"),
+            *(ordinal(place) for place in range(1, places + 1)),
+        ),
+        rows=tuple(
+            (
+                *cells(wording.heading(c.question), wording.name(c.condition)),
+                counted(c.n, str(c.n)),
+                *(
+                    counted(c.rank_percent[place], wording.fixed(c.rank_percent[place], 1))
+                    if place in c.rank_percent
+                    else cells("–")[0]
+                    for place in range(1, places + 1)
+                ),
+            )
+            for c in conditions
+        ),
+        text_columns=2,
+        name=name,
+        data=data,
+    )
+
+
+def rank_table(
+    conditions: Sequence[RankedCondition],
+    agreed: Mapping[str, Concordance],
+    tested: Mapping[str, Friedman],
+    *,
+    name: str,
+    data: str,
+) -> Table:
+    """Return mean ranks and shares of first places with their intervals."""
+    return Table(
+        caption=f"{of_set(conditions[0].set)}Mean rank (1 is best) and share of first places, with "
+        f"{LEVEL:.0%} intervals clustered by participant and segment (CR1, t with "
+        "min(participants, segments) − 1 degrees of freedom), each tested against what chance "
+        "gives; p is not corrected. After exclusions; n: rankings.",
+        groups=(("", 3), ("mean rank", 3), ("first places", 3)),
+        header=(
+            *("question", "condition", "n"),
+            *("mean", f"{LEVEL:.0%} interval", "p"),
+            *("share", f"{LEVEL:.0%} interval", "p"),
+        ),
+        rows=tuple(
+            (
+                *cells(wording.heading(c.question), wording.name(c.condition)),
+                counted(c.n, str(c.n)),
+                counted(c.mean_rank, number(c.mean_rank)),
+                counted(
+                    c.mean_rank_interval.low,
+                    "–"
+                    if c.mean_rank_interval.reason
+                    else between(
+                        number(c.mean_rank_interval.low), number(c.mean_rank_interval.high)
+                    ),
+                ),
+                counted(c.mean_rank_interval.p, wording.p_value(c.mean_rank_interval.p)),
+                counted(c.first_share, wording.share(c.first_share)),
+                counted(c.first_share_interval.low, interval(c.first_share_interval) or "–"),
+                counted(c.first_share_interval.p, wording.p_value(c.first_share_interval.p)),
+            )
+            for c in conditions
+        ),
+        text_columns=2,
+        notes=(
+            *gathered(
+                (f"{wording.heading(c.question)}, {wording.name(c.condition)}", note)
+                for c in conditions
+                for note in (
+                    c.remark,
+                    c.mean_rank_interval.reason
+                    and f"no interval of the mean rank: {c.mean_rank_interval.reason}",
+                    c.first_share_interval.reason
+                    and f"no interval of the first places: {c.first_share_interval.reason}",
+                )
+            ),
+            *(
+                f"{wording.heading(question)}: {_concordance(one)}."
+                for question, one in agreed.items()
+            ),
+            *(
+                f"{wording.heading(question)}: Friedman's test over participants' mean ranks, "
+                "which takes the segments as the only ones of interest: "
+                f"p {_is(one)}."
+                for question, one in tested.items()
+            ),
+        ),
+        name=name,
+        data=data,
+    )
+
+
+def _concordance(found: Concordance) -> str:
+    if found.reason:
+        return f"Kendall's W: {found.reason}"
+    return (
+        f"Kendall's W, the mean over segments, is {wording.share(found.mean)}; of participants' "
+        f"mean ranks {wording.share(found.overall)}"
+    )
+
+
+def _is(found: Friedman) -> str:
+    if found.reason:
+        return f"is missing, {found.reason}"
+    p = wording.p_value(found.p)
+    return p if p.startswith("<") else f"= {p}"

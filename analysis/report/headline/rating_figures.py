@@ -1,0 +1,213 @@
+"""Ratings as the user study of Speech2UnifiedExpressions shows them: its Figures 6 and 7."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import matplotlib as mpl
+from matplotlib.lines import Line2D
+
+from analysis.preferences.clustered import LEVEL
+from analysis.report import wording
+from analysis.report.content import Picture
+from analysis.report.headline.bar_figure import Bar, BarFigure, Part, bar_pictures
+from analysis.report.headline.legend import draw_legend, legend_entries
+from analysis.report.headline.panels import RowName, Scale, dress, numbered, plans, write_title
+from analysis.report.headline.words import between, number
+from analysis.report.ink import LINE, SERIES, STYLE, scale_colours
+from analysis.report.sheet import Sheet
+from analysis.report.svg import picture
+from analysis.results.rating import RatedCondition
+
+_MARKERS = "osD^vP*X<>hd"
+_LINES = ("-", "--", "-.", ":")
+
+
+def distribution_pictures(
+    conditions: Sequence[RatedCondition],
+    labels: Mapping[str, Sequence[str]],
+    *,
+    name: str,
+    data: str,
+    mark: str,
+) -> tuple[Picture, ...]:
+    """Draw how often each score was given, with means beside: one panel per question.
+
+    Parameters
+    ----------
+    conditions : sequence of RatedCondition
+        Of one set.
+    labels : mapping of str to sequence of str
+        By question, what its scores are called, worst first; the legend says so where all
+        questions agree.
+    name, data
+        See `analysis.report.svg.picture`.
+    mark : str
+        Written on top; empty for none.
+    """
+    scores = tuple(conditions[0].counts)
+    questions, names = _questions(conditions), _names(conditions)
+    by_place = {(c.condition, c.question): c for c in conditions}
+    figure = BarFigure(
+        panels={
+            question: tuple(_bar(by_place.get((one, question))) for one in names)
+            for question in questions
+        },
+        told={question: _given(conditions, question) for question in questions},
+        rows=tuple(
+            RowName(name=wording.name(one), below=f"n = {_ratings(conditions, one)}")
+            for one in names
+        ),
+        colours=scale_colours(len(scores)),
+        legend=_legend(scores, [tuple(labels.get(question, ())) for question in questions]),
+        bars=Scale(limits=(0, 100), ticks={0: "0", 50: "50", 100: "100"}, label="% of ratings"),
+        estimates=Scale(
+            limits=(scores[0], scores[-1]),
+            ticks={score: str(score) for score in (scores[0], scores[-1])},
+            label="mean",
+        ),
+    )
+    return bar_pictures(
+        figure,
+        name=name,
+        title="How often each score was given",
+        caption="How often each score was given, in % of a condition's n ratings, worst on the "
+        "left; after exclusions. Right: mean with its "
+        f"{LEVEL:.0%} interval, clustered by participant and segment (CR1).",
+        data=data,
+        mark=mark,
+    )
+
+
+def cumulative_pictures(
+    conditions: Sequence[RatedCondition], *, name: str, data: str, mark: str
+) -> tuple[Picture, ...]:
+    """Draw how many ratings reach each score, one panel per question and a line per condition."""
+    questions, names = _questions(conditions), _names(conditions)
+    scores = tuple(conditions[0].counts)
+    by_place = {(c.condition, c.question): c for c in conditions}
+    titles = [wording.heading(question) for question in questions]
+    entries = legend_entries([wording.name(one) for one in names])
+    # Rows that nobody sees give the panels their height.
+    sheets = plans(titles, [RowName(name="")] * 7, foot=entries.height)
+    found = []
+    for plan, own_name in zip(sheets, numbered(name, len(sheets)), strict=True):
+        with mpl.rc_context(STYLE):
+            sheet = Sheet(plan.height, mark=mark)
+            lines: list[Line2D] = []
+            for place in plan.places:
+                write_title(sheet, place, titles[place.number])
+                axes = sheet.panel(place.left, place.top, place.width, place.height)
+                dress(
+                    axes,
+                    1,
+                    Scale(
+                        limits=(scores[0] - 0.1, scores[-1] + 0.1),
+                        ticks={score: str(score) for score in _few(scores)},
+                        label="score or higher",
+                    ),
+                )
+                axes.set_ylim(0, 104)
+                ticks = ["0", "50", "100 %"] if place.first else [""] * 3
+                axes.set_yticks([0, 50, 100], labels=ticks)
+                axes.tick_params(axis="y", length=0, labelsize=7)
+                axes.grid(axis="y", color=LINE, linewidth=0.5)
+                lines = []
+                for number_, one in enumerate(names):
+                    rated = by_place.get((one, questions[place.number]))
+                    reached = rated.at_least if rated else {}
+                    lines += axes.plot(
+                        list(scores),
+                        [reached.get(score, math.nan) for score in scores],
+                        color=SERIES[number_ % len(SERIES)],
+                        linestyle=_LINES[number_ // 3 % len(_LINES)],
+                        marker=_MARKERS[number_ % len(_MARKERS)],
+                        markersize=4,
+                        linewidth=1.3,
+                        label=entries.words[number_],
+                    )
+            draw_legend(sheet, lines, entries)
+            found.append(
+                picture(
+                    sheet.figure,
+                    name=own_name,
+                    title="How many ratings reach each score",
+                    alt=" ".join(_reached(conditions, questions[p.number]) for p in plan.places),
+                    caption="How many of a condition's ratings are a score or a higher one, in %, "
+                    "after exclusions (cumulative lower bound). A line that stays above another "
+                    "belongs to better ratings; the figure is no test.",
+                    data=data,
+                )
+            )
+    return tuple(found)
+
+
+def _few(scores: Sequence[int]) -> tuple[int, ...]:
+    return tuple(scores[:: max(1, len(scores) // 10)])
+
+
+def _questions(conditions: Sequence[RatedCondition]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(c.question for c in conditions))
+
+
+def _names(conditions: Sequence[RatedCondition]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(c.condition for c in conditions))
+
+
+def _ratings(conditions: Sequence[RatedCondition], name: str) -> int:
+    return max(c.n for c in conditions if c.condition == name)
+
+
+def _bar(rated: RatedCondition | None) -> Bar:
+    if rated is None or not rated.n:
+        return Bar(start=0, parts=())
+    condition = wording.name(rated.condition)
+    return Bar(
+        start=0,
+        parts=tuple(
+            Part(
+                percent=100 * count / rated.n,
+                hint=f"{condition}, score {score}: {count} of {rated.n} ratings "
+                f"({100 * count / rated.n:.0f} %)",
+            )
+            for score, count in rated.counts.items()
+        ),
+        estimate=rated.mean,
+        low=rated.low,
+        high=rated.high,
+        words=number(rated.mean),
+        below="no interval" if rated.reason else between(number(rated.low), number(rated.high)),
+    )
+
+
+def _legend(scores: Sequence[int], labels: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
+    own = labels[0]
+    if len(own) == len(scores) and all(other == own for other in labels):
+        return tuple(f"{score} {label}" for score, label in zip(scores, own, strict=True))
+    words = [str(score) for score in scores]
+    words[0], words[-1] = f"{words[0]} (worst)", f"{words[-1]} (best)"
+    return tuple(words)
+
+
+def _given(conditions: Sequence[RatedCondition], question: str) -> str:
+    parts = [
+        f"{wording.name(c.condition)}: "
+        + ", ".join(
+            f"{100 * count / c.n:.0f} % score {score}" for score, count in c.counts.items() if c.n
+        )
+        + f", mean {number(c.mean)}"
+        for c in conditions
+        if c.question == question
+    ]
+    return f"{wording.heading(question)}. {'; '.join(parts)}."
+
+
+def _reached(conditions: Sequence[RatedCondition], question: str) -> str:
+    parts = [
+        f"{wording.name(c.condition)}: "
+        + ", ".join(f"{percent:.0f} % at least {score}" for score, percent in c.at_least.items())
+        for c in conditions
+        if c.question == question
+    ]
+    return f"{wording.heading(question)}. {'; '.join(parts)}."

@@ -1,0 +1,185 @@
+"""Ratings in tables: as S2UE's Table 2, how many reach each score, and every contrast."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+from analysis.preferences.clustered import LEVEL
+from analysis.report import wording
+from analysis.report.content import Cell, Table, cells
+from analysis.report.headline.words import (
+    between,
+    counted,
+    gathered,
+    notes,
+    number,
+    of_set,
+    plus_minus,
+)
+from analysis.results.rating import RatedCondition
+from analysis.results.rating_contrasts import RatingContrast
+from analysis.results.rating_model import RatingModel
+
+_MOST_BESIDE = 3
+
+
+def score_table(conditions: Sequence[RatedCondition], *, name: str, data: str) -> Table:
+    """Return means and standard deviations, the best mean bold and the second best underlined."""
+    marks = _marks(conditions)
+    return _by_question(
+        conditions,
+        ("mean", "SD", "n"),
+        lambda c: (
+            counted(c.mean, number(c.mean), **marks.get((c.condition, c.question), {})),
+            counted(c.sd, number(c.sd)),
+            counted(c.n, str(c.n)),
+        ),
+        caption=f"{of_set(conditions[0].set)}Mean and standard deviation of all ratings after "
+        "exclusions, in the layout of S2UE's Table 2; n: ratings. Higher is better; the best mean "
+        "is bold and the second best underlined, which is no test.",
+        name=name,
+        data=data,
+    )
+
+
+def interval_table(conditions: Sequence[RatedCondition], *, name: str, data: str) -> Table:
+    """Return means with their intervals, and how many percent reach each score."""
+    scores = tuple(conditions[0].at_least)[1:]
+    return Table(
+        caption=f"{of_set(conditions[0].set)}Mean ratings with {LEVEL:.0%} intervals, clustered by "
+        "participant and segment (CR1, t with min(participants, segments) − 1 degrees of freedom), "
+        "and how many of the n ratings are a score or a higher one, in %. After exclusions.",
+        header=(
+            *("question", "condition", "n", "mean", f"{LEVEL:.0%} interval"),
+            *(f"≥ {score}" for score in scores),
+        ),
+        rows=tuple(
+            (
+                *cells(wording.heading(c.question), wording.name(c.condition)),
+                counted(c.n, str(c.n)),
+                counted(c.mean, number(c.mean)),
+                counted(c.low, "–" if c.reason else between(number(c.low), number(c.high))),
+                *(
+                    counted(c.at_least[score], wording.fixed(c.at_least[score], 1))
+                    for score in scores
+                ),
+            )
+            for c in conditions
+        ),
+        text_columns=2,
+        notes=gathered(
+            (
+                f"{wording.heading(c.question)}, {wording.name(c.condition)}",
+                c.reason and f"no interval: {c.reason}",
+            )
+            for c in conditions
+        ),
+        name=name,
+        data=data,
+    )
+
+
+def contrast_table(
+    contrasts: Sequence[RatingContrast],
+    models: Mapping[str, RatingModel],
+    *,
+    name: str,
+    data: str,
+) -> Table:
+    """Return how much better each condition is rated than each other one."""
+    return Table(
+        caption=f"{of_set(contrasts[0].set)}How much better the first condition is rated than the "
+        "second. Log-odds ± error and odds ratio: of a better rating, in a cumulative link mixed "
+        "model with crossed effects of participants and segments. Cliff's δ: how often the first "
+        "is rated higher minus how often lower. p is corrected by Holm over all contrasts and "
+        "questions of the report. After exclusions.",
+        header=(
+            *("question", "first", "second", "log-odds", "odds ratio", "Cliff's δ"),
+            *("p", f"p{wording.NO_BREAK}(Holm)"),
+        ),
+        rows=tuple(
+            (
+                *cells(wording.heading(c.question), wording.name(c.a), wording.name(c.b)),
+                counted(c.estimate, plus_minus(c.estimate, c.se)),
+                counted(c.odds_ratio, number(c.odds_ratio)),
+                counted(c.cliffs_delta.estimate, wording.share(c.cliffs_delta.estimate)),
+                counted(c.p, wording.p_value(c.p)),
+                counted(c.p_holm, wording.p_value(c.p_holm)),
+            )
+            for c in contrasts
+        ),
+        text_columns=3,
+        notes=tuple(
+            note
+            for question, model in models.items()
+            for note in notes(model.reason, model.remark, wording.heading(question))
+        ),
+        name=name,
+        data=data,
+    )
+
+
+def _by_question(
+    conditions: Sequence[RatedCondition],
+    heads: tuple[str, ...],
+    numbers: Callable[[RatedCondition], tuple[Cell, ...]],
+    *,
+    caption: str,
+    name: str,
+    data: str,
+) -> Table:
+    """Return a row per condition with the questions beside each other, where they are few."""
+    questions = tuple(dict.fromkeys(c.question for c in conditions))
+    if len(questions) > _MOST_BESIDE:
+        return Table(
+            caption=caption,
+            header=("question", "condition", *heads),
+            rows=tuple(
+                (*cells(wording.heading(c.question), wording.name(c.condition)), *numbers(c))
+                for c in conditions
+            ),
+            text_columns=2,
+            name=name,
+            data=data,
+        )
+    by_place = {(c.condition, c.question): c for c in conditions}
+    names = dict.fromkeys(c.condition for c in conditions)
+    return Table(
+        caption=caption,
+        header=("condition", *(heads * len(questions))),
+        groups=(("", 1), *((wording.heading(question), len(heads)) for question in questions)),
+        rows=tuple(
+            (
+                Cell(text=wording.name(one)),
+                *(
+                    cell
+                    for question in questions
+                    for cell in (
+                        numbers(by_place[one, question])
+                        if (one, question) in by_place
+                        else cells(*["–"] * len(heads))
+                    )
+                ),
+            )
+            for one in names
+        ),
+        name=name,
+        data=data,
+    )
+
+
+def _marks(conditions: Sequence[RatedCondition]) -> dict[tuple[str, str], dict[str, bool]]:
+    """Return which means are the best and the second best of their question, as they are shown."""
+    found: dict[tuple[str, str], dict[str, bool]] = {}
+    for question in dict.fromkeys(c.question for c in conditions):
+        asked = [c for c in conditions if c.question == question and not math.isnan(c.mean)]
+        shown = sorted({round(c.mean, 2) for c in asked}, reverse=True)
+        if len(shown) < 2:
+            continue
+        for c in asked:
+            if round(c.mean, 2) == shown[0]:
+                found[c.condition, question] = {"best": True}
+            elif round(c.mean, 2) == shown[1]:
+                found[c.condition, question] = {"second": True}
+    return found

@@ -1,0 +1,87 @@
+"""Estimates in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from analysis.report import wording
+from analysis.report.content import Cell
+from analysis.results.estimate import Estimate
+from analysis.results.strength_errors import RankInterval
+
+
+def interval(found: Estimate) -> str:
+    """Return the interval of a share, '[.55, .71]'; '' where there is none."""
+    if found.reason or math.isnan(found.low):
+        return ""
+    return between(wording.share(found.low), wording.share(found.high))
+
+
+def between(low: str, high: str) -> str:
+    """Return an interval that no line breaks."""
+    return f"[{low},{wording.NO_BREAK}{high}]"
+
+
+def share_words(found: Estimate) -> str:
+    """Return a share with its interval, '.63 [.55, .71]', or with why there is none."""
+    if math.isnan(found.estimate):
+        return "– (no answers)"
+    inside = interval(found)
+    if inside:
+        return f"{wording.share(found.estimate)}{wording.NO_BREAK}{inside}"
+    return f"{wording.share(found.estimate)} (no interval: {found.reason})"
+
+
+def number(value: float) -> str:
+    """Return a number with two decimals; a dash for NaN."""
+    return wording.fixed(value, 2)
+
+
+def ranks(found: RankInterval | None) -> str:
+    """Return the ranks that a condition may have, '1–2'; a dash where they are not known."""
+    if found is None:
+        return "–"
+    return str(found.best) if found.best == found.worst else f"{found.best}–{found.worst}"
+
+
+def notes(reason: str, remark: str, about: str = "") -> tuple[str, ...]:
+    """Return why a number is missing and what limits it, as footnotes."""
+    subject = f"{about}: " if about else ""
+    return tuple(f"{subject}{text.rstrip('.')}." for text in (reason, remark) if text)
+
+
+def counted(value: float, text: str, *, best: bool = False, second: bool = False) -> Cell:
+    """Return a cell that shows `text` and is sorted and filed by `value`, empty for NaN."""
+    return Cell(
+        text=text, value=None if math.isnan(value) else float(value), best=best, second=second
+    )
+
+
+def suffix(set_number: int | None) -> str:
+    """Return what a set adds to the names of its files."""
+    return "" if set_number is None else f"-set-{set_number}"
+
+
+def in_set(name: str | None, heading: str) -> str:
+    """Return a heading that says of which set it is."""
+    return heading if name is None else f"Set {name}: {heading[:1].lower()}{heading[1:]}"
+
+
+def of_set(name: str | None) -> str:
+    """Return the beginning of a caption that stands alone: which set it is about."""
+    return "" if name is None else f"Set {name}. "
+
+
+def gathered(found: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """Return each note once, after all that it is about; `found` gives what about and the note."""
+    about: dict[str, list[str]] = {}
+    for subject, note in found:
+        if note:
+            about.setdefault(f"{note.rstrip('.')}.", []).append(subject)
+    return tuple(f"{'; '.join(subjects)}: {note}" for note, subjects in about.items())
+
+
+def plus_minus(estimate: float, error: float) -> str:
+    """Return an estimate with its error, '0.47 ± 0.03'; a dash for none."""
+    return "–" if math.isnan(estimate) else f"{number(estimate)} ± {number(error)}"
