@@ -98,6 +98,8 @@ class Subject:
         The condition that is real recorded motion.
     broken : str or None
         The visibly broken motion of catch trials.
+    generative : mapping of str to bool
+        Whether a condition can move differently to one speech, where that is stated.
     scale_labels : mapping of str to tuple of str
         By question, what the points of its scale are called, worst first; () where unknown.
     excerpts : mapping of str to Excerpt
@@ -130,6 +132,7 @@ class Subject:
     reference: str | None = None
     recorded: str | None = None
     broken: str | None = None
+    generative: Mapping[str, bool] = field(default_factory=lambda: MappingProxyType({}))
     scale_labels: Mapping[str, tuple[str, ...]] = field(
         default_factory=lambda: MappingProxyType({})
     )
