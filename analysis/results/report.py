@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 from typing import Final
 
 from threadpoolctl import threadpool_limits
 
+from analysis.against_people.against_people import metrics_against_people
+from analysis.against_people.result import AgainstPeople
 from analysis.exclusions.applying import RuleOutcome
 from analysis.exclusions.rules import ExclusionRule
+from analysis.metrics.conditions import StudyMetrics
 from analysis.results.flow import ArmState, Flow, participant_flow
+from analysis.results.grouping import ByQuestion
 from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out, table_rules
 from analysis.results.mismatch import MismatchResults, mismatch_results
 from analysis.results.pairwise import PairwiseResults, pairwise_results
@@ -84,6 +88,8 @@ class TableReport:
         Why there is nothing to report; empty where there is something.
     quality : Quality
         How answers were given.
+    metrics_against_people : mapping of question to AgainstPeople
+        See `ByQuestion`; empty where no motion was measured.
     results : Results
         What the protocol gives.
     """
@@ -101,6 +107,7 @@ class TableReport:
     notes: tuple[str, ...]
     remark: str
     quality: Quality
+    metrics_against_people: ByQuestion[AgainstPeople] = field(default_factory=dict)
     results: Results
 
     def keys(self) -> dict[str, object]:
@@ -167,6 +174,8 @@ def analyse_answers(
     settings: Settings,
     arms: Sequence[ArmState] = (),
     arm_of: Mapping[str, str] | None = None,
+    metrics: StudyMetrics | None = None,
+    recorded: str | None = None,
 ) -> TableReport:
     """Analyse checked answers, of a platform's table or of a study.
 
@@ -182,6 +191,10 @@ def analyse_answers(
         What the researcher decided.
     arms, arm_of
         Of a study; see `participant_flow`.
+    metrics : StudyMetrics, optional
+        Automatic metrics of the conditions, to be set beside the answers.
+    recorded : str, optional
+        The condition that is recorded motion.
 
     Raises
     ------
@@ -192,6 +205,7 @@ def analyse_answers(
     # The models' matrices are small: more threads cost more than they bring.
     with threadpool_limits(limits=1, user_api="blas"):
         results = _results(table, left_out, settings.margin)
+        beside = metrics_against_people(table, left_out.analysed, metrics, recorded)
     return TableReport(
         protocol=table.protocol,
         source=source,
@@ -206,6 +220,7 @@ def analyse_answers(
         notes=table.notes,
         remark=_remark(table, left_out),
         quality=quality(left_out.everyone),
+        metrics_against_people=beside,
         results=results,
     )
 
