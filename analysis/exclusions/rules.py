@@ -73,7 +73,7 @@ def incomplete() -> ExclusionRule:
 
     return ExclusionRule(
         name="incomplete",
-        description="unfinished",
+        description="did not finish",
         judge=judge,
         missing="who reached the end is known of studies only",
     )

@@ -43,8 +43,9 @@ class Catch(Section):
         The condition it is shown beside; by default the ground truth where the study has one,
         else the reference.
     max_failed : int
-        More failed catch trials than this exclude a participant from the analysis. AMUSE's text
-        excludes above one, its appendix above none.
+        More failed catch trials than this exclude a participant from the analysis, unless a rule
+        of `Study.exclusions` has a number of its own. AMUSE's text excludes above one, its
+        appendix above none.
     videos : bool
         Finished videos of the flawed motion are brought; nothing makes it.
     """
@@ -65,8 +66,9 @@ class Attention(Section):
     trials : int
         How many each participant gets.
     max_failed : int
-        More failed checks than this exclude a participant; recruiters accept such an exclusion
-        as a ground for not paying, from two failed checks on.
+        More failed checks than this exclude a participant, unless a rule of `Study.exclusions`
+        has a number of its own; recruiters accept such an exclusion as a ground for not paying,
+        from two failed checks on.
     """
 
     trials: int = Field(0, ge=0, le=10)

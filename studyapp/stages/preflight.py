@@ -9,6 +9,7 @@ from typing import Final
 
 from motion.listing import listed
 from motion.segment import EMOTIONS
+from studyapp.definition.exclusions import Coverage
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.definition.template_language import still_english
@@ -44,6 +45,7 @@ def check(folder: StudyFolder) -> list[Finding]:
         *motion_findings(folder, study),
         *_page_findings(study),
         *_design_findings(folder, study),
+        *_exclusion_findings(study),
     ]
     order = list(Severity)
     return sorted(findings, key=lambda finding: order.index(finding.severity))
@@ -96,6 +98,28 @@ def _design_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
             "cannot be told apart",
             "Set catch.trials or attention.trials in study.toml",
         )
+
+
+def _exclusion_findings(study: Study) -> Iterator[Finding]:
+    """Say who will be left out of the analysis, and which rule can have no effect."""
+    rules = study.settled_exclusions
+    said = "; ".join(
+        f"{place}. who {rule.made().description} ({rule.written()})"
+        for place, rule in enumerate(rules, start=1)
+    )
+    yield Finding(
+        Severity.NOTE,
+        f"left out of the analysis, in this order: {said or 'nobody'}",
+        "A rule that is changed once people have taken part counts as exploratory",
+    )
+    for rule in rules:
+        if isinstance(rule, Coverage) and rule.below <= study.watching.coverage:
+            yield Finding(
+                Severity.WARNING,
+                f"the exclusion {rule.written()} can leave nobody out, as questions can only be "
+                f"answered once {study.watching.coverage:g} of each video was watched",
+                "Take it out, or lower watching.coverage in study.toml",
+            )
 
 
 def _extra_findings(plan: Sequence[PlannedTrial]) -> Iterator[Finding]:

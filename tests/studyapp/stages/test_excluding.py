@@ -31,7 +31,7 @@ def test_a_rule_changed_after_the_first_participant_is_exploratory_and_the_old_o
     found = study_exclusions((Incomplete(), FailedCatch(more_than=0)), STATED)
     assert marks(found) == [("incomplete", False), ("catch", True)]
     assert [rule.description for rule in found.planned] == [
-        "unfinished",
+        "did not finish",
         "failed more than 1 catch trial",
     ]
     assert found.notes == (

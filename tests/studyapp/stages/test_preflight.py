@@ -266,3 +266,32 @@ def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
     np.save(ready.root / "face.npy", np.ones((3, 3)))
     change(ready, "video", "expression_matrix", value="face.npy")
     assert any("face.npy" in what for what in findings_of(ready, Severity.ERROR))
+
+
+def test_the_exclusion_rules_are_told_in_their_order(ready: StudyFolder) -> None:
+    told = "left out of the analysis, in this order: "
+    assert (
+        f"{told}1. who did not finish (incomplete); 2. who failed more than 1 catch trial "
+        "(catch>1)" in findings_of(ready, Severity.NOTE)
+    )
+
+    change(ready, "catch", "trials", value=0)
+    change(ready, "exclusions", value=[{"rule": "time", "below": 8}, {"rule": "incomplete"}])
+    assert (
+        f"{told}1. who gave at least 50 % of the answers in less than 8 s (time<8,share=0.5); "
+        "2. who did not finish (incomplete)"
+    ) in findings_of(ready, Severity.NOTE)
+
+    change(ready, "exclusions", value=[])
+    assert f"{told}nobody" in findings_of(ready, Severity.NOTE)
+
+
+def test_a_rule_that_can_leave_nobody_out_is_warned_of(ready: StudyFolder) -> None:
+    change(ready, "catch", "trials", value=0)
+    change(ready, "exclusions", value=[{"rule": "coverage", "below": 0.9}])
+    assert any(
+        "can leave nobody out" in warning for warning in findings_of(ready, Severity.WARNING)
+    )
+
+    change(ready, "exclusions", value=[{"rule": "coverage", "below": 0.99}])
+    assert not any("leave nobody" in warning for warning in findings_of(ready, Severity.WARNING))
