@@ -1,0 +1,165 @@
+"""Loading the network that DiffSHEG's authors released.
+
+Their names for the weights are translated into ours one by one, and every weight of the file must
+find its place.
+"""
+
+from __future__ import annotations
+
+import pickle
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import torch
+from safetensors import SafetensorError
+from safetensors.torch import load_file
+from torch import Tensor
+
+from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
+from generators.diffsheg.denoiser import Denoiser
+from motion.errors import InputError
+from motion.listing import listed
+
+DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
+
+_STYLED: Final = (
+    (r"sa_block\.proj_out\.", "attention.stylization."),
+    (r"ffn\.proj_out\.", "feed_forward.stylization."),
+    (r"sa_block\.", "attention."),
+    (r"ffn\.linear1\.", "feed_forward.widen."),
+    (r"ffn\.linear2\.", "feed_forward.narrow."),
+    (r"emb_layers\.1\.", "modulation."),
+    (r"out_layers\.2\.", "out."),
+)
+
+_NAMES: Final = (
+    (r"^encoder_aud\.", "audio."),
+    (r"^encoder_exp\.", "branches.expression."),
+    (r"^encoder_ges\.", "branches.gesture."),
+    (r"time_embed\.0\.", "step.first."),
+    (r"time_embed\.2\.", "step.second."),
+    (r"pid_embed\.0\.", "speaker.first."),
+    (r"pid_embed\.2\.", "speaker.second."),
+    (r"PE\.pe$", "position"),
+    (r"joint_embed\.", "inward."),
+    (r"audio_proj\.", "audio."),
+    (r"hubert_encoder\.0\.", "speech.first."),
+    (r"hubert_encoder\.1\.", "speech.norm."),
+    (r"hubert_encoder\.3\.", "speech.second."),
+    (r"temporal_decoder_blocks\.(\d+)\.feat_proj\.0\.", r"fusions.\1.norm."),
+    (r"temporal_decoder_blocks\.(\d+)\.feat_proj\.1\.", r"fusions.\1.widen."),
+    (r"temporal_decoder_blocks\.(\d+)\.feat_proj\.3\.", r"fusions.\1.narrow."),
+    (r"temporal_decoder_blocks\.(\d+)\.", r"blocks.\1."),
+    (r"null_cond_emb$", "unconditioned"),
+    (r"\.out\.(weight|bias)$", r".outward.\1"),
+    *_STYLED,
+)
+"""Patterns of the release's names and what they are here, applied in order."""
+
+
+def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
+    """Return the released network, ready to be asked.
+
+    Parameters
+    ----------
+    path : path
+        What ``torch.save(state_dict)`` or safetensors wrote: the weights alone, or under the key
+        ``encoder``. Nothing but tensors is ever unpickled.
+    dataset : {'beat', 'show'}
+        What it was trained on.
+
+    Returns
+    -------
+    Denoiser
+        In evaluation mode, on the CPU.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is not such a network: it names the weights that are
+        missing, unknown or of another shape.
+    """
+    if dataset not in DATASETS:
+        raise InputError(
+            f"DiffSHEG was not released for {dataset!r}", remedy=f"Use {listed(list(DATASETS))}"
+        )
+    file = Path(path)
+    weights = {own_name(name): weight for name, weight in read_weights(file).items()}
+    with torch.device("meta"):
+        denoiser = Denoiser(DATASETS[dataset])
+    _check(denoiser.state_dict(), weights, file, dataset)
+    denoiser.load_state_dict(
+        {name: weight.to(denoiser.state_dict()[name].dtype) for name, weight in weights.items()},
+        assign=True,
+    )
+    return denoiser.requires_grad_(False).eval()
+
+
+def own_name(name: str) -> str:
+    """Return what the weight that the release calls `name` is called here."""
+    for pattern, replacement in _NAMES:
+        name = re.sub(pattern, replacement, name)
+    return name
+
+
+def read_weights(file: Path) -> dict[str, Tensor]:
+    """Return the tensors of a file by name, those under ``encoder`` where there is that key.
+
+    Raises
+    ------
+    InputError
+        If the file is not there, or holds anything but tensors.
+    """
+    if not file.is_file():
+        raise InputError("there is no such file", where=file, remedy="Name the checkpoint's file")
+    try:
+        found: object = load_file(file)
+    except SafetensorError:
+        found = _pickled(file)
+    if isinstance(found, Mapping) and isinstance(found.get("encoder"), Mapping):
+        found = found["encoder"]
+    if isinstance(found, Mapping) and all(name.startswith("encoder.") for name in found):
+        found = {name.removeprefix("encoder."): weight for name, weight in found.items()}
+    if not isinstance(found, Mapping) or not all(isinstance(one, Tensor) for one in found.values()):
+        raise _no_weights(file, "it holds more than named tensors")
+    return {str(name).removeprefix("module."): weight for name, weight in found.items()}
+
+
+def _pickled(file: Path) -> object:
+    try:
+        return torch.load(file, map_location="cpu", weights_only=True)
+    except (pickle.UnpicklingError, RuntimeError, EOFError, ValueError, KeyError) as error:
+        raise _no_weights(file, str(error).partition("\n")[0]) from None
+
+
+def _no_weights(file: Path, why: str) -> InputError:
+    return InputError(
+        f"this is no file of network weights: {why}",
+        where=file,
+        remedy="Give what torch.save(state_dict) or safetensors wrote, with tensors only",
+    )
+
+
+def _check(
+    wanted: Mapping[str, Tensor], found: Mapping[str, Tensor], file: Path, dataset: str
+) -> None:
+    missing = [name for name in wanted if name not in found]
+    unknown = [name for name in found if name not in wanted]
+    other = [
+        f"{name} {tuple(found[name].shape)} instead of {tuple(weight.shape)}"
+        for name, weight in wanted.items()
+        if name in found and found[name].shape != weight.shape
+    ]
+    problems = [
+        f"{len(names)} {what} ({', '.join(names[:3])}{', …' if len(names) > 3 else ''})"
+        for what, names in (("missing", missing), ("unknown", unknown), ("of another shape", other))
+        if names
+    ]
+    if problems:
+        raise InputError(
+            f"this is not DiffSHEG's network for {dataset}: {listed(problems)}",
+            where=file,
+            remedy="Name the dataset it was trained on, or give the released checkpoint",
+        )

@@ -1,0 +1,108 @@
+"""The authors' released network."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from safetensors.torch import save_file
+from torch import Tensor
+
+from generators.diffsheg import load_released
+from generators.diffsheg.released import read_weights
+from motion.errors import InputError
+
+REFERENCE = Path(__file__).parents[4] / "shared" / "reference"
+
+
+def _weight(name: str, shape: list[int]) -> Tensor:
+    """Return the weight with which the reference's network was asked."""
+    if name.endswith("num_batches_tracked"):
+        return torch.tensor(0)
+    random = np.random.default_rng(zlib.crc32(name.encode()))
+    weight = 0.05 * random.standard_normal(shape)
+    if name.endswith("running_var"):
+        weight = 1 + np.abs(weight)
+    elif name.endswith(".weight") and len(shape) == 1:
+        weight = 1 + weight
+    return torch.as_tensor(weight, dtype=torch.float32)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("dataset", ["beat", "show"])
+def test_the_forward_pass_is_that_of_the_released_network(dataset: str, tmp_path: Path) -> None:
+    names = REFERENCE / f"diffsheg_{dataset}_state_dict.json"
+    if not names.exists():
+        pytest.skip("the reference of the released network is not here")
+    shapes = json.loads(names.read_text())
+    weights = {name: _weight(name, shape) for name, shape in shapes.items()}
+    torch.save({"encoder": weights}, tmp_path / "released.pt")
+    denoiser = load_released(tmp_path / "released.pt", dataset=dataset)
+    with np.load(REFERENCE / f"diffsheg_{dataset}.npz") as known, torch.inference_mode():
+        noisy, timestep, mel, hubert, person, expected = (
+            torch.from_numpy(known[name])
+            for name in ("noisy", "timestep", "mel", "hubert", "person", "eps")
+        )
+        found = denoiser(noisy, timestep, mel, hubert, person)
+    assert float((found - expected).norm() / expected.norm()) < 1e-5
+    assert float((found - expected).abs().max() / expected.abs().max()) < 1e-4
+
+
+def _saved(weights: dict[str, Tensor], path: Path) -> Path:
+    if path.suffix == ".safetensors":
+        save_file(weights, path)
+    else:
+        torch.save(weights, path)
+    return path
+
+
+@pytest.mark.parametrize("name", ["net.pt", "net.safetensors"])
+def test_weights_are_read_from_both_kinds_of_file(name: str, tmp_path: Path) -> None:
+    file = _saved({"out.weight": torch.ones(2)}, tmp_path / name)
+    assert read_weights(file)["out.weight"].tolist() == [1, 1]
+
+
+@pytest.mark.parametrize("name", ["net.pt", "net.safetensors"])
+def test_weights_under_the_key_encoder_are_found(name: str, tmp_path: Path) -> None:
+    file = _saved({"encoder.out.weight": torch.ones(2)}, tmp_path / name)
+    assert list(read_weights(file)) == ["out.weight"]
+
+
+def test_another_network_is_refused_with_the_weights_that_do_not_fit(tmp_path: Path) -> None:
+    file = _saved({"encoder_exp.out.bias": torch.ones(7)}, tmp_path / "net.pt")
+    with pytest.raises(InputError, match=r"missing .*of another shape .*\(7,\) instead of \(51,\)"):
+        load_released(file, dataset="beat")
+
+
+class _Trap:
+    def __reduce__(self) -> tuple[object, tuple[str, str]]:
+        return Path.write_text, (Path("sprung"), "yes")
+
+
+def test_a_pickle_that_runs_code_is_refused_unrun(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "net.pt").write_bytes(pickle.dumps({"encoder": _Trap()}, protocol=2))
+    with pytest.raises(InputError, match="no file of network weights"):
+        load_released(tmp_path / "net.pt")
+    assert not Path("sprung").exists()
+
+
+@pytest.mark.parametrize("content", [b"", b"no network", b"\x80\x02garbage"])
+def test_a_file_that_is_no_checkpoint_is_refused(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "net.pt").write_bytes(content)
+    with pytest.raises(InputError, match="no file of network weights"):
+        load_released(tmp_path / "net.pt")
+
+
+def test_a_checkpoint_that_is_not_there_and_an_unknown_dataset_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        load_released(tmp_path / "net.pt")
+    with pytest.raises(InputError, match="not released for 'ted'"):
+        load_released(tmp_path / "net.pt", dataset="ted")
