@@ -45,10 +45,10 @@ def _section(group: PreferenceGroup, mark: str, end: str) -> Section:
         ),
         pictures=()
         if reason
-        else preference_pictures(group, name=f"preferences{end}", data=_DATA, mark=mark),
+        else preference_pictures(group, name=f"own-speech{end}", data=_DATA, mark=mark),
         tables=(
             win_share_table(group, name=f"win-shares{end}", data=_DATA),
-            sums_table(group, name=f"preferences{end}", data=_DATA),
+            sums_table(group, name=f"own-speech{end}", data=_DATA),
             counts_table(group, name=f"counts{end}", data=_DATA),
             further_table(group, name=f"as-published{end}", data=_DATA),
         ),

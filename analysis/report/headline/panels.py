@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 from matplotlib.axes import Axes
 
@@ -186,6 +186,13 @@ def dress(axes: Axes, rows: int, scale: Scale) -> None:
     axes.set_xticks(list(scale.ticks), labels=list(scale.ticks.values()))
     axes.tick_params(axis="x", labelsize=SMALL_SIZE, pad=1.5)
     axes.set_xlabel(scale.label, fontsize=SMALL_SIZE + 0.5, labelpad=2.0)
+    ends: dict[float, Literal["left", "right"]] = {
+        scale.limits[0]: "left",
+        scale.limits[1]: "right",
+    }
+    for place, text in zip(scale.ticks, axes.get_xticklabels(), strict=True):
+        # Words at the ends stay within the panel, so that neighbours do not touch.
+        text.set_horizontalalignment(ends.get(place, "center"))
     if any(scale.ends):
         _write_ends(axes, scale.ends)
     if scale.line is not None:

@@ -3,17 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 from analysis.report.content import Section
 from analysis.report.headline.by_set import of
 from analysis.report.headline.degenerate import why_no_figure
-from analysis.report.headline.rating_figures import cumulative_pictures, distribution_pictures
-from analysis.report.headline.rating_tables import contrast_table, interval_table, score_table
+from analysis.report.headline.rating_figures import (
+    contrast_pictures,
+    cumulative_pictures,
+    distribution_pictures,
+)
+from analysis.report.headline.rating_tables import (
+    contrast_table,
+    interval_table,
+    model_table,
+    score_table,
+)
 from analysis.report.headline.words import in_set, suffix
 from analysis.report.subject import Subject
 from analysis.results.rating import RatedCondition, RatingResults
 
-_DATA = "conditions.csv"
+MOST_PAIRS: Final = 15
+"""Pairs of conditions up to which their differences are drawn."""
+
+_DATA: Final = "conditions.csv"
 
 
 def rating_sections(results: RatingResults, subject: Subject) -> tuple[Section, ...]:
@@ -53,16 +66,24 @@ def _section(results: RatingResults, name: str | None, subject: Subject, end: st
                 conditions, subject.scale_labels, name=f"ratings{end}", data=_DATA, mark=mark
             ),
             *cumulative_pictures(conditions, name=f"cumulative{end}", data=_DATA, mark=mark),
+            *(
+                contrast_pictures(
+                    contrasts, name=f"contrasts{end}", data="contrasts.csv", mark=mark
+                )
+                if 0 < len(contrasts) <= MOST_PAIRS * len({c.question for c in contrasts})
+                else ()
+            ),
         ),
         tables=(
             score_table(conditions, name=f"scores{end}", data=_DATA),
             interval_table(conditions, name=f"means{end}", data=_DATA),
             *(
                 (
-                    contrast_table(
+                    contrast_table(contrasts, name=f"contrasts{end}", data="contrasts.csv"),
+                    model_table(
                         contrasts,
                         of(results.clmm, name),
-                        name=f"contrasts{end}",
+                        name=f"model{end}",
                         data="contrasts.csv",
                     ),
                 )

@@ -12,6 +12,7 @@ from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Picture
 from analysis.report.headline.bar_figure import Bar, BarFigure, Part, bar_pictures
+from analysis.report.headline.dot_figure import Dot, dot_pictures, round_ticks, spread
 from analysis.report.headline.legend import draw_legend, legend_entries
 from analysis.report.headline.panels import RowName, Scale, dress, numbered, plans, write_title
 from analysis.report.headline.words import between, number
@@ -19,6 +20,7 @@ from analysis.report.ink import LINE, SERIES, STYLE, scale_colours
 from analysis.report.sheet import Sheet
 from analysis.report.svg import picture
 from analysis.results.rating import RatedCondition
+from analysis.results.rating_contrasts import RatingContrast
 
 _MARKERS = "osD^vP*X<>hd"
 _LINES = ("-", "--", "-.", ":")
@@ -141,6 +143,57 @@ def cumulative_pictures(
                 )
             )
     return tuple(found)
+
+
+def contrast_pictures(
+    contrasts: Sequence[RatingContrast], *, name: str, data: str, mark: str
+) -> tuple[Picture, ...]:
+    """Draw how much better each condition is rated than each other one, in scores."""
+    pairs = list(dict.fromkeys((c.a, c.b) for c in contrasts))
+    by_place = {(c.a, c.b, c.question): c for c in contrasts}
+    questions = tuple(dict.fromkeys(c.question for c in contrasts))
+    panels = {
+        question: [_difference(by_place.get((a, b, question))) for a, b in pairs]
+        for question in questions
+    }
+    limits = spread([dot for dots in panels.values() for dot in dots], around=0.0)
+    return dot_pictures(
+        panels,
+        [RowName(name=f"{wording.name(a)} against {wording.name(b)}") for a, b in pairs],
+        Scale(limits=limits, ticks=round_ticks(limits), label="difference in scores", line=0.0),
+        name=name,
+        title="Differences of paired ratings",
+        told={
+            question: f"{wording.heading(question)}. "
+            + "; ".join(
+                f"{wording.name(a)} against {wording.name(b)}: {dot.hint}"
+                for (a, b), dot in zip(pairs, panels[question], strict=True)
+            )
+            + "."
+            for question in questions
+        },
+        caption="How much better the first condition is rated than the second, in scores: mean "
+        f"difference of paired ratings with its {LEVEL:.0%} interval, clustered by participant "
+        "and segment (CR1), after exclusions; p by Holm over the report.",
+        data=data,
+        mark=mark,
+    )
+
+
+def _difference(contrast: RatingContrast | None) -> Dot:
+    if contrast is None or math.isnan(contrast.difference.estimate):
+        return Dot(estimate=math.nan, words="–", hint="not known")
+    found = contrast.difference
+    inside = "" if math.isnan(found.low) else f" {between(number(found.low), number(found.high))}"
+    p = wording.p_value(found.p_holm)
+    return Dot(
+        estimate=found.estimate,
+        low=found.low,
+        high=found.high,
+        words=number(found.estimate),
+        below="no test" if p == "–" else f"p {p if p.startswith('<') else f'= {p}'}",
+        hint=f"{number(found.estimate)}{inside}, p (Holm) {p}",
+    )
 
 
 def _few(scores: Sequence[int]) -> tuple[int, ...]:

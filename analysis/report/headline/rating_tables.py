@@ -80,44 +80,111 @@ def interval_table(conditions: Sequence[RatedCondition], *, name: str, data: str
     )
 
 
-def contrast_table(
+def contrast_table(contrasts: Sequence[RatingContrast], *, name: str, data: str) -> Table:
+    """Return the headline test: how much better each condition is rated than each other one."""
+    return Table(
+        caption=f"{of_set(contrasts[0].set)}How much better the first condition is rated than the "
+        f"second, in scores: mean difference of paired ratings with its {LEVEL:.0%} interval, "
+        "clustered by participant and segment (CR1, t with min(participants, segments) − 1 degrees "
+        "of freedom); n: pairs of ratings. p is corrected by Holm over all contrasts and questions "
+        "of the report. Cliff's δ: how often the first is rated higher minus how often lower. "
+        "After exclusions.",
+        header=(
+            *("question", "first", "second", "n", "difference", f"{LEVEL:.0%} interval"),
+            *("p", f"p{wording.NO_BREAK}(Holm)", "Cliff's δ", f"{LEVEL:.0%} interval"),
+        ),
+        rows=tuple(
+            (
+                *_place(c),
+                counted(c.difference.n, str(c.difference.n)),
+                counted(c.difference.estimate, number(c.difference.estimate)),
+                counted(c.difference.low, _inside(c.difference.low, c.difference.high, number)),
+                counted(c.difference.p, wording.p_value(c.difference.p)),
+                counted(c.difference.p_holm, wording.p_value(c.difference.p_holm)),
+                counted(c.cliffs_delta.estimate, wording.share(c.cliffs_delta.estimate)),
+                counted(
+                    c.cliffs_delta.low,
+                    _inside(c.cliffs_delta.low, c.cliffs_delta.high, wording.share),
+                ),
+            )
+            for c in contrasts
+        ),
+        text_columns=3,
+        notes=gathered(
+            (_about(c), note)
+            for c in contrasts
+            for note in (
+                c.difference.reason and f"no interval: {c.difference.reason}",
+                c.cliffs_delta.reason and f"Cliff's δ without an interval: {c.cliffs_delta.reason}",
+            )
+        ),
+        name=name,
+        data=data,
+    )
+
+
+def model_table(
     contrasts: Sequence[RatingContrast],
     models: Mapping[str, RatingModel],
     *,
     name: str,
     data: str,
 ) -> Table:
-    """Return how much better each condition is rated than each other one."""
+    """Return the same contrasts in the mixed model, beside the headline."""
     return Table(
-        caption=f"{of_set(contrasts[0].set)}How much better the first condition is rated than the "
-        "second. Log-odds ± error and odds ratio: of a better rating, in a cumulative link mixed "
-        "model with crossed effects of participants and segments. Cliff's δ: how often the first "
-        "is rated higher minus how often lower. p is corrected by Holm over all contrasts and "
-        "questions of the report. After exclusions.",
+        caption=f"{of_set(contrasts[0].set)}Beside the headline: the same contrasts in a "
+        "cumulative link mixed model with crossed random intercepts of participants and segments. "
+        "Log-odds ± error and odds ratio: of a better rating for the first condition. The model "
+        "takes conditions to differ alike for all participants and segments; where they do not, "
+        "its p values are too small.",
         header=(
-            *("question", "first", "second", "log-odds", "odds ratio", "Cliff's δ"),
+            *("question", "first", "second", "log-odds", "odds ratio", f"{LEVEL:.0%} interval"),
             *("p", f"p{wording.NO_BREAK}(Holm)"),
         ),
         rows=tuple(
             (
-                *cells(wording.heading(c.question), wording.name(c.a), wording.name(c.b)),
+                *_place(c),
                 counted(c.estimate, plus_minus(c.estimate, c.se)),
                 counted(c.odds_ratio, number(c.odds_ratio)),
-                counted(c.cliffs_delta.estimate, wording.share(c.cliffs_delta.estimate)),
+                counted(c.odds_low, _inside(c.odds_low, c.odds_high, number)),
                 counted(c.p, wording.p_value(c.p)),
                 counted(c.p_holm, wording.p_value(c.p_holm)),
             )
             for c in contrasts
         ),
         text_columns=3,
-        notes=tuple(
-            note
-            for question, model in models.items()
-            for note in notes(model.reason, model.remark, wording.heading(question))
+        notes=(
+            *(
+                note
+                for question, model in models.items()
+                for note in notes(model.reason, model.remark, wording.heading(question))
+            ),
+            *gathered(
+                (_about(c), c.remark)
+                for c in contrasts
+                if c.remark not in {models[c.question].reason, models[c.question].remark}
+            ),
         ),
         name=name,
         data=data,
     )
+
+
+def _place(contrast: RatingContrast) -> tuple[Cell, ...]:
+    return cells(
+        wording.heading(contrast.question), wording.name(contrast.a), wording.name(contrast.b)
+    )
+
+
+def _about(contrast: RatingContrast) -> str:
+    return (
+        f"{wording.heading(contrast.question)}, {wording.name(contrast.a)} against "
+        f"{wording.name(contrast.b)}"
+    )
+
+
+def _inside(low: float, high: float, written: Callable[[float], str]) -> str:
+    return "–" if math.isnan(low) else between(written(low), written(high))
 
 
 def _by_question(
