@@ -2,101 +2,115 @@
 
 from __future__ import annotations
 
-from analysis.exclusions.study_sessions import Flow
 from analysis.report import wording
-from analysis.report.answer import people
-from analysis.report.content import Section, Table, cells
-from analysis.report.findings import Findings
-from analysis.report.inputs import ReportInputs
+from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.subject import Subject
+from analysis.results.flow import Flow
+from analysis.results.report import TableReport
+
+_STAGES = (
+    ("places", "places"),
+    ("opened", "started"),
+    ("withdrawn", "− withdrew"),
+    ("earlier", "− earlier design"),
+    ("silent", "− no answer"),
+)
 
 
-def flow_section(inputs: ReportInputs, findings: Findings) -> Section:
-    """Return who took part, who was left out, and why."""
-    exclusion = findings.exclusion
-    others = {p.comparison: wording.name(p.other) for p in findings.preferences}
-    header = ["comparison with"]
-    if inputs.study_sessions is not None:
-        header.append("started")
-    header += ["answered", *(f"− {outcome.description}" for outcome in exclusion.outcomes)]
-    flows = {flow.comparison: flow for flow in exclusion.flow}
-    rows = []
-    for comparison, other in others.items():
-        flow = flows.get(comparison) or Flow(
-            comparison=comparison, answered=0, removed=(0,) * len(exclusion.outcomes), analysed=0
-        )
-        row = [other]
-        if inputs.study_sessions is not None:
-            row.append(str(inputs.study_sessions.get(comparison, flow.answered)))
-        row += [str(flow.answered), *map(str, flow.removed), str(flow.analysed)]
-        rows.append(cells(*row))
-    flow_table = Table(
-        caption=f"Participant flow: study sessions of {people(inputs)} comparing "
-        f"{wording.name(inputs.reference)} with each other condition. Rules apply from left to "
-        "right; a study session counts under the first that removes it.",
-        header=(*header, "analysed"),
-        rows=tuple(rows),
-        data="participant_flow.csv",
-    )
-    reasons = Table(
-        caption="Every excluded study session with its reason.",
-        header=("study session", "comparison with", "rule", "reason"),
-        rows=tuple(
-            cells(e.study_session, others.get(e.comparison, e.comparison), e.rule, e.reason)
-            for e in exclusion.exclusions
-        ),
-        text_columns=4,
-        data="exclusions.csv",
-    )
+def flow_section(report: TableReport, subject: Subject) -> Section | None:
+    """Return who took part, who was left out by which rule, and why."""
+    if subject.origin == "none":
+        return None
     return Section(
         anchor="flow",
         heading="Who is analysed, who is left out",
-        paragraphs=(
-            _catch_words(inputs),
-            *_attention_words(inputs),
-            _quality(inputs, findings),
+        paragraphs=(*_rules(report), *_remarks(report)),
+        tables=tuple(table for table in (_flow(report, subject), _reasons(report)) if table.rows),
+    )
+
+
+def _flow(report: TableReport, subject: Subject) -> Table:
+    stages = [
+        (name, heading)
+        for name, heading in _STAGES
+        if any(getattr(flow, name) is not None for flow in report.flow)
+    ]
+    flows = report.flow if len(report.flow) == 1 else (*report.flow, _sum(report.flow))
+    return Table(
+        caption=f"Participant flow: {subject.people}. Rules apply from left to right; a "
+        "participant counts under the first that removes them.",
+        header=(
+            "arm",
+            *(heading for _, heading in stages),
+            "answered",
+            *(f"− {_rule(rule.description, rule.exploratory)}" for rule in report.rules),
+            "analysed",
         ),
-        tables=(flow_table, *((reasons,) if exclusion.exclusions else ())),
+        rows=tuple(
+            (
+                Cell(text=wording.name(flow.arm) or "all"),
+                *(_count(getattr(flow, name)) for name, _ in stages),
+                _count(flow.answered),
+                *map(_count, flow.removed),
+                _count(flow.analysed),
+            )
+            for flow in flows
+        ),
+        name="participant_flow",
+        data="flow.csv",
     )
 
 
-def _catch_words(inputs: ReportInputs) -> str:
-    return (
-        f"Catch trials show {wording.name(inputs.catch_reference)} beside "
-        f"{wording.name(inputs.catch_condition)}. One is failed when any of its questions is not "
-        f"answered with a slight or clear preference for {wording.name(inputs.catch_reference)}; "
-        f"{_too_many(inputs.max_failed_catch)} the whole study session. "
-        "Practice and catch trials are never analysed; practice trials shown again at the end are."
+def _sum(flows: tuple[Flow, ...]) -> Flow:
+    def total(name: str) -> int | None:
+        known = [getattr(flow, name) for flow in flows if getattr(flow, name) is not None]
+        return sum(known) if known else None
+
+    return Flow(
+        arm="all",
+        places=total("places"),
+        opened=total("opened"),
+        withdrawn=total("withdrawn"),
+        earlier=total("earlier"),
+        completed=total("completed"),
+        answered=sum(flow.answered for flow in flows),
+        removed=tuple(map(sum, zip(*(flow.removed for flow in flows), strict=True))),
+        analysed=sum(flow.analysed for flow in flows),
     )
 
 
-def _attention_words(inputs: ReportInputs) -> tuple[str, ...]:
-    if inputs.max_failed_attention is None:
-        return ()
-    return (
-        "Attention checks look like every other page and ask for one certain answer. One is failed "
-        "when any of its questions is answered otherwise; "
-        f"{_too_many(inputs.max_failed_attention)} the whole study session.",
+def _count(number: int | None) -> Cell:
+    return Cell(text="–") if number is None else Cell(text=str(number), value=number)
+
+
+def _rule(description: str, exploratory: bool) -> str:
+    return f"{description} (exploratory)" if exploratory else description
+
+
+def _rules(report: TableReport) -> tuple[str, ...]:
+    if not report.rules:
+        return ("No rule of exclusion applies.",)
+    if any(rule.exploratory for rule in report.rules):
+        return (
+            "Rules marked exploratory were added, or changed, after answers could have been seen. "
+            "Results that depend on them are hints, not findings.",
+        )
+    return ()
+
+
+def _remarks(report: TableReport) -> tuple[str, ...]:
+    return tuple(
+        f"{rule.description[:1].upper()}{rule.description[1:]}: {rule.remark}."
+        for rule in report.rules
+        if rule.remark
     )
 
 
-def _too_many(allowed: int) -> str:
-    if not allowed:
-        return "any failure excludes"
-    return (
-        f"more than {wording.count(allowed, 'failure')} {'excludes' if allowed == 1 else 'exclude'}"
-    )
-
-
-def _quality(inputs: ReportInputs, findings: Findings) -> str:
-    analysed = findings.exclusion.analysed
-    if analysed.empty:
-        return "No answers are left to describe."
-    ties = 100 * float((analysed["value"] == 0).mean())
-    days = sorted({str(moment)[:10] for moment in analysed["answered_at"]})
-    span = days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}"
-    return (
-        f"The {len(analysed):,} analysed answers were given on {span}; the median trial took "
-        f"{wording.quantity(float(analysed['seconds'].median()))} s, the least share of a trial's "
-        f"videos watched was {wording.percent(100 * float(analysed['watched'].min()))}%, and "
-        f"{wording.percent(ties)}% of the answers were “no difference”."
+def _reasons(report: TableReport) -> Table:
+    return Table(
+        caption="Every excluded participant with the reason.",
+        header=("participant", "reason"),
+        rows=tuple(cells(who, why) for who, why in report.exclusions.items()),
+        text_columns=2,
+        data="exclusions.csv",
     )

@@ -1,140 +1,200 @@
-"""The section that sets automatic metrics beside the answers."""
+"""The section with the automatic metrics: the protocol's paper first, then all others."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Final
 
-from analysis.metrics.conditions import ConditionScore
+from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from analysis.metrics.emotion_accuracy import EmotionConfusion
+from analysis.metrics.paper_tables import PAPER_TABLES, TableColumn
 from analysis.report import wording
-from analysis.report.answer import figure_order, people
-from analysis.report.content import Cell, Section, Table, cells
-from analysis.report.findings import Findings
-from analysis.report.inputs import ReportInputs
-from motion.listing import listed
+from analysis.report.content import Cell, Section, Table
+from analysis.report.metric_table import Systems, metric_table
+from analysis.report.subject import Subject
+from analysis.results.report import TableReport
 
-_IN_FULL = ("beat alignment (", "beat alignment by chance")
-"""Metrics that only the CSV shows: they mean nothing without their difference."""
+PAPER_OF: Final = {
+    "pairwise": "amuse",
+    "rating": "s2ue",
+    "ranking": "diffsheg",
+    "mismatch": "genea",
+}
+"""Whose table is shown first, by protocol: that of the paper which the protocol is taken from."""
+
+TITLES: Final = {
+    "amuse": "AMUSE (Chhatre et al. 2024)",
+    "diffsheg": "DiffSHEG (Chen et al. 2024)",
+    "s2ue": "Speech2UnifiedExpressions (Bhattacharya et al. 2024)",
+    "beat": "BEAT (Liu et al. 2022)",
+    "genea": "the GENEA challenges (Kucherenko et al. 2021)",
+}
+
+_ENOUGH: Final = 0.5
+"""Share of a paper's metrics that must be there for a table in its shape."""
+
+_MOST_COLUMNS: Final = 6
+
+_IN_FULL: Final = ("beat alignment (", "beat alignment by chance")
+"""Metrics that mean nothing without their difference, which is shown in their place."""
 
 
-def metrics_section(inputs: ReportInputs, findings: Findings) -> Section:
-    """Return automatic metrics per condition, below what was answered about it."""
-    answered = inputs.origin != "none"
-    heading = "Automatic metrics beside the answers" if answered else "Automatic metrics"
-    scores = findings.metrics.conditions
-    if not scores:
+def metric_section(report: TableReport, subject: Subject) -> Section:
+    """Return the metrics of every condition, best and second best marked."""
+    metrics = subject.metrics
+    if metrics is None or not metrics.conditions:
         return Section(
             anchor="metrics",
-            heading=heading,
-            paragraphs=("The study has no motion files, so there is nothing to measure.",),
+            heading="Automatic metrics",
+            paragraphs=(
+                "There are no motion files, so there is nothing to measure.",
+                *metrics_not_tabled(metrics),
+            ),
         )
-    present = {score.condition for score in scores}
-    conditions = [c for c in (*inputs.conditions, inputs.catch_condition) if c in present]
-    conditions += sorted(present - set(conditions))
-    names = [
-        name
-        for name in dict.fromkeys(score.name for score in scores)
-        if not name.startswith(_IN_FULL)
-    ]
-    by_place = {(score.condition, score.name): score for score in scores}
-    rows = []
-    if answered:
-        rows = [_human_row(q, conditions, inputs, findings) for q in figure_order(inputs)]
-    rows += [_metric_row(name, conditions, by_place) for name in names]
-    table = Table(
-        caption=_metrics_caption(inputs, answered=answered),
-        header=("measure", *(wording.name(c) for c in conditions)),
-        rows=tuple(rows),
-        notes=(*_settings(names, scores), *_missing(names, scores)),
-        data="metrics.csv",
-    )
-    reading = (
-        "Beat alignment is shown above its chance level, because dense beats score high against "
-        "any speech. Deviation and distance reward noise as much as variety: read them beside "
-        "jerk."
-    )
-    compared = wording.count(len(set(conditions) - {inputs.catch_condition}), "condition")
-    caution = (
-        f"With {compared}, a correlation between metrics and answers would be too uncertain to "
-        "report; the numbers stand side by side for reading."
-    )
     return Section(
         anchor="metrics",
-        heading=heading,
-        paragraphs=(f"{caution} {reading}" if answered else reading,),
-        tables=(table,),
+        heading="Automatic metrics",
+        paragraphs=(
+            "Metrics describe motion; they do not tell what people prefer. Beat alignment is best "
+            "read above its chance level, because dense beats score high against any speech. "
+            "Diversity rewards noise as much as variety: read it beside jerk and against recorded "
+            "motion.",
+        ),
+        bullets=metrics_not_tabled(metrics),
+        tables=(*metric_tables(metrics, report.protocol, subject), *confusion_tables(metrics)),
     )
 
 
-def _metrics_caption(inputs: ReportInputs, *, answered: bool) -> str:
-    metrics = "each metric per condition, as mean over clips ± standard deviation between clips"
-    if not answered:
-        return f"{metrics[0].upper()}{metrics[1:]}."
-    return (
-        f"What {people(inputs)} preferred and what the metrics say. First the share of answers "
-        f"preferring the condition to {wording.name(inputs.reference)}, with its interval; then "
-        f"{metrics}."
-    )
-
-
-def _human_row(
-    question: str, conditions: Sequence[str], inputs: ReportInputs, findings: Findings
-) -> tuple[Cell, ...]:
-    shares = {p.other: p.win_share for p in findings.preferences if p.question == question}
-    row = [Cell(text=f"preferred to {wording.name(inputs.reference)}: {wording.name(question)}")]
-    for condition in conditions:
-        mean = shares.get(condition)
-        if condition == inputs.reference:
-            text = "reference"
-        elif mean is None:
-            text = "catch trials only" if condition == inputs.catch_condition else "–"
-        elif mean.reason:
-            text = wording.share(1 - mean.estimate)
-        else:
-            text = (
-                f"{wording.share(1 - mean.estimate)} "
-                f"[{wording.share(1 - mean.high)}, {wording.share(1 - mean.low)}]"
+def metric_tables(metrics: StudyMetrics, protocol: str, subject: Subject) -> tuple[Table, ...]:
+    """Return a table in the shape of each paper whose metrics are there, and one of all others."""
+    scores = {(score.condition, score.name): score for score in metrics.conditions}
+    systems = systems_of(metrics, subject)
+    found, shown = [], set()
+    for paper in _papers(metrics.conditions, PAPER_OF.get(protocol, "")):
+        columns = PAPER_TABLES[paper]
+        shown |= {column.metric for column in columns}
+        found.append(
+            metric_table(
+                columns,
+                scores,
+                systems,
+                caption=f"Automatic metrics in the shape of the table of {TITLES[paper]}, computed "
+                "as there.",
+                name=f"metrics-{paper}",
+                marks_generative=paper == "diffsheg",
             )
-        row.append(Cell(text=text))
-    return tuple(row)
+        )
+    others, never = _others(metrics.conditions, shown)
+    parts = -(-len(others) // _MOST_COLUMNS)
+    for part in range(parts):
+        # Shared out evenly, so that no table has a single column left over.
+        start, end = (len(others) * (part + k) // parts for k in (0, 1))
+        found.append(
+            metric_table(
+                others[start:end],
+                scores,
+                systems,
+                caption="Further automatic metrics."
+                if found and not part
+                else "Automatic metrics."
+                if not part
+                else "Further automatic metrics, continued.",
+                name=f"metrics-{part + 1}" if parts > 1 else "metrics-all",
+            )
+        )
+    return (*found, *_never_measured(never))
 
 
-def _metric_row(
-    name: str, conditions: Sequence[str], by_place: Mapping[tuple[str, str], ConditionScore]
-) -> tuple[Cell, ...]:
-    found = [by_place.get((condition, name)) for condition in conditions]
-    scores = [score for score in found if score is not None]
-    spreads = [score.spread for score in scores if not math.isnan(score.spread)]
-    places = (
-        wording.decimals(spreads, digits=2)
-        if any(spreads)
-        else wording.decimals([score.value for score in scores], digits=3)
+def systems_of(metrics: StudyMetrics, subject: Subject) -> Systems:
+    """Return the measured conditions: recorded motion first, that of catch trials last."""
+    measured = dict.fromkeys(score.condition for score in metrics.conditions)
+    order = [*subject.conditions, *measured]
+    if subject.recorded is not None:
+        order.insert(0, subject.recorded)
+    names = [name for name in dict.fromkeys(order) if name in measured]
+    if subject.broken in names:
+        names.remove(subject.broken)
+        names.append(subject.broken)
+    return Systems(
+        names=tuple(names),
+        recorded=subject.recorded,
+        broken=subject.broken if subject.broken not in subject.conditions else None,
+        generative=subject.generative,
     )
-    unit = f", {scores[0].unit}" if scores[0].unit else ""
-    return cells(f"{name}{unit}", *(_score(score, places) for score in found))
 
 
-def _score(score: ConditionScore | None, places: int) -> str:
-    if score is None:
-        return "–"
-    value = wording.fixed(score.value, places)
-    spread = wording.fixed(score.spread, places)
-    return value if spread in {"–", "0"} else f"{value} ± {spread}"
+def _papers(scores: Sequence[ConditionScore], own: str) -> Iterator[str]:
+    """Yield the papers whose tables can be shown, the protocol's own first."""
+    there = {score.name for score in scores if not math.isnan(score.value)}
+    for paper in sorted(PAPER_TABLES, key=lambda name: name != own):
+        count = sum(column.metric in there for column in PAPER_TABLES[paper])
+        if count >= (1 if paper == own else _ENOUGH * len(PAPER_TABLES[paper])):
+            yield paper
 
 
-def _settings(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[str]:
-    """Return one footnote per set of settings, naming all metrics that share it."""
-    shared: dict[str, list[str]] = {}
-    for name in names:
-        settings = next(score.settings for score in scores if score.name == name)
-        words = "; ".join(f"{key}: {value}" for key, value in settings.items())
-        shared.setdefault(words.replace("_", " "), []).append(name)
-    return [f"{listed(sharing)} – {words}." for words, sharing in shared.items()]
-
-
-def _missing(names: Sequence[str], scores: Sequence[ConditionScore]) -> list[str]:
-    return [
-        f"{wording.name(score.condition)}, {score.name}: {score.reason}."
-        for score in scores
-        if score.reason and score.name in names
+def _others(
+    scores: Sequence[ConditionScore], shown: set[str]
+) -> tuple[list[TableColumn], list[ConditionScore]]:
+    """Return what no paper's table shows, and of which metrics there is no score at all."""
+    there = {score.name for score in scores if not math.isnan(score.value)}
+    first: dict[str, ConditionScore] = {}
+    for score in scores:
+        if score.name not in shown and not score.name.startswith(_IN_FULL):
+            first.setdefault(score.name, score)
+    columns = [
+        TableColumn(metric=name, label=name, better=score.better)
+        for name, score in first.items()
+        if name in there
     ]
+    return columns, [score for name, score in first.items() if name not in there]
+
+
+def _never_measured(missing: Sequence[ConditionScore]) -> tuple[Table, ...]:
+    """Return a table of the metrics that have no score, with the reasons."""
+    if not missing:
+        return ()
+    return (
+        Table(
+            caption="Metrics that could not be computed.",
+            header=("metric", "why"),
+            rows=tuple((Cell(text=one.name), Cell(text=one.reason)) for one in missing),
+            text_columns=2,
+            name="metrics-missing",
+        ),
+    )
+
+
+def confusion_tables(metrics: StudyMetrics) -> Iterator[Table]:
+    """Yield which emotions each condition's gestures were taken for."""
+    for number, found in enumerate(metrics.confusions, start=1):
+        yield Table(
+            caption=f"Emotions that the gestures of {wording.name(found.condition)} were taken for "
+            f"by the emotion network {found.network[:12]}: clips, spoken emotion in rows, named "
+            "one in columns; the right one is bold.",
+            header=("spoken", *found.named),
+            rows=tuple(_confusion_rows(found)),
+            name=f"emotion-confusion-{number}",
+        )
+
+
+def _confusion_rows(found: EmotionConfusion) -> Iterator[tuple[Cell, ...]]:
+    for spoken, counts in zip(found.spoken, found.counts, strict=True):
+        yield (
+            Cell(text=spoken),
+            *(
+                Cell(text=str(count), value=count, best=named == spoken)
+                for named, count in zip(found.named, counts, strict=True)
+            ),
+        )
+
+
+def metrics_not_tabled(metrics: StudyMetrics | None) -> tuple[str, ...]:
+    """Return what could not be measured, and which files could not be used."""
+    if metrics is None:
+        return ()
+    return (
+        *(f"{remark[:1].upper()}{remark[1:]}." for remark in metrics.remarks),
+        *(f"Not used: {Path(file.where).name}: {file.what}." for file in metrics.skipped),
+    )

@@ -1,60 +1,90 @@
-"""Turning findings into a page, apart from how the page looks."""
+"""Turning results into a page, apart from how the page looks."""
 
 from __future__ import annotations
 
-from analysis.preferences.clustered import LEVEL
-from analysis.report import wording
-from analysis.report.answer import answer, figure_order, flow_line
-from analysis.report.content import Page, Picture
-from analysis.report.emotion_section import emotion_section
-from analysis.report.findings import Findings
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+from typing import Final
+
+from analysis.report.answer import answer
+from analysis.report.content import Page, Section
+from analysis.report.diagnostics_section import diagnostics_section
 from analysis.report.flow_section import flow_section
-from analysis.report.inputs import ReportInputs
-from analysis.report.metric_section import metrics_section
-from analysis.report.preference_figure import preference_figure
-from analysis.report.preference_sections import counts_section, win_share_section
-from analysis.report.scope_sections import generality_section, methods_section
+from analysis.report.flow_words import flow_line
+from analysis.report.headline.sections import first_picture, headline_sections
+from analysis.report.limits_section import limits_section
+from analysis.report.methods_section import methods_section
+from analysis.report.metric_section import metric_section
+from analysis.report.subject import Subject
 from analysis.report.truth_section import truth_section
+from analysis.results.report import TableReport
 
-_MARKS = {
-    "participants": ("", ""),
-    "rehearsal": ("Rehearsal: simulated raters, no person answered", "rehearsal"),
-    "none": ("No participants yet: metrics only", "no participants yet"),
-}
+TASKS: Final = MappingProxyType({"pairwise": "realism"})
+"""What the tasks are called that a study has beside the one it is named after."""
 
 
-def build_page(inputs: ReportInputs, findings: Findings) -> Page:
-    """Return everything that the template lays out."""
-    mark, short = _MARKS[inputs.origin]
-    analysed = not findings.exclusion.analysed.empty
-    sections = []
-    if inputs.origin != "none":
-        sections += [win_share_section(inputs, findings)]
-        sections += [counts_section(inputs, findings)] if analysed else []
-        sections += [flow_section(inputs, findings)]
-        sections += [emotion_section(inputs, findings, mark)] if analysed else []
-    sections.append(metrics_section(inputs, findings))
-    if inputs.origin == "rehearsal" and inputs.truth:
-        sections.append(truth_section(inputs, findings))
-    sections += [generality_section(inputs, findings), methods_section(inputs, findings)]
+def build_page(report: TableReport, subject: Subject, more: tuple[TableReport, ...] = ()) -> Page:
+    """Return everything that the template lays out.
+
+    Parameters
+    ----------
+    report : TableReport
+        The results.
+    subject : Subject
+        What they are about.
+    more : tuple of TableReport
+        Results of further tasks of the same study.
+    """
+    sections = tuple(section for section in _sections(report, subject, more) if section)
+    picture, rest = first_picture(sections)
     return Page(
-        title=inputs.title,
-        mark=mark,
-        mark_short=short,
-        answer=answer(inputs, findings),
-        picture=_picture(inputs, findings, mark) if analysed else None,
-        flow=flow_line(inputs, findings),
-        sections=tuple(sections),
+        title=subject.title,
+        mark=subject.mark,
+        mark_short=subject.mark_short,
+        answer=answer(report, subject),
+        picture=picture,
+        flow=flow_line(report, subject),
+        sections=rest,
     )
 
 
-def _picture(inputs: ReportInputs, findings: Findings, mark: str) -> Picture:
-    reference = wording.name(inputs.reference)
-    return Picture(
-        svg=preference_figure(findings.preferences, figure_order(inputs), mark=mark),
-        caption=f"Answers comparing {reference} with each other condition, in %, around “no "
-        f"difference”, after exclusions; n analysed. Right: win share of {reference} (wins plus "
-        f"half the ties) with its {LEVEL:.0%} interval, clustered by participant and segment; "
-        ".5 means that neither is preferred.",
-        data="counts.csv",
+def _sections(
+    report: TableReport, subject: Subject, more: tuple[TableReport, ...]
+) -> Iterator[Section | None]:
+    yield flow_section(report, subject)
+    yield from headline_sections(report, subject)
+    for task in more:
+        yield from map(partial(_of_task, task), headline_sections(task, subject))
+    yield metric_section(report, subject)
+    yield diagnostics_section(report, subject)
+    yield truth_section((report, *more), subject)
+    yield methods_section(report, subject)
+    yield limits_section(report, subject)
+
+
+def _of_task(task: TableReport, section: Section) -> Section:
+    """Tell a further task's section from those of the main one, and its files from theirs."""
+    name = TASKS[task.protocol]
+    return replace(
+        section,
+        anchor=f"{name}-{section.anchor}",
+        heading=f"{name.capitalize()}: {section.heading}",
+        pictures=tuple(
+            replace(picture, name=f"{name}-{picture.name}", data=_data(task, picture.data))
+            for picture in section.pictures
+        ),
+        tables=tuple(
+            replace(
+                table,
+                name=f"{name}-{table.name}" if table.name else "",
+                data=_data(task, table.data),
+            )
+            for table in section.tables
+        ),
     )
+
+
+def _data(task: TableReport, name: str) -> str:
+    return f"{TASKS[task.protocol]}_{name}" if name else ""

@@ -1,47 +1,60 @@
-"""Writing a report's files: page, tables, figures."""
+"""Writing a report: `results.json`, the page, tables and figures."""
 
 from __future__ import annotations
 
+import shutil
+from collections.abc import Mapping
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from analysis.report.content import Page
-from analysis.report.findings import find
-from analysis.report.inputs import ReportInputs
-from analysis.report.latex_table import latex_table
-from analysis.report.page import build_page
-from analysis.report.tables import data_tables
-from motion.files import replacing, write_text
+from analysis.report.csv_tables import csv_tables
+from analysis.report.page import TASKS, build_page
+from analysis.report.subject import Subject
+from analysis.report.table_files import write_frame, write_page_files
+from analysis.results.plain import as_json
+from analysis.results.report import TableReport
+from motion.files import write_text
+
+FOLDERS = ("tables", "figures")
 
 
-def write_report(inputs: ReportInputs, folder: Path) -> Path:
-    """Analyse a study and write its report.
+def write_report(
+    report: TableReport,
+    subject: Subject,
+    folder: Path,
+    *,
+    beside: Mapping[str, object] | None = None,
+    more: tuple[TableReport, ...] = (),
+) -> Path:
+    """Write a report's files and return the page.
 
     Parameters
     ----------
-    inputs : ReportInputs
-        Answers, motions and what the study asked.
+    report : TableReport
+        The results.
+    subject : Subject
+        What they are about.
     folder : Path
-        Gets ``report.html``, which needs no other file, and ``tables`` with CSV and LaTeX.
-
-    Returns
-    -------
-    Path
-        The page.
-
-    Raises
-    ------
-    InputError
-        If a motion or a recording cannot be read.
+        Gets ``report.html``, which needs no other file; ``results.json``; ``tables`` with CSV and
+        LaTeX; ``figures`` with PDF. What an earlier report left in the two folders is removed.
+    beside : mapping of str to object, optional
+        Further keys of ``results.json``.
+    more : tuple of TableReport
+        Results of further tasks of the same study, on the same page.
     """
-    findings = find(inputs)
-    page = build_page(inputs, findings)
-    for name, table in data_tables(inputs, findings).items():
-        with replacing(folder / "tables" / name) as draft:
-            table.to_csv(draft, index=False, lineterminator="\n")
-    if findings.preferences:
-        write_text(folder / "tables" / "preferences.tex", latex_table(inputs, findings))
+    page = build_page(report, subject, more)
+    for name in FOLDERS:
+        shutil.rmtree(folder / name, ignore_errors=True)
+    for name, table in csv_tables(report).items():
+        write_frame(folder / "tables" / name, table)
+    for task in more:
+        for name, table in csv_tables(task).items():
+            write_frame(folder / "tables" / f"{TASKS[task.protocol]}_{name}", table)
+    write_page_files(page, folder)
+    keys = report.keys() | {TASKS[task.protocol]: task.keys() for task in more} | dict(beside or {})
+    write_text(folder / "results.json", as_json(keys))
     path = folder / "report.html"
     write_text(path, render_page(page))
     return path

@@ -22,8 +22,8 @@ class ArmState:
     ----------
     arm : str
         Its name; `EVERYBODY` where there is one.
-    places : int
-        How many participants it waits for.
+    places : int or None
+        How many participants it waits for; None for an arm that the study no longer has.
     opened : int
         Study sessions begun.
     withdrawn, earlier : int
@@ -34,7 +34,7 @@ class ArmState:
     """
 
     arm: str
-    places: int
+    places: int | None
     opened: int
     withdrawn: int
     earlier: int

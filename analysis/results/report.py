@@ -258,7 +258,7 @@ def _results(table: AnswerTable, left_out: LeftOut, margin: float | None) -> Res
 
 def _remark(table: AnswerTable, left_out: LeftOut) -> str:
     if left_out.everyone.empty:
-        return "The table holds no answers to main or repeated trials: there is nothing to report."
+        return "There are no answers to main or repeated trials: there is nothing to report."
     if left_out.analysed.empty:
         return "Every participant who answered is excluded: there is nothing to report."
     if table.protocol != "mismatch" and len(table.conditions) < 2:

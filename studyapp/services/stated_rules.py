@@ -1,4 +1,4 @@
-"""The exclusion rules that a version of the study stated while nobody had taken part in it."""
+"""What a version of the study stated while nobody had taken part in it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.definition.exclusions import ExclusionSection
 from studyapp.definition.reading import parse_text
+from studyapp.definition.study import Study
 from studyapp.models import StudyVersion
 from studyapp.services.database import Database
 
@@ -19,12 +20,24 @@ def stated_rules(database: Database, version: int) -> tuple[ExclusionSection, ..
     tuple of ExclusionSection, or None
         In order; None where there is no such version, or its study file cannot be read any more.
     """
+    study = stated_study(database, version)
+    return None if study is None else study.settled_exclusions
+
+
+def stated_study(database: Database, version: int) -> Study | None:
+    """Return `version` of the study as it was when its first participant came.
+
+    Returns
+    -------
+    Study or None
+        None where there is no such version, or its study file cannot be read any more.
+    """
     wanted = select(StudyVersion.definition).where(StudyVersion.number == version)
     with database.reading() as session:
         definition = session.scalars(wanted).first()
     if definition is None:
         return None
     try:
-        return parse_text(definition, where=f"version {version}").settled_exclusions
+        return parse_text(definition, where=f"version {version}")
     except InputError:
         return None

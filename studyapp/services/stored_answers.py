@@ -9,7 +9,9 @@ from itertools import groupby
 from operator import itemgetter
 from typing import Any, Final, NamedTuple
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from sqlalchemy import Select, func, select
 
 from studyapp.models import (
@@ -53,6 +55,17 @@ class StoredAnswers:
     trials: pd.DataFrame
     answers: pd.DataFrame
     stimuli: pd.DataFrame
+
+    def part(self, study_sessions: NDArray[np.bool_]) -> StoredAnswers:
+        """Return what belongs to some of the study sessions."""
+        chosen = self.study_sessions[study_sessions]
+        trials = self.trials[self.trials["study_session"].isin(chosen["study_session"])]
+        return StoredAnswers(
+            study_sessions=chosen,
+            trials=trials,
+            answers=self.answers[self.answers["trial"].isin(trials["trial"])],
+            stimuli=self.stimuli[self.stimuli["trial"].isin(trials["trial"])],
+        )
 
 
 def stored_answers(database: Database) -> StoredAnswers:

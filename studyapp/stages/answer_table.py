@@ -70,6 +70,21 @@ def study_answers(study: Study, stored: StoredAnswers) -> StudyAnswers:
     return StudyAnswers(tables=_tables(study, stored), known=_known(study, stored))
 
 
+def empty_answers(study: Study) -> StudyAnswers:
+    """Return what there is to report before anybody has come: tables without a row."""
+    protocols = [study.protocol]
+    if study.protocol == "mismatch":
+        named = ((FIT, "mismatch"), (REALISM, "pairwise"))
+        protocols = [protocol for task, protocol in named if task in study.parts]
+    return StudyAnswers(
+        tables={
+            protocol: pd.DataFrame(columns=[*SHARED, *OWN[protocol]], dtype=str)
+            for protocol in protocols
+        },
+        known={},
+    )
+
+
 def _tables(study: Study, stored: StoredAnswers) -> dict[str, pd.DataFrame]:
     rows = stored.answers.merge(stored.trials, on="trial", validate="many_to_one")
     if study.protocol in ("rating", "ranking"):
@@ -95,11 +110,13 @@ def _table(protocol: str, rows: pd.DataFrame) -> pd.DataFrame:
     named = rows.drop(columns="trial").rename(
         columns={"study_session": "participant", "position": "trial", "seconds": "response_seconds"}
     )
-    sets = named["part"].unique()
-    named = named.assign(set=named["part"] if len(sets) > 1 else "")
-    return pd.DataFrame(
-        {name: _text(named[name]) for name in (*SHARED, *OWN[protocol])}, dtype=str
-    ).reset_index(drop=True)
+    named = named.rename(columns={"part": "set"})
+    names = [*SHARED, *OWN[protocol]]
+    if named["set"].nunique() < 2:
+        names.remove("set")
+    return pd.DataFrame({name: _text(named[name]) for name in names}, dtype=str).reset_index(
+        drop=True
+    )
 
 
 def _text(column: pd.Series[Any]) -> pd.Series[str]:

@@ -10,17 +10,17 @@ from typing import Final, Literal
 
 import pandas as pd
 
-from analysis.responses import responses_frame
 from motion.files import replacing
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.export import (
     EXPORT_COLUMNS,
-    STUDY_SESSION_COLUMNS,
     form_answers_table,
     responses_table,
-    study_sessions_table,
 )
+from studyapp.services.stated_rules import stated_study
+from studyapp.services.stored_answers import StoredAnswers, stored_answers
 from studyapp.services.watching_export import refusals_table, watching_table
 
 Source = Literal["participants", "rehearsal"]
@@ -33,7 +33,7 @@ BESIDE: Final[Mapping[str, Callable[[Database], pd.DataFrame]]] = {
 """What is exported beside the responses, each under its own name."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Answers:
     """What has been answered, and by whom.
 
@@ -41,26 +41,16 @@ class Answers:
     ----------
     origin : {'participants', 'rehearsal', 'none'}
         Who answered; 'none' where nobody has.
-    responses : DataFrame
-        Tidy responses, one row per answered question.
-    study_sessions : DataFrame
-        One row per study session, those without any answer included.
+    stored : StoredAnswers or None
+        What the database holds; None where there is none.
+    stated : Study or None
+        The study as it was when the first participant of its present version came; None where
+        that is not known.
     """
 
     origin: Source | Literal["none"]
-    responses: pd.DataFrame
-    study_sessions: pd.DataFrame
-
-    def opened(self) -> dict[str, int]:
-        """Return how many study sessions each arm has seen."""
-        return {
-            str(arm): int(count) for arm, count in self.study_sessions["arm"].value_counts().items()
-        }
-
-    def completed(self) -> frozenset[str]:
-        """Return the study sessions that reached the end, unplayable videos or not."""
-        table = self.study_sessions
-        return frozenset(table.loc[table["state"] == "completed", "study_session"])
+    stored: StoredAnswers | None
+    stated: Study | None
 
 
 def export(
@@ -95,30 +85,22 @@ def export(
 
 def answers_to_report(folder: StudyFolder) -> Answers:
     """Return the real answers where there are any, else the rehearsal's, else none."""
-    sources: tuple[Source, ...] = ("participants", "rehearsal")
-    for origin in sources:
-        answers = read_answers(folder, origin)
-        if not answers.responses.empty:
-            return answers
-    return answers
+    real = read_answers(folder, "participants")
+    if real.origin != "none":
+        return real
+    rehearsed = read_answers(folder, "rehearsal")
+    return real if rehearsed.origin == "none" else rehearsed
 
 
 def read_answers(folder: StudyFolder, origin: Source) -> Answers:
     """Return the answers of participants or of a rehearsal; the database is left as it is."""
     with _opened(folder, origin) as database:
         if database is None:
-            return Answers("none", responses_frame([]), _nobody())
-        responses = responses_table(database)
-        study_sessions = study_sessions_table(database)
-    rows = [
-        dict(zip(responses.columns, row, strict=True))
-        for row in responses.itertuples(index=False, name=None)
-    ]
-    return Answers(origin if rows else "none", responses_frame(rows), study_sessions)
-
-
-def _nobody() -> pd.DataFrame:
-    return pd.DataFrame(columns=list(STUDY_SESSION_COLUMNS))
+            return Answers(origin="none", stored=None, stated=None)
+        stored = stored_answers(database)
+        versions = stored.study_sessions["version"]
+        stated = None if versions.empty else stated_study(database, int(versions.max()))
+    return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
 
 
 @contextmanager

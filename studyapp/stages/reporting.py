@@ -2,62 +2,131 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import metadata
 from pathlib import Path
 
+import pandas as pd
+
+from analysis.against_people.against_people import metrics_against_people
 from analysis.exclusions.rules import ExclusionRule
-from analysis.report import KnownShare, ReportInputs, write_report
-from analysis.results.report import analyse_table
-from analysis.results.writing import write_table_report
+from analysis.exclusions.sitting import KnownSitting
+from analysis.report import Subject, write_report
+from analysis.report.page import TASKS
+from analysis.results.left_out import LeftOut, leave_out
+from analysis.results.report import (
+    Settings,
+    Source,
+    TableReport,
+    analyse_answers,
+    analyse_table,
+)
+from analysis.tables.answers import AnswerTable
+from analysis.tables.cells import Cells
+from analysis.tables.layouts import LAYOUTS
+from analysis.tables.reading import Order, answers_in
+from motion.files import replacing
+from studyapp.definition.exclusions import ExclusionSection
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.protocols.pairwise import pairwise
-from studyapp.rehearsal.record import read_truth
-from studyapp.stages.answers import answers_to_report
-from studyapp.stages.preflight import study_notes
+from studyapp.definition.study import Study
+from studyapp.services.stored_answers import StoredAnswers
+from studyapp.stages.answer_table import empty_answers, study_answers
+from studyapp.stages.answers import Answers, answers_to_report
+from studyapp.stages.excluding import StudyExclusions, study_exclusions
+from studyapp.stages.report_arms import arm_of_each, arm_states, of_present_design
+from studyapp.stages.report_subject import compared, study_subject
+
+ANSWERS = "answers.csv"
+"""Under ``tables``: what was analysed, in the columns that any platform's table may have."""
 
 
-def report(folder: StudyFolder) -> Path:
+@dataclass(frozen=True, kw_only=True)
+class StudyOfReport:
+    """What `results.json` says of the study that was reported.
+
+    Attributes
+    ----------
+    name, title, protocol : str
+        As in the study file.
+    sha256 : str
+        Of the study file.
+    seed : int
+        Of its draws.
+    origin : {'participants', 'rehearsal', 'none'}
+        Who answered.
+    versions : tuple of int
+        Versions of the study whose participants are reported.
+    """
+
+    name: str
+    title: str
+    protocol: str
+    sha256: str
+    seed: int
+    origin: str
+    versions: tuple[int, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Task:
+    """One task of a study, analysed."""
+
+    table: AnswerTable
+    left_out: LeftOut
+    report: TableReport
+    written: bytes
+
+
+def report(
+    folder: StudyFolder, *, exclude: Sequence[ExclusionSection] = (), margin: float | None = None
+) -> Path:
     """Write the report of `folder` and return its page.
 
     Real answers are used where there are any, else those of the rehearsal; they are never
     mixed, and the report says which it shows.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    exclude : sequence of ExclusionSection
+        Exploratory rules, applied after those of the study file.
+    margin : float, optional
+        Margin of equivalence, where the study file states none.
     """
-    study = pairwise(folder.study(), folder.definition)
-    segments = tuple(folder.segments())
+    study = folder.study()
+    segments = tuple(folder.segments_of(study))
     answers = answers_to_report(folder)
-    shown = (*study.conditions, study.catch.condition)
-    inputs = ReportInputs(
-        title=study.title,
-        origin=answers.origin,
-        reference=study.reference,
-        catch_reference=study.catch_against,
-        catch_condition=study.catch.condition,
-        conditions=tuple(study.conditions),
-        questions={question.name: question.text for question in study.questions},
-        max_failed_catch=study.catch.max_failed,
-        max_failed_attention=study.attention.max_failed if study.attention.trials else None,
-        responses=answers.responses,
-        clips={
-            name: {
-                segment.name: folder.clip(name, segment.name)
-                for segment in segments
-                if folder.clip(name, segment.name).exists()
-            }
-            for name in shown
-        },
-        speech={
-            segment.name: (folder.speech / segment.wav, segment.start, segment.end)
-            for segment in segments
-        },
-        segments=segments,
-        truth=_known_shares(folder) if answers.origin == "rehearsal" else None,
-        notes=study_notes(study),
-        frozen=study.freeze,
-        presentations=study.count(segments).presentations,
-        study_sessions=answers.opened(),
-        completed=answers.completed(),
+    rules = study_exclusions(
+        study.settled_exclusions,
+        answers.stated.settled_exclusions
+        if answers.stated is not None and answers.origin == "participants"
+        else None,
+        exclude,
     )
-    return write_report(inputs, folder.report)
+    tasks = _tasks(study, answers, rules, margin)
+    main = tasks[0]
+    subject = study_subject(folder, study, segments, origin=answers.origin, notes=rules.notes)
+    subject = replace(
+        subject,
+        against_people=metrics_against_people(
+            main.table, main.left_out.analysed, subject.metrics, subject.recorded
+        ),
+    )
+    page = write_report(
+        main.report,
+        subject,
+        folder.report,
+        beside={"study": _of_study(study, subject, answers)},
+        more=tuple(task.report for task in tasks[1:]),
+    )
+    for task in tasks:
+        own = "" if task is main else f"{TASKS[task.report.protocol]}_"
+        with replacing(folder.report / "tables" / f"{own}{ANSWERS}") as draft:
+            draft.write_bytes(task.written)
+    return page
 
 
 def report_table(
@@ -80,14 +149,89 @@ def report_table(
         margin=margin,
         exclude=exclude,
     )
-    return write_table_report(found, out)
+    subject = Subject(
+        title=f"Answers in {responses.name}",
+        origin="table",
+        protocol=protocol,
+        conditions=found.conditions_shown,
+        questions=dict.fromkeys(found.questions, ""),
+    )
+    return write_report(found, subject, out)
 
 
-def _known_shares(folder: StudyFolder) -> dict[tuple[str, str], KnownShare]:
-    """Return what the rehearsal's participants were given to prefer."""
-    return {
-        (known.about, known.question): KnownShare(
-            share=known.value, on_these_segments=known.value_on_these_segments
-        )
-        for known in read_truth(folder.rehearsal_truth).expected
-    }
+def _tasks(
+    study: Study, answers: Answers, rules: StudyExclusions, margin: float | None
+) -> list[_Task]:
+    """Analyse what was answered, task by task; the one that the study is named after first."""
+    stored = answers.stored
+    given = (
+        empty_answers(study)
+        if stored is None
+        else study_answers(study, stored.part(of_present_design(stored.study_sessions)))
+    )
+    return [
+        _analysed(study, protocol, rows, given.known, rules, margin, stored)
+        for protocol, rows in given.tables.items()
+    ]
+
+
+def _analysed(
+    study: Study,
+    protocol: str,
+    rows: pd.DataFrame,
+    known: Mapping[str, KnownSitting],
+    rules: StudyExclusions,
+    margin: float | None,
+    stored: StoredAnswers | None,
+) -> _Task:
+    table = answers_in(
+        Cells(path=Path(ANSWERS), rows=rows, numbers=pd.RangeIndex(len(rows)) + 2, ignored=()),
+        LAYOUTS[protocol],
+        Order(
+            conditions=compared(study),
+            questions=tuple(question.name for question in study.questions),
+            sets=study.parts,
+        ),
+    )
+    left_out = leave_out(table, rules.rules, planned=rules.planned, known=known)
+    written = _with_exclusions(rows, left_out)
+    return _Task(
+        table=table,
+        left_out=left_out,
+        report=analyse_answers(
+            table,
+            left_out,
+            source=Source(
+                file=ANSWERS,
+                sha256=hashlib.sha256(written).hexdigest(),
+                motionjury=metadata.version("motionjury"),
+            ),
+            settings=Settings(max_catch_failures=None, margin=margin),
+            arms=() if stored is None else arm_states(study, stored.study_sessions),
+            arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
+        ),
+        written=written,
+    )
+
+
+def _with_exclusions(rows: pd.DataFrame, left_out: LeftOut) -> bytes:
+    """Return a table as a CSV file that says who is left out and why."""
+    excluded = rows["participant"].map(left_out.exclusions).fillna("")
+    return rows.assign(excluded=excluded).to_csv(index=False, lineterminator="\n").encode()
+
+
+def _of_study(study: Study, subject: Subject, answers: Answers) -> StudyOfReport:
+    versions: list[int] = []
+    if answers.stored is not None:
+        sessions = answers.stored.study_sessions
+        present = sessions[of_present_design(sessions)]
+        versions = sorted({int(version) for version in present["version"]})
+    return StudyOfReport(
+        name=study.name,
+        title=study.title,
+        protocol=study.protocol,
+        sha256=subject.study_sha256,
+        seed=study.seed,
+        origin=subject.origin,
+        versions=tuple(versions),
+    )

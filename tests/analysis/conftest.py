@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.report import ReportInputs
 from analysis.responses import responses_frame
 from motion.segment import EMOTIONS, Segment
 
@@ -131,27 +130,6 @@ class SimulatedStudy:
                     }
                 )
         return rows
-
-    def inputs(self, **changes: Any) -> ReportInputs:
-        """Return a report's inputs over these answers, without motion files."""
-        return ReportInputs(
-            **(
-                {
-                    "title": "Which gestures fit the speech?",
-                    "origin": "participants",
-                    "reference": self.reference,
-                    "catch_reference": self.reference,
-                    "catch_condition": "broken",
-                    "conditions": (self.reference, *self.effects),
-                    "questions": QUESTIONS,
-                    "max_failed_catch": 1,
-                    "responses": self.responses(),
-                    "segments": tuple(self.segment(k) for k in range(self.segments)),
-                    "presentations": self.segments + self.practice + self.catch,
-                }
-                | changes
-            )
-        )
 
 
 @pytest.fixture

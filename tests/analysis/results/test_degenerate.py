@@ -8,7 +8,6 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.results.page import table_page
 from analysis.results.plain import as_json
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import TABLES
@@ -125,4 +124,3 @@ def test_whatever_was_answered_no_number_is_missing_without_a_reason(
     assert "NaN" not in text
     assert "Infinity" not in text
     assert list(nulls_without_reason(json.loads(text))) == []
-    assert table_page(report).answer

@@ -1,0 +1,177 @@
+"""Methods text to paste into a paper, made from what was really done."""
+
+from __future__ import annotations
+
+import platform
+from importlib import metadata
+from types import MappingProxyType
+from typing import Final
+
+from analysis.preferences.clustered import LEVEL
+from analysis.report import wording
+from analysis.report.content import Section
+from analysis.report.subject import Subject
+from analysis.report.verdicts import SIGNIFICANCE, verdicts
+from analysis.results.report import TableReport
+from motion.listing import listed
+
+_CLUSTERED: Final = (
+    "intervals are two-way cluster-robust (CR1; participants and segments; Cameron, Gelbach and "
+    "Miller 2011), with the t distribution of min(participants, segments) − 1 degrees of freedom, "
+    "never narrower than one-way ones, and not corrected for multiplicity"
+)
+
+_MODEL: Final = (
+    "cumulative link mixed model (logit, flexible thresholds, Laplace approximation) of the answer "
+    "as given, from left to right, with the side on which the {subject} was shown as covariate "
+    "(±1) and its effect varying between participants and between segments"
+)
+
+TESTS: Final = MappingProxyType(
+    {
+        "pairwise": (
+            "Preferences were analysed as win shares (wins plus half the ties; " + _CLUSTERED + ") "
+            "and in a " + _MODEL.format(subject="first condition") + "; p values are those of its "
+            "likelihood ratio, so that side bias is taken out and ties stay the middle answer. "
+            "Strengths over all comparisons are those of a Bradley–Terry model with Davidson's "
+            "ties and a left-side term."
+        ),
+        "mismatch": (
+            "Preferences for a motion with its own speech over the same motion with another "
+            "segment's speech were analysed as win shares (wins plus half the ties; "
+            + _CLUSTERED
+            + ") and in a "
+            + _MODEL.format(subject="own speech")
+            + "; p values are those of its likelihood ratio."
+        ),
+        "rating": (
+            "Ratings are described by means (" + _CLUSTERED + "). Conditions were contrasted two "
+            "by two, and in a cumulative link mixed model (logit, flexible thresholds, Laplace "
+            "approximation) with crossed random intercepts of participants and segments; Cliff's δ "
+            "stands beside as a measure of size."
+        ),
+        "ranking": (
+            "Rankings are described by mean ranks and shares of first places (" + _CLUSTERED + "), "
+            "and by Plackett–Luce worths with ties; rank intervals hold for all conditions "
+            f"together at {LEVEL:.0%} (Bonferroni)."
+        ),
+    }
+)
+"""What was computed, by protocol."""
+
+_LIBRARIES: Final = ("numpy", "scipy", "pandas", "matplotlib")
+
+
+def methods_section(report: TableReport, subject: Subject) -> Section:
+    """Return the methods text, and what else a reader must know of settings."""
+    answered = subject.origin != "none"
+    paragraphs = [_asked(report, subject)]
+    if answered:
+        paragraphs += [
+            _people(report, subject),
+            _rules(report),
+            TESTS[report.protocol],
+            *_family(report),
+            *_margin(report),
+        ]
+    return Section(
+        anchor="methods",
+        heading="Methods, ready to paste",
+        paragraphs=(*paragraphs, _software(report, subject)),
+        bullets=(*_questions(subject), *subject.notes, *report.notes),
+    )
+
+
+def _asked(report: TableReport, subject: Subject) -> str:
+    asked = {
+        "pairwise": "compared two motions of the same speech",
+        "rating": "rated motions of the same speech, shown together",
+        "ranking": "put motions of the same speech in order",
+        "mismatch": "compared one motion with its own speech and with another's",
+    }[report.protocol]
+    verb = "will have" if subject.origin == "none" else ""
+    heard = ""
+    if subject.excerpts:
+        speakers = {one.speaker for one in subject.excerpts.values() if one.speaker}
+        emotions = {one.emotion for one in subject.excerpts.values() if one.emotion}
+        seconds = [one.seconds for one in subject.excerpts.values() if one.seconds is not None]
+        parts = [
+            *([wording.count(len(speakers), "speaker")] if speakers else []),
+            *([wording.count(len(emotions), "emotion")] if emotions else []),
+            *([f"{wording.quantity(sum(seconds))} s in all"] if seconds else []),
+        ]
+        heard = f" {wording.count(len(subject.excerpts), 'segment')} of speech were used"
+        heard = heard.replace("1 segment of speech were", "1 segment of speech was")
+        heard += f" ({', '.join(parts)})." if parts else "."
+    frozen = ""
+    if subject.frozen:
+        held = listed([wording.name(channel) for channel in subject.frozen])
+        frozen = f" The videos held {held} still."
+    conditions = listed([wording.name(name) for name in subject.conditions])
+    return (
+        f"{subject.people.capitalize()} {verb} {asked}. ".replace("  ", " ")
+        + f"Conditions: {conditions or 'none'}."
+        + heard
+        + frozen
+    )
+
+
+def _people(report: TableReport, subject: Subject) -> str:
+    people = report.participants
+    return (
+        f"Of {wording.count(people.recruited, subject.people[:-1])} who answered, "
+        f"{people.attentive} were analysed. Practice trials were dropped; practice trials shown "
+        "again at the end were analysed like all others."
+    )
+
+
+def _rules(report: TableReport) -> str:
+    if not report.rules:
+        return "No rule of exclusion was applied."
+    rules = [
+        f"{rule.description} ({rule.removed}{', exploratory' if rule.exploratory else ''})"
+        for rule in report.rules
+    ]
+    return (
+        "Participants were excluded, in this order, who were or did one of the following (number "
+        f"removed): {'; '.join(rules)}."
+    )
+
+
+def _family(report: TableReport) -> tuple[str, ...]:
+    count = len(verdicts(report))
+    if not count:
+        return ()
+    return (
+        f"All tests are two-sided. p values were corrected by Holm's method over "
+        f"{wording.count(count, 'test')}: everything compared, on every question; a test that "
+        f"could not be made counts as one. Corrected values below {SIGNIFICANCE:g} decide.",
+    )
+
+
+def _margin(report: TableReport) -> tuple[str, ...]:
+    if report.settings.margin is None:
+        return ()
+    return (
+        "Equivalence was tested by two one-sided tests against a margin of "
+        f"{report.settings.margin:g}, stated beforehand.",
+    )
+
+
+def _questions(subject: Subject) -> tuple[str, ...]:
+    return tuple(
+        f"{wording.heading(name)}: “{text.replace('{emotion}', '[emotion]')}”"
+        for name, text in subject.questions.items()
+        if text
+    )
+
+
+def _software(report: TableReport, subject: Subject) -> str:
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in _LIBRARIES)
+    study = f" of the study with SHA-256 {subject.study_sha256}" if subject.study_sha256 else ""
+    seed = f", seed {subject.seed}" if subject.seed is not None else ""
+    return (
+        f"Computed with Motion Jury {report.source.motionjury} (Python "
+        f"{platform.python_version()}, {versions}) from answers with SHA-256 "
+        f"{report.source.sha256}{study}{seed}."
+    )

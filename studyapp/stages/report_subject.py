@@ -1,0 +1,109 @@
+"""What the report of a study is about, beside its answers."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+
+from analysis.metrics.conditions import StudyMetrics
+from analysis.metrics.presets import REPORT
+from analysis.report.metric_section import PAPER_OF
+from analysis.report.subject import Excerpt, KnownValue, Origin, Subject
+from motion.segment import Segment
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.protocols.pairwise import PairwiseStudy
+from studyapp.definition.protocols.ranking import RankingStudy
+from studyapp.definition.protocols.rating import RatingStudy
+from studyapp.definition.scales import STEPS
+from studyapp.definition.study import GROUND_TRUTH, Study
+from studyapp.rehearsal.record import read_truth
+from studyapp.stages.measuring import measure_study
+from studyapp.stages.preflight import study_notes
+
+
+def study_subject(
+    folder: StudyFolder,
+    study: Study,
+    segments: Sequence[Segment],
+    *,
+    origin: Origin,
+    notes: Sequence[str] = (),
+) -> Subject:
+    """Return what is known of a study beside its answers, metrics of its motions included."""
+    return Subject(
+        title=study.title,
+        origin=origin,
+        protocol=study.protocol,
+        conditions=compared(study),
+        questions={question.name: question.text for question in study.questions},
+        reference=_reference(study),
+        recorded=GROUND_TRUTH if study.has_recording else None,
+        broken=study.catch.condition if study.catch.trials else None,
+        scale_labels=_scale_labels(study),
+        excerpts={
+            segment.name: Excerpt(
+                emotion=segment.emotion,
+                speaker=segment.speaker,
+                transcript=segment.transcript,
+                seconds=segment.duration,
+            )
+            for segment in segments
+        },
+        notes=(*study_notes(study), *notes),
+        frozen=study.freeze,
+        study_sha256=hashlib.sha256(folder.definition.read_bytes()).hexdigest(),
+        seed=study.seed,
+        truth=_truth(folder) if origin == "rehearsal" else (),
+        metrics=_metrics(folder, study, segments),
+    )
+
+
+def compared(study: Study) -> tuple[str, ...]:
+    """Return the conditions that are compared, in the order of the study file."""
+    if isinstance(study, RankingStudy):
+        return tuple(name for name in study.conditions if name != study.reference)
+    return tuple(study.conditions)
+
+
+def _reference(study: Study) -> str | None:
+    if isinstance(study, PairwiseStudy) and study.has_reference_arms:
+        return study.reference
+    return None
+
+
+def _scale_labels(study: Study) -> Mapping[str, tuple[str, ...]]:
+    """Return the labels of scales that have one for each answer."""
+    if not isinstance(study, RatingStudy):
+        return {}
+    return {
+        question.name: tuple(question.labels)
+        for question in study.questions
+        if len(question.values) == STEPS
+    }
+
+
+def _truth(folder: StudyFolder) -> tuple[KnownValue, ...]:
+    """Return what the rehearsal's participants were given to prefer."""
+    return tuple(
+        KnownValue(
+            about=known.about,
+            part=known.part,
+            question=known.question,
+            measure=known.measure,
+            value=known.value,
+            on_these_segments=known.value_on_these_segments,
+        )
+        for known in read_truth(folder.rehearsal_truth).expected
+    )
+
+
+def _metrics(folder: StudyFolder, study: Study, segments: Sequence[Segment]) -> StudyMetrics | None:
+    """Measure the study's motions; None where all its videos were brought finished."""
+    has_motion = any(
+        folder.clip(condition, segment.name).is_file()
+        for condition in study.conditions
+        for segment in segments
+    )
+    if not has_motion:
+        return None
+    return measure_study(folder, presets=(REPORT, PAPER_OF[study.protocol]), processes=1)
