@@ -226,9 +226,9 @@ def _check_device(device: str) -> None:
 @contextmanager
 def _repeatable() -> Iterator[None]:
     """Let torch use only algorithms that give the same result each time."""
-    before = torch.are_deterministic_algorithms_enabled()
-    torch.use_deterministic_algorithms(True)
+    before = torch.get_deterministic_debug_mode()
+    torch.set_deterministic_debug_mode("error")
     try:
         yield
     finally:
-        torch.use_deterministic_algorithms(before)
+        torch.set_deterministic_debug_mode(before)

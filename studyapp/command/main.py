@@ -23,6 +23,7 @@ _COMMANDS: Final = {
     "render": "Render clips and side-by-side pairs.",
     "report": "Write the report.",
     "serve": "Serve the study to participants.",
+    "train": "Train networks on your own recordings.",
 }
 
 

@@ -71,9 +71,19 @@ class StudyFolder:
         return self.root / ".joint-positions"
 
     @property
+    def evaluators(self) -> Path:
+        """Folder of feature networks with which metrics measure, ``*.safetensors``."""
+        return self.root / "evaluators"
+
+    @property
     def metrics(self) -> Path:
         """Automatic metrics, by condition and by clip."""
         return self.root / "metrics.parquet"
+
+    @property
+    def evaluators(self) -> Path:
+        """Folder of the feature networks that metrics of this study use."""
+        return self.root / "evaluators"
 
     def clip(self, condition: str, segment: str) -> Path:
         """Return the motion clip of `condition` for `segment`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final, Literal, Protocol
 
 import numpy as np
@@ -211,15 +212,25 @@ def _required(values: FloatArray | None, what: str) -> FloatArray:
     return values
 
 
-BODY: Final = JointRotations(AMUSE_JOINTS)
-"""What AMUSE's evaluator sees."""
-
-GESTURE: Final = JointRotations(GESTURE_JOINTS)
-"""Everything above the pelvis except the face: SMPL-X's counterpart of BEAT's 47 joints."""
+JOINTS_OF_CHANNELS: Final = MappingProxyType[Channels, tuple[str, ...]](
+    {
+        "body": AMUSE_JOINTS,
+        "gesture": GESTURE_JOINTS,
+        "expression": (),
+        "both": GESTURE_JOINTS,
+        "landmarks": (),
+    }
+)
+"""Joints whose rotations a network sees: AMUSE's, or everything above the pelvis except the face,
+which is SMPL-X's counterpart of BEAT's 47 joints."""
 
 
 def view_of(
-    channels: Channels, face: Face | None = None, landmarks: FaceLandmarks | None = None
+    channels: Channels,
+    *,
+    joints: tuple[str, ...],
+    face: Face | None = None,
+    landmarks: FaceLandmarks | None = None,
 ) -> ClipView:
     """Return what a network that looks at `channels` sees of a clip.
 
@@ -227,6 +238,8 @@ def view_of(
     ----------
     channels : str
         ``body``, ``gesture``, ``expression``, ``both`` (gesture and expression) or ``landmarks``.
+    joints : tuple of str
+        SMPL-X names of the joints whose rotations it sees.
     face : {'arkit', 'expressions'}, optional
         In which terms it sees expressions.
     landmarks : FaceLandmarks, optional
@@ -237,15 +250,17 @@ def view_of(
     InputError
         If the channels need a face or landmarks and were given none.
     """
-    if channels == "body":
-        return BODY
-    if channels == "gesture":
-        return GESTURE
+    if channels in ("body", "gesture"):
+        return JointRotations(joints)
     if channels == "landmarks" and landmarks is not None:
         return LandmarkShifts(landmarks)
     if channels in ("expression", "both") and face is not None:
         expression = FaceWeights(face)
-        return expression if channels == "expression" else Together((GESTURE, expression))
+        return (
+            expression
+            if channels == "expression"
+            else Together((JointRotations(joints), expression))
+        )
     raise InputError(
         f"a network that looks at {channels!r} needs to know of which face",
         remedy="Use a file as 'motionjury train evaluator' wrote it",

@@ -8,10 +8,17 @@ from typing import Final, Literal
 
 from analysis.metrics.networks import autoencoder_network, emotion_network
 from analysis.metrics.networks.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
-from analysis.metrics.networks.clip_views import Channels, ClipView, Face, view_of
+from analysis.metrics.networks.clip_views import (
+    JOINTS_OF_CHANNELS,
+    Channels,
+    ClipView,
+    Face,
+    view_of,
+)
 from analysis.metrics.networks.emotion_network import EmotionConfig, EmotionNetwork
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
+from motion.skeleton import JOINT_NAMES
 
 Kind = Literal["emotion", "motion", "face"]
 Size = Literal["full", "tiny"]
@@ -51,6 +58,8 @@ class Design:
         What it looks at; one of `CHANNELS_OF_KIND` of its kind.
     config : EmotionConfig or AutoencoderConfig
         Its sizes and windows.
+    joints : tuple of str
+        Joints whose rotations it sees.
     face : {'arkit', 'expressions'} or None
         In which terms it sees the face, where it sees its weights.
     labels : tuple of str
@@ -67,6 +76,7 @@ class Design:
     kind: Kind
     channels: Channels
     config: EmotionConfig | AutoencoderConfig
+    joints: tuple[str, ...] = ()
     face: Face | None = None
     labels: tuple[str, ...] = ()
     frozen: tuple[str, ...] = ()
@@ -76,12 +86,14 @@ class Design:
             self.channels in CHANNELS_OF_KIND[self.kind]
             and isinstance(self.config, EmotionConfig) == (self.kind == "emotion")
             and (len(self.labels) >= 2) == (self.kind == "emotion")
+            and set(self.joints) <= set(JOINT_NAMES)
+            and bool(self.joints) == bool(JOINTS_OF_CHANNELS[self.channels])
             and (self.face is not None) == (self.channels in ("expression", "both"))
         )
         if not fits:
             raise InputError(
                 f"a network of kind {self.kind!r} does not look at {self.channels!r} with these "
-                "sizes, labels and face",
+                "sizes, joints, labels and face",
                 remedy="Use a file as 'motionjury train evaluator' wrote it",
             )
 
@@ -93,7 +105,7 @@ class Design:
         landmarks : FaceLandmarks, optional
             Needed by the kind ``face``.
         """
-        return view_of(self.channels, self.face, landmarks)
+        return view_of(self.channels, joints=self.joints, face=self.face, landmarks=landmarks)
 
     def network(self, channels: int) -> Network:
         """Return a fresh network for frames of so many channels."""

@@ -77,7 +77,7 @@ class EvaluatorFacts(_Facts):
 
     Attributes
     ----------
-    kind, channels, face, labels, frozen, network
+    kind, channels, joints, face, labels, frozen, network
         As in `analysis.metrics.networks.design.Design`.
     data : DataFacts
         What it was trained on.
@@ -90,6 +90,7 @@ class EvaluatorFacts(_Facts):
     format: Literal[1] = _FORMAT
     kind: Kind
     channels: Channels
+    joints: tuple[str, ...]
     face: Face | None
     labels: tuple[Annotated[str, Field(min_length=1)], ...]
     frozen: tuple[str, ...]
@@ -104,6 +105,7 @@ class EvaluatorFacts(_Facts):
             kind=self.kind,
             channels=self.channels,
             config=self.network,
+            joints=self.joints,
             face=self.face,
             labels=self.labels,
             frozen=self.frozen,
@@ -122,6 +124,7 @@ class EvaluatorFacts(_Facts):
         return cls(
             kind=design.kind,
             channels=design.channels,
+            joints=design.joints,
             face=design.face,
             labels=design.labels,
             frozen=design.frozen,

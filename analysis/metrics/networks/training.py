@@ -13,7 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.metrics.networks.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
-from analysis.metrics.networks.clip_views import Channels, Face, face_of, view_of
+from analysis.metrics.networks.clip_views import (
+    JOINTS_OF_CHANNELS,
+    Channels,
+    Face,
+    face_of,
+    view_of,
+)
 from analysis.metrics.networks.design import SIZES, Design, Kind, Size
 from analysis.metrics.networks.emotion_network import EmotionConfig, EmotionNetwork
 from analysis.metrics.networks.emotion_task import EmotionTask
@@ -176,6 +182,7 @@ def train_evaluator(
         kind=request.kind,
         channels=request.channels,
         config=config,
+        joints=JOINTS_OF_CHANNELS[request.channels],
         face=seer.face,
         labels=labels if request.kind == "emotion" else (),
         frozen=request.frozen,
@@ -235,7 +242,12 @@ class _Seer:
         """Return the clip's frames at the network's frame rate, shape (T, C)."""
         if self.face is None and self._request.channels in ("expression", "both"):
             self.face = face_of(clip)
-        view = view_of(self._request.channels, self.face, self._request.landmarks)
+        view = view_of(
+            self._request.channels,
+            joints=JOINTS_OF_CHANNELS[self._request.channels],
+            face=self.face,
+            landmarks=self._request.landmarks,
+        )
         return view.frames(resample(freeze(clip, self._request.frozen), self._frame_rate))
 
 
@@ -280,6 +292,7 @@ def _trained(
     settings = {
         "kind": design.kind,
         "channels": design.channels,
+        "joints": list(design.joints),
         "face": design.face,
         "labels": list(design.labels),
         "frozen": list(design.frozen),

@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from generators.training.config import TrainingConfig
+from motion.errors import InputError
+
+GOOD = {"steps": 10, "batch_size": 4, "learning_rate": 1e-3}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("steps", 0),
+        ("batch_size", 0),
+        ("learning_rate", 0.0),
+        ("learning_rate", float("nan")),
+        ("learning_rate", 2.0),
+        ("optimizer", "sgd"),
+        ("betas", (0.9, 1.0)),
+        ("weight_decay", -1.0),
+        ("gradient_clip", 0.0),
+        ("validate_every", 0),
+        ("checkpoint_every", 0),
+        ("seed", -1),
+    ],
+)
+def test_a_number_out_of_range_is_named(name: str, value: object) -> None:
+    with pytest.raises(InputError, match=name):
+        TrainingConfig(**{**GOOD, name: value})
+
+
+def test_a_config_survives_json() -> None:
+    config = TrainingConfig(**GOOD, betas=(0.95, 0.999), gradient_clip=None, optimizer="adam")
+    assert TrainingConfig.from_facts(json.loads(json.dumps(config.facts()))) == config
