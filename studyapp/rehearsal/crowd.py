@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ssl
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
@@ -13,6 +12,7 @@ import httpx
 
 from motion.errors import InputError
 from studyapp.definition.study import Study
+from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.examiner import Examiner
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
@@ -22,8 +22,6 @@ from studyapp.rehearsal.resumption import Roster
 
 STAGGER: Final = 0.05
 """Seconds between the first arrivals."""
-
-REQUEST_SECONDS: Final = 60.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,16 +105,7 @@ class Crowd:
             answer=examiner.answer if probing else answer_trial,
             fill=examiner.fill if probing else fill_form,
         )
-        # Certificates are not needed on the loopback, and loading them takes longer than a visit.
-        unused = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-        with httpx.Client(
-            base_url=self.server,
-            follow_redirects=True,
-            timeout=REQUEST_SECONDS,
-            trust_env=False,
-            verify=unused,
-            headers={"Accept": "text/html"},
-        ) as client:
+        with study_client(self.server) as client:
             try:
                 participant.take_part(client)
             except httpx.TransportError as error:
