@@ -15,95 +15,21 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import repeat
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from analysis.validity.conclusions import (
-    AGREED_RATINGS,
-    PREFERENCES,
-    RANKINGS,
-    RATINGS,
-    VOTES,
-    Protocol,
-)
-from analysis.validity.realised import Realised, Tally, tally
+from analysis.validity.conclusions.conclusion import EFFECT, Protocol
+from analysis.validity.document import write_sections
+from analysis.validity.experiments import EXPERIMENTS, Experiment
+from analysis.validity.realised import Realised, Row, Tally, overall, tally
 from analysis.validity.studies import Design
 
 BLOCK: Final = 20
 """Studies that one process simulates in a turn."""
-
-EFFECT: Final = 0.4
-"""Of the studies that have one, in logits."""
-
-SPREADS: Final = ((0.0, 0.0), (0.6, 0.0), (0.6, 0.45), (1.0, 0.8))
-"""How much participants and items vary, in logits."""
-
-FEW: Final = (6, 3)
-"""Items of small studies."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Experiment:
-    """A protocol in the designs that it is simulated with.
-
-    Attributes
-    ----------
-    name : str
-        For the table.
-    protocol : Protocol
-        What is simulated and concluded.
-    designs : tuple of Design
-        Without an effect.
-    share : float
-        Of the studies asked for, how many are simulated; those that take long get fewer.
-    """
-
-    name: str
-    protocol: Protocol
-    designs: tuple[Design, ...]
-    share: float = 1.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Row:
-    """One line of the table."""
-
-    experiment: str
-    design: Design
-    number: str
-    naive: bool
-    realised: Realised
-
-
-def _designs(
-    participants: int, items: int, few: Sequence[int], spreads: Sequence[tuple[float, float]]
-) -> tuple[Design, ...]:
-    """Return studies of one size in which answers vary more and more, and some with few items."""
-    crossed = [
-        Design(participants=participants, items=items, effect=0.0, participant_sd=p, item_sd=i)
-        for p, i in spreads
-    ]
-    clustered = Design(participants=25, items=items, effect=0.0, participant_sd=0.6, item_sd=0.45)
-    return (*crossed, *(replace(clustered, items=count) for count in few))
-
-
-EXPERIMENTS: Final = (
-    Experiment(name="pairs", protocol=PREFERENCES, designs=_designs(22, 24, FEW, SPREADS)),
-    Experiment(
-        name="ratings", protocol=RATINGS, designs=_designs(22, 24, FEW[:1], SPREADS), share=0.5
-    ),
-    Experiment(
-        name="ratings, one taste",
-        protocol=AGREED_RATINGS,
-        designs=_designs(22, 24, (), SPREADS[2:3]),
-        share=0.5,
-    ),
-    Experiment(name="votes", protocol=VOTES, designs=_designs(22, 24, FEW[:1], SPREADS)),
-    Experiment(name="rankings", protocol=RANKINGS, designs=_designs(22, 8, FEW[1:], SPREADS)),
-)
 
 
 def measure(
@@ -114,14 +40,14 @@ def measure(
     The result depends on `seed` but not on the number of processes in `pool`.
     """
     map_ = pool.map if pool else map
-    count = max(1, round(studies * experiment.share))
+    count = _count(experiment, studies)
     rows = []
     for number, design in enumerate(experiment.designs):
         counted = []
-        for effect in (0.0, EFFECT):
+        for which, effect in enumerate(experiment.protocol.effects):
             made = replace(design, effect=effect)
             truths = experiment.protocol.truths(made)
-            seeds = np.random.SeedSequence([seed, number, int(effect > 0)]).spawn(count)
+            seeds = np.random.SeedSequence([seed, number, which]).spawn(count)
             blocks = [seeds[start : start + BLOCK] for start in range(0, count, BLOCK)]
             total: dict[str, Tally] = {}
             for part in map_(
@@ -142,13 +68,8 @@ def measure(
     return rows
 
 
-def overall(rows: Sequence[Row]) -> str:
-    """Return the verdict on one number over all designs: the worst, and where it was found."""
-    for verdict in ("not a headline", "not a headline (within error)", "conservative"):
-        where = [_described(row.design) for row in rows if row.realised.verdict == verdict]
-        if where:
-            return verdict + (f" at {'; '.join(where)}" if len(where) < len(rows) else "")
-    return "headline"
+def _count(experiment: Experiment, studies: int) -> int:
+    return max(1, round(studies * experiment.share))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -157,7 +78,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--studies", type=int, default=600, help="of each design and effect")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--processes", type=int, default=os.cpu_count())
-    parser.add_argument("--only", choices=[e.name for e in EXPERIMENTS], help="one kind of study")
+    names = [experiment.name for experiment in EXPERIMENTS]
+    parser.add_argument("--only", choices=names, nargs="+", default=names, help="kinds of studies")
+    parser.add_argument(
+        "--write", type=Path, metavar="FILE", help="put the tables into this document"
+    )
     asked = parser.parse_args(arguments)
     began = time.monotonic()
     rows: list[Row] = []
@@ -165,10 +90,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print(_HEAD.format(*_COLUMNS))
     with _processes(asked.processes) as pool:
         for experiment in EXPERIMENTS:
-            if asked.only in (None, experiment.name):
+            if experiment.name in asked.only:
                 own = measure(experiment, studies=asked.studies, seed=asked.seed, pool=pool)
                 rows += own
                 print("\n".join(map(_line, own)), flush=True)
+                if asked.write:
+                    count = _count(experiment, asked.studies)
+                    write_sections(
+                        asked.write, experiment.name, own, studies=count, seed=asked.seed
+                    )
     print()
     numbers: dict[tuple[str, str], list[Row]] = {}
     for row in rows:
@@ -201,12 +131,8 @@ def _line(row: Row) -> str:
     ]
     verdict = f"as papers do: {found.verdict}" if row.naive else found.verdict
     return _HEAD.format(
-        row.experiment, _described(row.design), row.number, *shares, f"{found.silent:.2f}", verdict
+        row.experiment, row.size, row.number, *shares, f"{found.silent:.2f}", verdict
     )
-
-
-def _described(design: Design) -> str:
-    return f"{design.participants} x {design.items}, {design.participant_sd:g}/{design.item_sd:g}"
 
 
 def _simulated(

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
 
-from analysis.validity.conclusions import Conclusion, Protocol
+from analysis.validity.conclusions.conclusion import Conclusion, Protocol
 from analysis.validity.studies import Design
 
 LEVEL: Final = 0.05
@@ -37,6 +37,8 @@ class Tally:
         Those with a p value, and those with one below `LEVEL`.
     bounded, covered : int
         Those with an interval, and those whose interval contains the truth.
+    silent : int
+        Those with neither.
     """
 
     studies: int = 0
@@ -44,6 +46,7 @@ class Tally:
     significant: int = 0
     bounded: int = 0
     covered: int = 0
+    silent: int = 0
 
     def __add__(self, other: Tally) -> Tally:
         return Tally(
@@ -81,7 +84,7 @@ class Realised:
     Attributes
     ----------
     false_positives : Share
-        Of studies without an effect, those that find one.
+        Of studies without an effect, those that find one; NaN without tests.
     coverage : Share
         Of studies with an effect, those whose interval contains the truth; NaN without intervals.
     power : Share
@@ -103,7 +106,7 @@ class Realised:
             false_positives=Share.of(without.significant, without.tested),
             coverage=Share.of(with_effect.covered, with_effect.bounded),
             power=Share.of(with_effect.significant, with_effect.tested),
-            silent=1 - (without.tested + with_effect.tested) / total if total else math.nan,
+            silent=(without.silent + with_effect.silent) / total if total else math.nan,
         )
 
     @property
@@ -125,6 +128,47 @@ class Realised:
         return "headline"
 
 
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One number in one design.
+
+    Attributes
+    ----------
+    experiment : str
+        The kind of study.
+    design : Design
+        Its size, and how much opinions vary.
+    number : str
+        Which number of the report.
+    naive : bool
+        Whether it treats answers as independent, as papers do.
+    realised : Realised
+        What it is worth.
+    """
+
+    experiment: str
+    design: Design
+    number: str
+    naive: bool
+    realised: Realised
+
+    @property
+    def size(self) -> str:
+        """Participants x items, and the spread between each, in logits."""
+        design = self.design
+        spreads = f"{design.participant_sd:g}/{design.item_sd:g}"
+        return f"{design.participants} x {design.items}, {spreads}"
+
+
+def overall(rows: Sequence[Row]) -> str:
+    """Return the verdict on one number over all designs: the worst, and where it was found."""
+    for verdict in ("not a headline", "not a headline (within error)", "conservative"):
+        where = [row.size for row in rows if row.realised.verdict == verdict]
+        if where:
+            return verdict + (f" at {'; '.join(where)}" if len(where) < len(rows) else "")
+    return "headline"
+
+
 def tally(
     protocol: Protocol,
     design: Design,
@@ -141,9 +185,11 @@ def tally(
 
 def _counted(conclusion: Conclusion, truth: float | None) -> Tally:
     bounded = truth is not None and not math.isnan(conclusion.low)
+    tested = not math.isnan(conclusion.p_value)
     return Tally(
         studies=1,
-        tested=int(not math.isnan(conclusion.p_value)),
+        tested=int(tested),
+        silent=int(not tested and not bounded),
         significant=int(conclusion.p_value < LEVEL),
         bounded=int(bounded),
         covered=int(bounded and conclusion.low <= truth <= conclusion.high),  # type: ignore[operator]

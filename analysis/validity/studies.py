@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -193,16 +193,18 @@ def true_rating_difference(design: Design, *, tastes: bool = True) -> float:
     Of all participants and items that `design` draws from, as `judgements` and `ratings` make
     them.
     """
+    return true_mean_rating(design, tastes=tastes) - true_mean_rating(
+        replace(design, effect=0.0), tastes=tastes
+    )
+
+
+def true_mean_rating(design: Design, *, tastes: bool = True) -> float:
+    """Return the mean rating of the first condition over all participants and items."""
     # A level, and half of what a difference of two conditions varies by.
     spread = design.spread * math.sqrt(1.5 if tastes else 1.0)
     nodes, weights = hermegauss(61)
-    weights = weights / weights.sum()
-
-    def mean(worth: float) -> float:
-        above = expit((worth + spread * nodes)[:, None] - np.array(RATING_THRESHOLDS))
-        return float(weights @ above.sum(axis=1))
-
-    return mean(design.effect) - mean(0.0)
+    above = expit((design.effect + spread * nodes)[:, None] - np.array(RATING_THRESHOLDS))
+    return float(1 + weights @ above.sum(axis=1) / weights.sum())
 
 
 def _chances(design: Design) -> tuple[float, float]:

@@ -40,7 +40,7 @@ def test_a_number_without_intervals_is_judged_by_its_test() -> None:
 
 
 def test_studies_without_a_number_are_counted_and_left_out() -> None:
-    some = Tally(studies=10, tested=8, significant=4)
+    some = Tally(studies=10, tested=8, significant=4, silent=2)
 
     found = Realised.of(some, some)
 

@@ -9,6 +9,7 @@ from analysis.validity.studies import (
     preferences,
     ranks,
     ratings,
+    true_mean_rating,
     true_outcomes,
     true_rating_difference,
     true_win_share,
@@ -47,6 +48,7 @@ def test_the_true_rating_difference_is_what_many_ratings_tend_to(tastes: bool) -
     assert given.max() == 5
     truth = true_rating_difference(LARGE, tastes=tastes)
     assert (given[:, 0] - given[:, 1]).mean() == pytest.approx(truth, abs=0.05)
+    assert given[:, 0].mean() == pytest.approx(true_mean_rating(LARGE, tastes=tastes), abs=0.05)
 
 
 def test_the_true_outcomes_are_what_many_votes_tend_to() -> None:

@@ -1,0 +1,1 @@
+"""What the report would conclude from simulated studies, and what is true of them."""

@@ -1,0 +1,117 @@
+"""Conclusions about one comparison of two conditions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from analysis.equivalence import equivalence
+from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
+from analysis.preferences.clustered import clustered_mean
+from analysis.published.pooled import pooled_tests
+from analysis.robustness.min_f import min_f
+from analysis.robustness.participant_means import group_means
+from analysis.robustness.sign_test import sign_test
+from analysis.robustness.wilcoxon import signed_rank
+from analysis.validity.conclusions.conclusion import (
+    EFFECT,
+    Conclusion,
+    Protocol,
+    of_error,
+    of_mean,
+)
+from analysis.validity.studies import Design, preferences, true_win_share
+
+WIN_SHARE: Final = "win share, two-way clustered"
+LEFT_SHARE: Final = "left side's share, two-way clustered"
+OWN_SHARE: Final = "own speech's win share, two-way clustered"
+EQUIVALENT: Final = "two one-sided tests of the win share"
+RATIO: Final = "clmm, likelihood ratio"
+WALD: Final = "clmm, Wald"
+
+
+def conclude_preferences(
+    design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    """Return what is concluded without a model."""
+    study = preferences(design, generator)
+    values = study.towards_first.astype(np.float64)
+    by_person = group_means(values, study.participants)
+    pooled = pooled_tests(study.towards_first)
+    left = (1 - np.sign(study.responses - 3)) / 2
+    return {
+        WIN_SHARE: of_mean(clustered_mean(study.wins, study.participants, study.items)),
+        LEFT_SHARE: of_mean(clustered_mean(left, study.participants, study.items)),
+        "min F'": Conclusion(p_value=min_f(values, study.participants, study.items).p_value),
+        "sign test on participant means": Conclusion(p_value=sign_test(by_person).p_value),
+        "Wilcoxon on participant means": Conclusion(p_value=signed_rank(by_person).p_value),
+        "pooled binomial": Conclusion(p_value=pooled.binomial.p_value),
+        "pooled Wilcoxon": Conclusion(p_value=pooled.wilcoxon.p_value),
+    }
+
+
+def conclude_net_preference(
+    design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    """Return what the mixed model concludes, of answers that count towards the right."""
+    study = preferences(design, generator)
+    random = [
+        RandomEffect(name=name, groups=groups, multiplier=study.side)
+        for name, groups in (("participant", study.participants), ("item", study.items))
+    ]
+    full = fit(study.responses, {"side": study.side}, random)
+    reduced = fit(study.responses, {}, random, errors=False)
+    wald = of_error(full.estimates["side"], full.standard_errors["side"])
+    return {RATIO: Conclusion(p_value=_likelihood_ratio_p(full, reduced)), WALD: wald}
+
+
+def conclude_mismatch(design: Design, generator: np.random.Generator) -> Mapping[str, Conclusion]:
+    """Return how far a motion's own speech is found to fit better than another's."""
+    study = preferences(design, generator)
+    return {OWN_SHARE: of_mean(clustered_mean(study.wins, study.participants, study.items))}
+
+
+def conclude_equivalence(
+    design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    """Return whether conditions are found equivalent, with a margin that `EFFECT` just reaches."""
+    study = preferences(design, generator)
+    share = clustered_mean(study.wins, study.participants, study.items)
+    margin = true_win_share(replace(design, effect=EFFECT)) - 0.5
+    freedom = min(share.participants, share.segments) - 1
+    found = equivalence(share.estimate - 0.5, share.standard_error, margin, freedom=freedom)
+    return {EQUIVALENT: Conclusion(p_value=found.p_value)}
+
+
+def _likelihood_ratio_p(full: OrdinalFit, reduced: OrdinalFit) -> float:
+    converged = full.converged and reduced.converged
+    return likelihood_ratio(full, reduced)[2] if converged else math.nan
+
+
+def _true_shares(design: Design) -> Mapping[str, float]:
+    share = true_win_share(design)
+    return {WIN_SHARE: share, OWN_SHARE: share, LEFT_SHARE: 0.5}
+
+
+def _true_effect(design: Design) -> Mapping[str, float]:
+    return {WALD: design.effect}
+
+
+def _no_truths(_: Design) -> Mapping[str, float]:
+    return {}
+
+
+PREFERENCES: Final = Protocol(
+    conclude=conclude_preferences,
+    truths=_true_shares,
+    naive=("pooled binomial", "pooled Wilcoxon"),
+)
+NET_PREFERENCE: Final = Protocol(conclude=conclude_net_preference, truths=_true_effect)
+MISMATCH: Final = Protocol(conclude=conclude_mismatch, truths=_true_shares)
+EQUIVALENCE: Final = Protocol(
+    conclude=conclude_equivalence, truths=_no_truths, effects=(EFFECT, 0.0)
+)

@@ -1,0 +1,124 @@
+"""Conclusions about the first two of three rated conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from analysis.ordinal.mixed_model import RandomEffect, fit
+from analysis.preferences.clustered import clustered_mean
+from analysis.ratings.contrasts import contrasts
+from analysis.ratings.differences import mean_difference, rated_cells
+from analysis.robustness.wilcoxon import signed_rank
+from analysis.validity.conclusions.conclusion import Conclusion, Protocol, of_mean
+from analysis.validity.studies import (
+    Design,
+    Judgements,
+    judgements,
+    ratings,
+    true_mean_rating,
+    true_rating_difference,
+)
+
+RATED: Final = ("a", "b", "c")
+
+DIFFERENCE: Final = "difference of paired ratings, two-way clustered"
+MEAN: Final = "mean rating, two-way clustered"
+CONTRAST: Final = "rating contrast by clmm"
+NAIVE: Final = "pooled Wilcoxon of ratings"
+
+
+def conclude_ratings(design: Design, generator: np.random.Generator) -> Mapping[str, Conclusion]:
+    """Return what is concluded where participants and items differ in taste."""
+    return _of_ratings(judgements(design, len(RATED), generator), design, generator)
+
+
+def conclude_agreed_ratings(
+    design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    """Return the same where participants and items differ in level only."""
+    judged = judgements(design, len(RATED), generator, tastes=False)
+    return _of_ratings(judged, design, generator)
+
+
+def conclude_contrasts(design: Design, generator: np.random.Generator) -> Mapping[str, Conclusion]:
+    """Return what the mixed model concludes where participants and items differ in taste."""
+    return _of_model(judgements(design, len(RATED), generator), design, generator)
+
+
+def conclude_agreed_contrasts(
+    design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    """Return the same where participants and items differ in level only."""
+    judged = judgements(design, len(RATED), generator, tastes=False)
+    return _of_model(judged, design, generator)
+
+
+def _of_ratings(
+    judged: Judgements, design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    given = ratings(judged, design, generator)
+    cells = rated_cells(
+        given.ravel(),
+        np.tile(np.arange(len(RATED)), len(given)),
+        np.repeat(judged.participants, len(RATED)),
+        np.repeat(judged.items, len(RATED)),
+        count=len(RATED),
+    )
+    mean = clustered_mean(
+        given[:, 0].astype(np.float64),
+        judged.participants,
+        judged.items,
+        null=np.nan,
+        limits=(1.0, 5.0),
+    )
+    naive = signed_rank((given[:, 0] - given[:, 1]).astype(np.float64))
+    return {
+        DIFFERENCE: of_mean(mean_difference(cells, 0, 1)),
+        MEAN: of_mean(mean),
+        NAIVE: Conclusion(p_value=naive.normal_p),
+    }
+
+
+def _of_model(
+    judged: Judgements, design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    given = ratings(judged, design, generator)
+    condition = np.tile(np.arange(len(RATED)), len(given))
+    covariates = {
+        name: (condition == number).astype(np.float64)
+        for number, name in enumerate(RATED)
+        if number != 1
+    }
+    random = [
+        RandomEffect(name=name, groups=np.repeat(groups, len(RATED)))
+        for name, groups in (("participant", judged.participants), ("item", judged.items))
+    ]
+    found = contrasts(fit(given.ravel(), covariates, random), RATED)[0]
+    return {CONTRAST: Conclusion(p_value=found.p_value, low=found.low, high=found.high)}
+
+
+def _truths(design: Design) -> Mapping[str, float]:
+    return {
+        DIFFERENCE: true_rating_difference(design),
+        MEAN: true_mean_rating(design),
+        CONTRAST: design.effect,
+    }
+
+
+def _agreed_truths(design: Design) -> Mapping[str, float]:
+    return {
+        DIFFERENCE: true_rating_difference(design, tastes=False),
+        MEAN: true_mean_rating(design, tastes=False),
+        CONTRAST: design.effect,
+    }
+
+
+RATINGS: Final = Protocol(conclude=conclude_ratings, truths=_truths, naive=(NAIVE,))
+AGREED_RATINGS: Final = Protocol(
+    conclude=conclude_agreed_ratings, truths=_agreed_truths, naive=(NAIVE,)
+)
+CONTRASTS: Final = Protocol(conclude=conclude_contrasts, truths=_truths)
+AGREED_CONTRASTS: Final = Protocol(conclude=conclude_agreed_contrasts, truths=_agreed_truths)
