@@ -80,11 +80,6 @@ class StudyFolder:
         """Automatic metrics, by condition and by clip."""
         return self.root / "metrics.parquet"
 
-    @property
-    def evaluators(self) -> Path:
-        """Folder of the feature networks that metrics of this study use."""
-        return self.root / "evaluators"
-
     def clip(self, condition: str, segment: str) -> Path:
         """Return the motion clip of `condition` for `segment`."""
         return self.root / "motion" / condition / f"{segment}.npz"
