@@ -100,6 +100,7 @@ def booktabs(table: Table, *, remark: str = "") -> str:
     notes = [rf"{{\footnotesize {as_latex(note)}\par}}" for note in table.notes]
     if long:
         body = [
+            r"\begingroup\footnotesize\setlength{\tabcolsep}{3pt}",
             rf"\begin{{longtable}}{{{columns}}}",
             rf"{caption} \\",
             r"\toprule",
@@ -110,19 +111,22 @@ def booktabs(table: Table, *, remark: str = "") -> str:
             r"\bottomrule",
             r"\end{longtable}",
             *notes,
+            r"\endgroup",
         ]
     else:
         body = [
             r"\begin{table}",
             r"\centering",
             caption,
+            # A table that is too wide for its column becomes smaller; no other one changes.
+            r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%",
             rf"\begin{{tabular}}{{{columns}}}",
             r"\toprule",
             *head,
             r"\midrule",
             *rows,
             r"\bottomrule",
-            r"\end{tabular}",
+            r"\end{tabular}}",
             *([r"\par\smallskip", *notes] if notes else []),
             r"\end{table}",
         ]
@@ -135,7 +139,7 @@ def as_latex(text: str) -> str:
 
 
 def _needs(body: str, *, long: bool) -> list[str]:
-    packages = "booktabs,longtable" if long else "booktabs"
+    packages = "booktabs,longtable" if long else "booktabs,graphicx"
     lines = [rf"% Needs \usepackage{{{packages}}} and \usepackage[T1]{{fontenc}}."]
     lines += (
         [r"% Needs \usepackage{textcomp} before LaTeX 2020."] if "textquotesingle" in body else []
