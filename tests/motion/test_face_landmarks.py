@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from motion.body import BodyModel, read_body
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.face_landmarks import FaceLandmarks, landmark_vertices
+from motion.skeleton import joint_index
+from renderer.body_asset import default_body
+from tests.motion.random_clips import random_clip
+
+JAW = joint_index("jaw")
+
+
+@pytest.fixture(scope="module")
+def body() -> BodyModel:
+    return read_body(default_body())
+
+
+@pytest.fixture(scope="module")
+def landmarks(body: BodyModel) -> FaceLandmarks:
+    return FaceLandmarks.of(body)
+
+
+def face_alone(clip: MotionClip) -> MotionClip:
+    poses = np.zeros_like(clip.poses)
+    poses[:, JAW] = clip.poses[:, JAW]
+    return replace(clip, poses=poses, trans=np.zeros_like(clip.trans), betas=np.zeros(0))
+
+
+def test_landmarks_are_where_the_whole_bodys_vertices_are(
+    body: BodyModel, landmarks: FaceLandmarks
+) -> None:
+    clip = random_clip(9)
+    whole = body.vertices(face_alone(clip))[:, landmark_vertices(body)]
+    np.testing.assert_allclose(landmarks.positions(clip), whole, atol=1e-6)
+    np.testing.assert_allclose(landmarks.shifts(clip), whole - landmarks.neutral, atol=1e-6)
+
+
+def test_a_body_in_smplxs_terms_has_landmarks_that_follow_its_pose_corrections(
+    body: BodyModel,
+) -> None:
+    chance = np.random.default_rng(0)
+    licensed = replace(
+        body,
+        has_arkit_slots=False,
+        surface={},
+        pose_directions=chance.normal(0, 1e-3, (len(body.template), 3, 486)).astype(np.float32),
+    )
+    clip = random_clip(5)
+    found = FaceLandmarks.of(licensed).positions(clip)
+    whole = licensed.vertices(face_alone(clip))[:, landmark_vertices(licensed)]
+    np.testing.assert_allclose(found, whole, atol=1e-6)
+
+
+def test_they_lie_apart_on_the_face_on_both_sides(landmarks: FaceLandmarks) -> None:
+    neutral = landmarks.neutral
+    apart = np.linalg.norm(neutral[:, None] - neutral, axis=2)
+    assert apart[np.triu_indices(len(neutral), 1)].min() >= 0.006
+    assert landmarks.count == len(neutral) >= 40
+    assert np.ptp(neutral[:, 1]) > 0.1
+    assert (neutral[:, 0] > 0.01).sum() >= 10 <= (neutral[:, 0] < -0.01).sum()
+
+
+def test_head_body_and_shape_do_not_count(landmarks: FaceLandmarks) -> None:
+    clip = random_clip(4)
+    np.testing.assert_array_equal(landmarks.positions(clip), landmarks.positions(face_alone(clip)))
+
+
+def test_a_neutral_face_has_no_shifts(landmarks: FaceLandmarks) -> None:
+    clip = random_clip(4)
+    still = replace(clip, poses=np.zeros_like(clip.poses), arkit=np.zeros((4, 52)))
+    np.testing.assert_allclose(landmarks.shifts(still), 0, atol=1e-6)
+
+
+def test_arrays_make_the_same_landmarks_again(landmarks: FaceLandmarks) -> None:
+    clip = random_clip(4)
+    again = FaceLandmarks.from_arrays(landmarks.arrays())
+    np.testing.assert_array_equal(again.positions(clip), landmarks.positions(clip))
+
+
+@pytest.mark.parametrize("name", ["template", "weights", "expression_directions", "arkit_slots"])
+def test_arrays_that_do_not_fit_are_refused(landmarks: FaceLandmarks, name: str) -> None:
+    arrays = landmarks.arrays()
+    with pytest.raises(InputError, match="do not fit together"):
+        FaceLandmarks.from_arrays(arrays | {name: arrays[name][:-1]})
+    with pytest.raises(InputError, match=f"lack '{name}'"):
+        FaceLandmarks.from_arrays({key: arrays[key] for key in arrays if key != name})
+
+
+def test_a_clip_whose_face_the_body_does_not_show_is_refused(landmarks: FaceLandmarks) -> None:
+    with pytest.raises(InputError, match="ARKit weights"):
+        landmarks.shifts(replace(random_clip(4), arkit=None))
+
+
+def test_a_body_without_a_face_has_no_landmarks(body: BodyModel) -> None:
+    faceless = replace(body, expression_directions=body.expression_directions[:, :, :0])
+    with pytest.raises(InputError, match="no face that moves"):
+        FaceLandmarks.of(faceless)
