@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 FEWEST_SEGMENTS: Final = 6
 """With fewer, nothing tells how much the correlation varies between segments."""
 
-_NOTHING: Final = 1e-12
+_ROUNDING: Final = 1e-9
 
 
 def within_conditions(found: Tallies, metric: MetricSide) -> WithinCorrelation:
@@ -27,8 +27,8 @@ def within_conditions(found: Tallies, metric: MetricSide) -> WithinCorrelation:
 
     A group is a condition, or of pairwise comparisons a pair of conditions: there the difference
     of two scores is set beside the win share. Every clip weighs as much as it has answers. The
-    interval is Fisher's, with an error clustered by segment (CR1, t with segments - 1 degrees of
-    freedom), since the clips of one segment share its speech.
+    interval leaves out one segment after the other (jackknife on Fisher's scale, t with
+    segments - 1 degrees of freedom), since the clips of one segment share its speech.
 
     Parameters
     ----------
@@ -48,26 +48,23 @@ def within_conditions(found: Tallies, metric: MetricSide) -> WithinCorrelation:
     cells, segments = int(usable.sum()), int(usable.any(axis=0).sum())
     if segments < 2:
         return _none("fewer than two segments have scores and answers", cells, segments, weights)
-    first = _standardised(np.where(usable, scores, 0), weights)
-    second = _standardised(np.where(usable, sums / np.where(answers, answers, 1), 0), weights)
-    if not first.any():
-        return _none("the scores do not differ within conditions", cells, segments, weights)
-    if not second.any():
-        return _none("the answers do not differ within conditions", cells, segments, weights)
-    total = weights.sum()
-    estimate = float(np.clip((weights * first * second).sum() / total, -1, 1))
-    influences = weights * (first * second - estimate / 2 * (first**2 + second**2)) / total
-    known = 1 + int(usable.any(axis=1).sum())
-    # The means of the groups are estimated too (the factor of CR1 for that many coefficients).
-    small = (cells - 1) / (cells - known) if cells > known else math.nan
-    low, high, reason = _interval(estimate, influences.sum(axis=0)[usable.any(axis=0)], small)
+    scores = np.where(usable, scores, 0)
+    means = np.where(usable, sums / np.where(answers, answers, 1), 0)
+    for values, what in ((scores, "scores"), (means, "answers")):
+        if not _differ(values, weights):
+            return _none(f"the {what} do not differ within conditions", cells, segments, weights)
+    products = np.stack([weights * one for one in _products(scores, means)])
+    estimate = float(_correlation(products.sum(axis=2)[..., None])[0])
+    # Every segment in turn is left out.
+    others = (products.sum(axis=2)[..., None] - products)[:, :, usable.any(axis=0)]
+    low, high, reason = _interval(estimate, _correlation(others))
     return WithinCorrelation(
         estimate=estimate,
         low=low,
         high=high,
         cells=cells,
         segments=segments,
-        answers=int(total),
+        answers=int(weights.sum()),
         reason=reason,
     )
 
@@ -81,26 +78,42 @@ def _scores_of_groups(found: Tallies, metric: MetricSide, clips: Floats) -> Floa
     return np.asarray(spoken[found.groups[:, 0]] - spoken[found.groups[:, 1]])
 
 
-def _standardised(values: Floats, weights: Floats) -> Floats:
-    """Return values from their groups' means, of variance one; zeros where they do not differ."""
+def _differ(values: Floats, weights: Floats) -> bool:
+    """Tell whether values differ within any group by more than rounding errors."""
     total = weights.sum(axis=1, keepdims=True)
     means = (weights * values).sum(axis=1, keepdims=True) / np.where(total, total, 1)
-    centred = np.where(weights > 0, values - means, 0)
-    spread = math.sqrt((weights * centred**2).sum() / weights.sum())
-    if spread <= _NOTHING * float(np.abs(values).max()):
-        return np.zeros_like(values)
-    return np.asarray(centred / spread)
+    apart = np.abs(np.where(weights > 0, values - means, 0)).max()
+    return bool(apart > _ROUNDING * np.abs(values).max())
 
 
-def _interval(estimate: float, by_segment: Floats, small: float) -> tuple[float, float, str]:
-    count = len(by_segment)
-    if count < FEWEST_SEGMENTS or math.isnan(small):
+def _products(first: Floats, second: Floats) -> tuple[Floats, ...]:
+    """Return what sums must be known of: one, both values, their squares and their product."""
+    # From the mean of all, so that the squares lose no digits.
+    first, second = first - first.mean(), second - second.mean()
+    return np.ones_like(first), first, second, first**2, second**2, first * second
+
+
+def _correlation(sums: Floats) -> Floats:
+    """Return the pooled correlation within groups from sums, shape (6, G, ...); NaN for none."""
+    count, first, second, first_squares, second_squares, products = sums
+    count = np.where(count > 0, count, 1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shared = (products - first * second / count).sum(axis=0)
+        spread = (first_squares - first**2 / count).sum(axis=0)
+        other_spread = (second_squares - second**2 / count).sum(axis=0)
+        found = shared / np.sqrt(np.maximum(spread, 0) * np.maximum(other_spread, 0))
+    return np.asarray(np.clip(found, -1, 1))
+
+
+def _interval(estimate: float, without: Floats) -> tuple[float, float, str]:
+    count = len(without)
+    if count < FEWEST_SEGMENTS:
         return math.nan, math.nan, f"{count} segments are too few for an interval"
-    if 1 - abs(estimate) < _NOTHING:
-        return math.nan, math.nan, "scores and answers lie on a line"
-    error = math.sqrt(small * count / (count - 1) * float(by_segment @ by_segment))
-    # On Fisher's scale, whose slope is 1 / (1 - r²).
-    margin = float(stats.t(count - 1).ppf((1 + LEVEL) / 2)) * error / (1 - estimate**2)
+    if np.isnan(without).any() or np.abs([estimate, *without]).max() > 1 - _ROUNDING:
+        return math.nan, math.nan, "but for one segment, scores and answers lie on a line"
+    apart = np.arctanh(without) - np.arctanh(without).mean()
+    error = math.sqrt((count - 1) / count * float(apart @ apart))
+    margin = float(stats.t(count - 1).ppf((1 + LEVEL) / 2)) * error
     middle = math.atanh(estimate)
     return math.tanh(middle - margin), math.tanh(middle + margin), ""
 
