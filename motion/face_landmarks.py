@@ -112,7 +112,11 @@ class FaceLandmarks:
         seen = replace(
             clip, poses=poses, trans=np.zeros_like(clip.trans), betas=np.zeros(0, np.float32)
         )
-        return self.body.vertices(seen)[:, : self.count]
+        # All frames at once: the body's own batches are made for many more vertices.
+        unposed = self.body.unposed(seen)[:, : self.count]
+        moved_by = np.tensordot(self.body.skinning_matrices(seen), self._weights, axes=(1, 1))
+        turned = np.einsum("nabv,nvb->nva", moved_by[:, :, :3], unposed)
+        return np.asarray(turned + np.swapaxes(moved_by[:, :, 3], 1, 2), np.float32)
 
     def arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return the landmarks as arrays, of which `from_arrays` makes them again."""
@@ -170,6 +174,11 @@ class FaceLandmarks:
             has_arkit_slots=bool(slots[0]),
         )
         return cls(body=body, count=rows - JOINT_COUNT)
+
+    @cached_property
+    def _weights(self) -> FloatArray:
+        """Skin weights of the landmarks, shape (L, 55)."""
+        return np.asarray(self.body.weights[: self.count].toarray(), np.float32)
 
     @cached_property
     def neutral(self) -> FloatArray:

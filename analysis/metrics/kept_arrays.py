@@ -86,12 +86,15 @@ class KeptArrays:
 
     def forget(self, settings: str, used: Collection[Path]) -> None:
         """Remove what is kept under `settings` but not `used`, and all of other versions."""
-        if not self.folder.is_dir():
-            return
+        self.forget_versions()
+        for path in self.folder.glob(f"{self._prefix(settings)}*{_ENDING}"):
+            if path not in used:
+                path.unlink(missing_ok=True)
+
+    def forget_versions(self) -> None:
+        """Remove what other versions of the code have kept."""
         for path in self.folder.glob(f"{self._kind}-*{_ENDING}"):
-            own_version = path.name.startswith(f"{self._kind}-{self._version}-")
-            own_settings = path.name.startswith(self._prefix(settings))
-            if not own_version or (own_settings and path not in used):
+            if not path.name.startswith(f"{self._kind}-{self._version}-"):
                 path.unlink(missing_ok=True)
 
     def _prefix(self, settings: str) -> str:

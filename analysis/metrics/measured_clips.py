@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 
 from analysis.metrics.joint_motion import JointMotion, JointMotionStore, joint_motion
 from analysis.metrics.joint_positions import GESTURE_JOINTS
+from analysis.metrics.kept_arrays import KeptArrays
+from analysis.metrics.kept_onsets import onsets_of
 from analysis.metrics.presets import Preset
 from analysis.metrics.recorded_spread import RecordedSpread
 from analysis.metrics.seen_motion import SeenMotion
@@ -20,6 +23,7 @@ from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from motion.resample import resample
 from motion.skeleton import joint_index
+from motion.source_version import imported_sources, source_version
 
 FloatArray = NDArray[np.float64]
 
@@ -74,6 +78,12 @@ class Bench:
     def face_rate(self) -> float:
         """Frames per second of faces."""
         return min(self.frame_rate, FACE_RATE)
+
+    @property
+    def landmark_settings(self) -> str:
+        """What landmarks depend on besides the motion file; only with a `face`."""
+        body = "" if self.face is None else _digest(self.face)
+        return f"{self.face_rate!r} {self.motion} {body}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,6 +165,17 @@ class Reader:
             self.skipped.append(SkippedFile.because(error))
             return None
 
+    def onsets(self, recording: Path, start: float, end: float) -> FloatArray:
+        """Return when sounds begin in an excerpt of speech, in seconds.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read.
+        """
+        folder = self._bench.store.folder if self._bench.store is not None else None
+        return onsets_of(recording, start, end, folder)
+
     def _measured(self, path: Path) -> MeasuredClip:
         bench = self._bench
         place = self._place(path)
@@ -170,7 +191,7 @@ class Reader:
         return MeasuredClip(
             joints=joints,
             rotations=_rotations(clip, bench.frame_rate) if needs.needs_rotations else None,
-            landmarks=_landmarks(clip, bench) if needs.needs_landmarks else Landmarks(),
+            landmarks=self._landmarks(path, clip) if needs.needs_landmarks else Landmarks(),
             face=_face(clip, bench) if needs.expression_distance else None,
         )
 
@@ -183,22 +204,31 @@ class Reader:
         self.kept.append(place)
         return place
 
+    def _landmarks(self, path: Path, clip: MotionClip) -> Landmarks:
+        bench = self._bench
+        if bench.face is None:
+            return Landmarks(reason="no body is given whose face could have landmarks")
+        if "face" in bench.motion.frozen:
+            return Landmarks(reason="the study holds the face still")
+        place = None
+        if bench.store is not None:
+            place = kept_landmarks(bench.store.folder).place(path, bench.landmark_settings)
+            self.kept.append(place)
+            found = KeptArrays.read(place, (None, None, 3))
+            if found is not None:
+                return Landmarks(positions=found.astype(np.float64))
+        try:
+            made = _landmarks_on(bench.face).positions(resample(clip, bench.face_rate))
+        except InputError as error:
+            return Landmarks(reason=error.what)
+        if place is not None:
+            KeptArrays.keep(place, made)
+        return Landmarks(positions=made.astype(np.float64))
+
 
 def _rotations(clip: MotionClip, frame_rate: float) -> FloatArray:
     seen = resample(clip, frame_rate)
     return seen.poses[:, [joint_index(name) for name in GESTURE_JOINTS]].astype(np.float64)
-
-
-def _landmarks(clip: MotionClip, bench: Bench) -> Landmarks:
-    if bench.face is None:
-        return Landmarks(reason="no body is given whose face could have landmarks")
-    if "face" in bench.motion.frozen:
-        return Landmarks(reason="the study holds the face still")
-    try:
-        found = _landmarks_on(bench.face).positions(resample(clip, bench.face_rate))
-    except InputError as error:
-        return Landmarks(reason=error.what)
-    return Landmarks(positions=found.astype(np.float64))
 
 
 def _face(clip: MotionClip, bench: Bench) -> NDArray[np.float32] | None:
@@ -209,3 +239,19 @@ def _face(clip: MotionClip, bench: Bench) -> NDArray[np.float32] | None:
 @lru_cache(maxsize=2)
 def _landmarks_on(body: LandmarkBody) -> FaceLandmarks:
     return FaceLandmarks.of(read_body(body.path, expression_matrix=body.expression_matrix))
+
+
+@lru_cache(maxsize=8)
+def kept_landmarks(folder: Path) -> KeptArrays:
+    """Return where landmarks are kept between runs."""
+    version = source_version(imported_sources(["motion.face_landmarks"]), ["numpy", "scipy"])
+    return KeptArrays(folder, "landmarks", version)
+
+
+@lru_cache(maxsize=2)
+def _digest(body: LandmarkBody) -> str:
+    """Return a hash of all that decides where landmarks are."""
+    digest = hashlib.sha256(body.path.read_bytes())
+    if body.expression_matrix is not None:
+        digest.update(body.expression_matrix.read_bytes())
+    return digest.hexdigest()

@@ -17,7 +17,8 @@ from analysis.metrics.feature_networks import Network, command_for, networks
 from analysis.metrics.feature_scores import FeatureScores, scores_without_network
 from analysis.metrics.joint_motion import JointMotionStore
 from analysis.metrics.joint_positions import common_frame_rate
-from analysis.metrics.measured_clips import Bench, LandmarkBody, SkippedFile
+from analysis.metrics.kept_onsets import forget_other_onsets
+from analysis.metrics.measured_clips import Bench, LandmarkBody, SkippedFile, kept_landmarks
 from analysis.metrics.passes import (
     depths_of_files,
     features_of_files,
@@ -150,8 +151,7 @@ def study_metrics(
     if not skip_unusable and skipped:
         raise skipped[0].error()
     if store is not None:
-        used = {place for one in measured for place in one.kept}
-        store.forget_others(used, bench.frame_rate, motion)
+        _forget_others(store, bench, {place for one in measured for place in one.kept})
     scores = [score for one in measured for score in one.scores]
     if inside is not None:
         scores += penetrations(found, depths, inside.described)
@@ -178,6 +178,14 @@ def study_metrics(
         remarks=tuple(_remarks(found, preset, bool(recordings))),
         confusions=tuple(confusion for one in seen for confusion in one.confusions),
     )
+
+
+def _forget_others(store: JointMotionStore, bench: Bench, used: Collection[Path]) -> None:
+    """Remove what is kept under the settings of this run, but not `used` by it."""
+    store.forget_others(used, bench.frame_rate, bench.motion)
+    forget_other_onsets(store.folder)
+    if bench.preset.needs_landmarks:
+        kept_landmarks(store.folder).forget(bench.landmark_settings, used)
 
 
 @dataclass(frozen=True)

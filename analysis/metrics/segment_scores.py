@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,10 +15,8 @@ from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, select
 from analysis.metrics.measured_clips import Bench, Reader, SkippedFile
 from analysis.metrics.recorded_spread import ClipExtent
 from analysis.metrics.result import MetricResult
-from motion.audio import read_audio
 from motion.errors import InputError
 from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
-from motion.speech_onsets import speech_onsets
 
 FloatArray = NDArray[np.float64]
 Excerpt = tuple[Path, float, float]
@@ -142,14 +139,11 @@ def recorded_extent(path: Path, bench: Bench) -> ClipExtent | None:
 
 
 def _onsets(speech: Excerpt, reader: Reader) -> FloatArray | None:
-    recording, start, end = speech
     try:
-        audio = read_audio(recording)
-        excerpt = audio.cut(start, audio.duration if math.isinf(end) else end)
+        return reader.onsets(*speech)
     except InputError as error:
         reader.skipped.append(SkippedFile.because(error))
         return None
-    return speech_onsets(excerpt)
 
 
 def _semantics(path: Path | None, reader: Reader) -> tuple[SemanticSpan, ...] | None:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import Self, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 Show = Callable[[int, int], None]
 """Told how many tasks are done, of how many."""
 
@@ -21,7 +23,9 @@ class Workers:
         self._pool = None
         if processes > 1:
             context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(processes, mp_context=context)
+            self._pool = ProcessPoolExecutor(
+                processes, mp_context=context, initializer=_one_thread_each
+            )
 
     def __enter__(self) -> Self:
         return self
@@ -45,6 +49,11 @@ class Workers:
         for number, _ in enumerate(as_completed(futures), start=1):
             show(number, len(tasks))
         return [future.result() for future in futures]
+
+
+def _one_thread_each() -> None:
+    """Leave each process one thread for matrix products: together they have all processors."""
+    threadpool_limits(1)
 
 
 class Steps:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -40,6 +40,15 @@ _folder = click.Path(path_type=Path, file_okay=False)
     help="Which metrics, computed as which paper does; may be repeated. All by default.",
 )
 @click.option(
+    "--evaluator",
+    "evaluators",
+    type=click.Path(path_type=Path, dir_okay=False),
+    multiple=True,
+    help="A feature network that 'train evaluator' made; may be repeated. A study finds those in "
+    "its folder evaluators by itself.",
+)
+@click.option("--penetration", is_flag=True, help="Look for arms inside the body too; slow.")
+@click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
     help="Where scores go, those of every clip too: .csv, .json or .parquet. By default "
@@ -63,6 +72,8 @@ def command(
     speech: Path | None,
     semantics: Path | None,
     presets: tuple[str, ...],
+    evaluators: tuple[Path, ...],
+    penetration: bool,
     out: Path | None,
     cache: Path | None,
     fps: float | None,
@@ -87,9 +98,16 @@ def command(
     if target is not None:
         check_ending(target)
     wanted = presets or tuple(PRESETS)
-    with progress("metrics", "segment") as show:
+    with progress("metrics", "step") as show:
         if folder is not None:
-            metrics = measure_study(folder, presets=wanted, processes=processes, on_progress=show)
+            metrics = measure_study(
+                folder,
+                presets=wanted,
+                processes=processes,
+                evaluators=evaluators,
+                penetration=penetration,
+                on_progress=show,
+            )
         elif generated is not None:
             metrics = measure_folders(
                 generated,
@@ -97,6 +115,8 @@ def command(
                 speech,
                 presets=wanted,
                 processes=processes,
+                evaluators=evaluators,
+                penetration=penetration,
                 semantics=semantics,
                 cache=cache,
                 file_rate=fps,
@@ -114,7 +134,7 @@ def command(
 
 
 def _table(scores: Sequence[ConditionScore]) -> str:
-    """Return a row per metric and a column per condition, mean ± spread between clips."""
+    """Return a row per metric and a column per condition: mean ± spread, or 95 % interval."""
     conditions = list(dict.fromkeys(score.condition for score in scores))
     names = list(dict.fromkeys(score.name for score in scores))
     found = {(score.name, score.condition): score for score in scores}
@@ -136,15 +156,33 @@ def _table(scores: Sequence[ConditionScore]) -> str:
 def _value(score: ConditionScore | None) -> str:
     if score is None or math.isnan(score.value):
         return "–"
+    if score.interval is not None:
+        low, high = score.interval
+        return f"{score.value:.4g} [{low:.3g}, {high:.3g}]"
     spread = "" if math.isnan(score.spread) else f" ± {score.spread:.2g}"
     return f"{score.value:.4g}{spread}"
 
 
+def _reasons(scores: Sequence[ConditionScore]) -> Iterator[str]:
+    """Yield each reason for a missing score, or remark on one, with all that it is about."""
+    conditions = {score.condition for score in scores}
+    about: dict[str, dict[str, list[str]]] = {}
+    for score in scores:
+        for words in filter(None, (score.reason, score.remark)):
+            about.setdefault(words, {}).setdefault(score.name, []).append(score.condition)
+    for words, names in about.items():
+        by_conditions: dict[tuple[str, ...], list[str]] = {}
+        for name, lacking in names.items():
+            by_conditions.setdefault(tuple(lacking), []).append(name)
+        for those, named in by_conditions.items():
+            where = "" if set(those) == conditions else f"{', '.join(those)}: "
+            yield f"{where}{', '.join(named)}: {words}"
+
+
 def _say_what_is_missing(metrics: StudyMetrics) -> None:
     """Say why scores are missing, and which files were left out."""
-    for score in metrics.conditions:
-        if score.reason:
-            click.echo(f"{score.condition}, {score.name}: {score.reason}", err=True)
+    for sentence in _reasons(metrics.conditions):
+        click.echo(sentence, err=True)
     for remark in metrics.remarks:
         click.echo(remark, err=True)
     for file in metrics.skipped[:_NAMED]:

@@ -9,17 +9,25 @@ from typing import Final
 
 from analysis.metrics.conditions import StudyMetrics
 from analysis.metrics.joint_motion import JointMotionStore
+from analysis.metrics.measured_clips import LandmarkBody
 from analysis.metrics.measuring import study_metrics
+from analysis.metrics.presets import combined
 from analysis.metrics.segment_scores import Excerpt
 from motion.errors import InputError
 from motion.segments_table import SEGMENTS_FILE, read_segments
+from renderer.body_asset import default_body
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import GROUND_TRUTH
+from studyapp.stages.shown_body import body_file, expression_matrix_file
 
 Show = Callable[[int, int], None]
 
 _MOTION: Final = (".npz", ".npy", ".bvh")
 _SEMANTICS: Final = (".txt",)
+_NETWORK: Final = ".safetensors"
+MEASURED_BODY: Final = "mannequin"
+"""The avatar whose arms are looked for inside its body; it has no loose clothes."""
+
 _SPEECH: Final = (".wav", ".flac", ".mp3", ".ogg", ".m4a")
 
 
@@ -28,17 +36,30 @@ def measure_study(
     *,
     presets: Sequence[str],
     processes: int,
+    evaluators: Sequence[Path] = (),
+    penetration: bool = False,
     on_progress: Show | None = None,
 ) -> StudyMetrics:
     """Measure every condition of a study that has motion files.
 
     The recordings are those of the condition ``ground_truth``, where the study has it. Joint
-    positions are kept in the study folder, so that the next run reads them.
+    positions and features are kept in the study folder, so that the next run reads them.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    presets, processes, on_progress
+        As for `analysis.metrics.measuring.study_metrics`.
+    evaluators : sequence of Path
+        Feature networks, besides those in the study's folder ``evaluators``.
+    penetration : bool
+        Whether arms are looked for inside the body.
 
     Raises
     ------
     InputError
-        If the study or its segments cannot be read, or no condition has a motion file.
+        If the study, its segments or a network cannot be read, or no condition has a motion file.
     """
     study = folder.study()
     segments = tuple(folder.segments())
@@ -66,12 +87,21 @@ def measure_study(
         },
         frozen=study.freeze,
         recorded=clips.get(GROUND_TRUTH),
+        emotions={segment.name: segment.emotion for segment in segments},
+        evaluators=(*study_evaluators(folder), *evaluators),
+        face=_face_of(folder, presets) if GROUND_TRUTH in clips else None,
+        penetrable=default_body(MEASURED_BODY) if penetration else None,
         presets=presets,
         skip_unusable=True,
         store=JointMotionStore(folder.joint_positions),
         processes=processes,
         on_progress=on_progress,
     )
+
+
+def study_evaluators(folder: StudyFolder) -> tuple[Path, ...]:
+    """Return the feature networks in the study's folder ``evaluators``, by name."""
+    return tuple(sorted(folder.evaluators.glob(f"*{_NETWORK}")))
 
 
 def measure_folders(
@@ -81,6 +111,8 @@ def measure_folders(
     *,
     presets: Sequence[str],
     processes: int,
+    evaluators: Sequence[Path] = (),
+    penetration: bool = False,
     semantics: Path | None = None,
     cache: Path | None = None,
     file_rate: float | None = None,
@@ -98,10 +130,14 @@ def measure_folders(
         ``<segment>.wav``, or a table ``segments.csv`` with the recordings it names.
     presets, processes, on_progress
         As for `analysis.metrics.measuring.study_metrics`.
+    evaluators : sequence of Path
+        Feature networks.
+    penetration : bool
+        Whether arms are looked for inside the body.
     semantics : Path or None
         ``<segment>.txt`` with BEAT's semantic scores of the reference.
     cache : Path or None
-        Where joint positions are kept between runs.
+        Where joint positions and features are kept between runs.
     file_rate : float or None
         Frames per second of all motion files, in place of what they state.
 
@@ -132,6 +168,12 @@ def measure_folders(
         _speech(speech) if speech is not None else {},
         recorded=recorded,
         semantics=_files(semantics, _SEMANTICS, "semantic score") if semantics else None,
+        emotions=_emotions(speech) if speech is not None else None,
+        evaluators=evaluators,
+        face=LandmarkBody(path=default_body())
+        if recorded is not None and combined(presets).needs_landmarks
+        else None,
+        penetrable=default_body(MEASURED_BODY) if penetration else None,
         presets=presets,
         own_files=False,
         file_rate=file_rate,
@@ -191,6 +233,23 @@ def _speech(folder: Path) -> dict[str, Excerpt]:
         }
     files = _files(folder, _SPEECH, "speech")
     return {segment: (path, 0.0, math.inf) for segment, path in files.items()}
+
+
+def _emotions(folder: Path) -> dict[str, str]:
+    """Return which emotion each segment is spoken with, where a table says so."""
+    if not (folder / SEGMENTS_FILE).is_file():
+        return {}
+    return {segment.name: segment.emotion for segment in read_segments(folder)}
+
+
+def _face_of(folder: StudyFolder, presets: Sequence[str]) -> LandmarkBody | None:
+    """Return whose face landmarks are on, where a preset asks for them: the study's own body."""
+    if not combined(presets).needs_landmarks:
+        return None
+    study = folder.study()
+    return LandmarkBody(
+        path=body_file(folder, study), expression_matrix=expression_matrix_file(folder, study)
+    )
 
 
 def _check_folder(folder: Path) -> None:
