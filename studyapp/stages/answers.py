@@ -19,9 +19,10 @@ from studyapp.services.export import (
     form_answers_table,
     responses_table,
 )
-from studyapp.services.stated_rules import stated_study
+from studyapp.services.stated_study import stated_study
 from studyapp.services.stored_answers import StoredAnswers, stored_answers
 from studyapp.services.watching_export import refusals_table, watching_table
+from studyapp.stages.report_arms import of_present_design
 
 Source = Literal["participants", "rehearsal"]
 
@@ -44,8 +45,8 @@ class Answers:
     stored : StoredAnswers or None
         What the database holds; None where there is none.
     stated : Study or None
-        The study as it was when the first participant of its present version came; None where
-        that is not known.
+        The study as it was when the first participant came who is reported; None where that is
+        not known.
     """
 
     origin: Source | Literal["none"]
@@ -98,8 +99,9 @@ def read_answers(folder: StudyFolder, origin: Source) -> Answers:
         if database is None:
             return Answers(origin="none", stored=None, stated=None)
         stored = stored_answers(database)
-        versions = stored.study_sessions["version"]
-        stated = None if versions.empty else stated_study(database, int(versions.max()))
+        sessions = stored.study_sessions
+        versions = sessions.loc[of_present_design(sessions), "version"]
+        stated = None if versions.empty else stated_study(database, int(versions.min()))
     return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
 
 

@@ -42,7 +42,7 @@ def study_exclusions(
     stated : sequence of ExclusionSection
         What the study file says, settled.
     before : sequence of ExclusionSection, optional
-        What it said before the first participant came (see `stated_rules`); without it, as in a
+        What it said before the first participant came (see `stated_study`); without it, as in a
         rehearsal, everything stated counts as settled then.
     added : sequence of ExclusionSection
         Rules that were added afterwards; applied after those of the file.

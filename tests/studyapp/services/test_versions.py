@@ -14,7 +14,7 @@ from studyapp.models import AuditLine, Place, StudySession, StudyVersion
 from studyapp.services.database import Database
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.stated_rules import stated_rules
+from studyapp.services.stated_study import stated_study
 from studyapp.services.versions import open_study
 from tests.studyapp.added_condition import add_condition
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -225,9 +225,9 @@ def test_rules_that_change_before_the_first_participant_are_those_that_were_stat
 
     open_study(opened, served, clock)
 
-    stated = stated_rules(opened, 1)
+    stated = stated_study(opened, 1)
     assert stated is not None
-    assert [each.written() for each in stated] == ["catch>0"]
+    assert [each.written() for each in stated.settled_exclusions] == ["catch>0"]
 
 
 def test_rules_that_change_later_need_no_new_version_but_leave_the_stated_ones_as_they_were(
@@ -237,20 +237,20 @@ def test_rules_that_change_later_need_no_new_version_but_leave_the_stated_ones_a
 
     open_study(participant.database, served, participant.clock)
 
-    stated = stated_rules(participant.database, 1)
+    stated = stated_study(participant.database, 1)
     assert stated is not None
-    assert [each.written() for each in stated] == ["incomplete", "catch>1"]
+    assert [each.written() for each in stated.settled_exclusions] == ["incomplete", "catch>1"]
     assert audit(participant.database) == [
         ("operation changed", "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']")
     ]
     assert len(versions(participant.database)) == 1
 
 
-def test_nothing_is_known_of_the_rules_of_a_version_that_cannot_be_read(
+def test_nothing_is_known_of_a_version_that_cannot_be_read(
     participant: Participant,
 ) -> None:
     with participant.database.writing() as session:
         session.execute(update(StudyVersion).values(definition="protocol = 'of earlier times'"))
 
-    assert stated_rules(participant.database, 1) is None
-    assert stated_rules(participant.database, 2) is None
+    assert stated_study(participant.database, 1) is None
+    assert stated_study(participant.database, 2) is None

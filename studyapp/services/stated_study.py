@@ -5,23 +5,10 @@ from __future__ import annotations
 from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.definition.exclusions import ExclusionSection
 from studyapp.definition.reading import parse_text
 from studyapp.definition.study import Study
 from studyapp.models import StudyVersion
 from studyapp.services.database import Database
-
-
-def stated_rules(database: Database, version: int) -> tuple[ExclusionSection, ...] | None:
-    """Return the exclusion rules of `version` when its first participant came.
-
-    Returns
-    -------
-    tuple of ExclusionSection, or None
-        In order; None where there is no such version, or its study file cannot be read any more.
-    """
-    study = stated_study(database, version)
-    return None if study is None else study.settled_exclusions
 
 
 def stated_study(database: Database, version: int) -> Study | None:
