@@ -82,17 +82,23 @@ def _certainty(found: tuple[Verdict, ...]) -> str:
     untested = [one for one in found if one.outcome == "untested"]
     words = []
     if undecided and len(undecided) < len(found):
-        pairs = [
-            f"{wording.name(a)} and {wording.name(b)} {about(one.question, one.set)}"
-            for one in undecided
-            for a, b in (one.pair,)
-        ]
-        rest = f", and {len(pairs) - MOST} more" if len(pairs) > MOST else ""
-        words.append(f"the answers do not decide between {'; '.join(pairs[:MOST])}{rest}")
+        words.append(_open(undecided, len(found)))
     if untested:
         words.append(f"{wording.count(len(untested), 'test')} could not be made")
     text = "; ".join(words)
     return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
+def _open(undecided: list[Verdict], tests: int) -> str:
+    """Name a few undecided tests, or count many."""
+    if len(undecided) >= MOST:
+        return f"{len(undecided)} of {tests} tests do not decide"
+    pairs = [
+        f"{wording.name(a)} and {wording.name(b)} {about(one.question, one.set)}"
+        for one in undecided
+        for a, b in (one.pair,)
+    ]
+    return f"the answers do not decide between {'; '.join(pairs)}"
 
 
 def _ranked(results: RankingResults, subject: Subject) -> str:

@@ -154,7 +154,7 @@ def _margin(report: TableReport) -> tuple[str, ...]:
         return ()
     return (
         "Equivalence was tested by two one-sided tests against a margin of "
-        f"{report.settings.margin:g}, stated beforehand.",
+        f"{report.settings.margin:g}.",
     )
 
 

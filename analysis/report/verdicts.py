@@ -90,7 +90,7 @@ def leaders(results: RankingResults) -> tuple[tuple[RankedCondition, ...], ...]:
 
 def about(question: str, of: str) -> str:
     """Return the question, and the set where there are sets."""
-    where = f" in set {wording.name(of)}" if of else ""
+    where = f" in set “{wording.name(of)}”" if of else ""
     return f"on {wording.name(question)}{where}"
 
 

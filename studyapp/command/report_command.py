@@ -39,8 +39,9 @@ from studyapp.stages.reporting import report, report_table
 @click.option(
     "--margin",
     type=click.FloatRange(0, min_open=True),
-    help="Of a table: the largest difference that does not matter, stated before the answers were "
-    "seen; of a win share from one half (such as 0.05), of two mean ratings in scores.",
+    help="The largest difference that does not matter, stated before the answers were seen; of a "
+    "win share from one half (such as 0.05), of two mean ratings in scores. A study states its "
+    "own as 'margin' in study.toml; one given here is marked as exploratory.",
 )
 @click.option(
     "--exclude",
@@ -69,12 +70,12 @@ def command(
         "--protocol": protocol,
         "--out": out,
         "--max-catch-failures": max_catch_failures,
-        "--margin": margin,
-        "--exclude": exclude or None,
     }
+    added = [read_exclusion(text, where="--exclude") for text in exclude]
     if folder is not None:
         _refuse([name for name, value in of_table.items() if value is not None])
-        click.echo(f"The report is {report(folder)}")
+        page = report(folder, exclude=added, margin=margin)
+        click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
         return
     if responses is None or protocol is None or out is None:
         _refuse_incomplete([name for name in _NEEDED if of_table[name] is None])
@@ -87,7 +88,7 @@ def command(
             MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
         ),
         margin=margin,
-        exclude=[read_exclusion(text, where="--exclude").made() for text in exclude],
+        exclude=[section.made() for section in added],
     )
     click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
 

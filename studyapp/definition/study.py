@@ -96,6 +96,9 @@ class Study(Section, ABC):
     exclusions : tuple of ExclusionSection or None
         Who is left out of the analysis, rule after rule; None for the rules of every study (see
         `settled_exclusions`).
+    margin : float or None
+        The largest difference that does not matter, for tests of equivalence: of a win share from
+        one half, of two mean ratings in scores; None where nothing is to be called equally good.
     questions : tuple of Question
         What is asked of every trial of the parts they name.
     form : Form
@@ -115,6 +118,7 @@ class Study(Section, ABC):
     catch: Catch = Catch()
     attention: Attention = Attention()
     exclusions: tuple[Exclusion, ...] | None = Field(None, max_length=20, strict=False)
+    margin: float | None = Field(None, gt=0, allow_inf_nan=False, strict=False)
     questions: tuple[Question, ...] = Field(min_length=1, max_length=8, strict=False)
     form: Form = Form()
     video: Video = Video()
@@ -239,12 +243,18 @@ class Study(Section, ABC):
             *question_problems(self.questions, self.parts),
             *([f"freeze: unknown {', '.join(unknown)} (use {known})"] if unknown else []),
             *exclusion_problems(self.exclusions, self.catch, self.attention),
+            *self._margin_problems(),
         ]
 
     @property
     def settled_exclusions(self) -> tuple[ExclusionSection, ...]:
         """Who is left out of the analysis, rule after rule, with every number settled."""
         return settled(self.exclusions, self.catch, self.attention)
+
+    def _margin_problems(self) -> list[str]:
+        if self.margin is None or self.protocol in ("pairwise", "rating"):
+            return []
+        return [f"margin: a {self.protocol} study has no test of equivalence"]
 
     @property
     def catch_against(self) -> str:

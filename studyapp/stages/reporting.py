@@ -36,6 +36,7 @@ from studyapp.stages.answer_table import empty_answers, study_answers
 from studyapp.stages.answers import Answers, answers_to_report
 from studyapp.stages.excluding import StudyExclusions, study_exclusions
 from studyapp.stages.report_arms import arm_of_each, arm_states, of_present_design
+from studyapp.stages.report_margin import study_margin
 from studyapp.stages.report_subject import compared, study_subject
 
 ANSWERS = "answers.csv"
@@ -94,7 +95,12 @@ def report(
     exclude : sequence of ExclusionSection
         Exploratory rules, applied after those of the study file.
     margin : float, optional
-        Margin of equivalence, where the study file states none.
+        Margin of equivalence, where the study file states none; it is exploratory.
+
+    Raises
+    ------
+    InputError
+        If the study cannot be read, or its answers contradict it.
     """
     study = folder.study()
     segments = tuple(folder.segments_of(study))
@@ -106,9 +112,12 @@ def report(
         else None,
         exclude,
     )
-    tasks = _tasks(study, answers, rules, margin)
+    agreed = study_margin(study.margin, answers.stated, margin)
+    tasks = _tasks(study, answers, rules, agreed.margin)
     main = tasks[0]
-    subject = study_subject(folder, study, segments, origin=answers.origin, notes=rules.notes)
+    subject = study_subject(
+        folder, study, segments, origin=answers.origin, notes=(*rules.notes, *agreed.notes)
+    )
     subject = replace(
         subject,
         against_people=metrics_against_people(
