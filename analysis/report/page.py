@@ -8,6 +8,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
+from analysis.report.against_people_section import against_people_section
 from analysis.report.answer import answer
 from analysis.report.content import Page, Section
 from analysis.report.diagnostics_section import diagnostics_section
@@ -58,6 +59,7 @@ def _sections(
     for task in more:
         yield from map(partial(_of_task, task), headline_sections(task, subject))
     yield metric_section(report, subject)
+    yield against_people_section(report, subject)
     yield diagnostics_section(report, subject)
     yield truth_section((report, *more), subject)
     yield methods_section(report, subject)
