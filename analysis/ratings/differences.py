@@ -41,11 +41,14 @@ class RatedCells:
         NaN where a condition was not rated.
     participants, segments : ndarray of int, shape (cells,)
         Whose, and of which segment.
+    first : ndarray of int, shape (cells,)
+        The first of each cell's ratings, by its place among all.
     """
 
     means: Floats
     participants: Codes
     segments: Codes
+    first: Codes
 
 
 def rated_cells(
@@ -73,7 +76,7 @@ def rated_cells(
     who = np.unique(participants, return_inverse=True)[1]
     what = np.unique(segments, return_inverse=True)[1]
     width = int(what.max(initial=-1)) + 1
-    cells, cell = np.unique(who * width + what, return_inverse=True)
+    cells, first, cell = np.unique(who * width + what, return_index=True, return_inverse=True)
     place = cell * count + conditions
     times = np.bincount(place, minlength=len(cells) * count)
     sums = np.bincount(place, weights=y, minlength=len(cells) * count)
@@ -83,6 +86,7 @@ def rated_cells(
         means=means.reshape(len(cells), count),
         participants=cells // max(width, 1),
         segments=cells % max(width, 1),
+        first=first,
     )
 
 

@@ -13,6 +13,11 @@ from analysis.preferences.win_share import holm
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
+from analysis.results.heterogeneity import (
+    ConditionHeterogeneity,
+    corrected_tests,
+    heterogeneity,
+)
 from analysis.results.left_out import LeftOut
 from analysis.results.place import ConditionPlace
 from analysis.results.preference import Preference, left_share, preference
@@ -52,12 +57,15 @@ class MismatchResults:
         In the order of sets, conditions and questions.
     side_bias, agreement, test_retest : mapping of question to result
         See `ByQuestion`.
+    heterogeneity : tuple of ConditionHeterogeneity
+        Win shares of the own speech by emotion, speaker and segment.
     """
 
     conditions: tuple[MatchedCondition, ...]
     side_bias: ByQuestion[OwnSideBias]
     agreement: ByQuestion[Agreement]
     test_retest: ByQuestion[TestRetest]
+    heterogeneity: tuple[ConditionHeterogeneity, ...]
 
 
 def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
@@ -89,7 +97,29 @@ def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
         side_bias=by_question(table, left_out.analysed, _side_bias),
         agreement=by_question(table, left_out.analysed, _agreement),
         test_retest=by_question(table, left_out.kept, _retest),
+        heterogeneity=corrected_tests(_heterogeneity(table, left_out.analysed)),
     )
+
+
+def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[ConditionHeterogeneity]:
+    return [
+        ConditionHeterogeneity(
+            set=set_name(table, name),
+            condition=table.conditions[place],
+            question=question,
+            **vars(one),
+        )
+        for name, question, answers in parts(table, analysed)
+        for place in np.unique(codes(answers, "condition")).tolist()
+        for own in (answers[codes(answers, "condition") == place],)
+        for one in heterogeneity(
+            own,
+            sided(own, _own_on_right(own)).wins,
+            measure="win_share",
+            null=0.5,
+            limits=(0.0, 1.0),
+        )
+    ]
 
 
 def _own_on_right(answers: pd.DataFrame) -> NDArray[np.bool_]:

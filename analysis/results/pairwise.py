@@ -14,6 +14,7 @@ from analysis.preferences.win_share import holm
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
+from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
 from analysis.results.margin import Equivalent, equivalent
 from analysis.results.place import PairPlace
@@ -58,6 +59,8 @@ class PairwiseResults:
         See `ByQuestion`.
     equivalence : tuple of Equivalent
         In the order of `comparisons`; empty where no margin was stated.
+    heterogeneity : tuple of PairHeterogeneity
+        Win shares by emotion, speaker and segment, in the order of `comparisons`.
     """
 
     comparisons: tuple[Comparison, ...]
@@ -66,6 +69,7 @@ class PairwiseResults:
     test_retest: ByQuestion[TestRetest]
     bradley_terry: ByQuestion[Strengths]
     equivalence: tuple[Equivalent, ...]
+    heterogeneity: tuple[PairHeterogeneity, ...]
 
 
 def pairwise_results(
@@ -93,6 +97,7 @@ def pairwise_results(
         test_retest=by_question(table, left_out.kept, _retest),
         bradley_terry=by_question(table, analysed, strengths_of),
         equivalence=tuple(_equivalent(one, margin) for one in comparisons if margin is not None),
+        heterogeneity=corrected_tests(_heterogeneity(table, analysed)),
     )
 
 
@@ -119,7 +124,31 @@ def _comparisons(table: AnswerTable, excluded: Mapping[str, str]) -> list[Compar
     return sorted(found, key=lambda one: _order(table, one))
 
 
-def _order(table: AnswerTable, one: Comparison) -> tuple[int, int, int, int]:
+def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[PairHeterogeneity]:
+    found = []
+    for name, question, answers in parts(table, analysed):
+        pairs = _pair(answers)
+        number = pairs["a"] * len(table.conditions) + pairs["b"]
+        for pair in np.unique(number).tolist():
+            a, b = divmod(pair, len(table.conditions))
+            place = PairPlace(
+                set=set_name(table, name),
+                a=table.conditions[a],
+                b=table.conditions[b],
+                question=question,
+            )
+            own = answers[number == pair]
+            wins = sided(own, codes(own, "right") == a).wins
+            found += [
+                PairHeterogeneity(**vars(place), **vars(one))
+                for one in heterogeneity(
+                    own, wins, measure="win_share", null=0.5, limits=(0.0, 1.0)
+                )
+            ]
+    return sorted(found, key=lambda one: _order(table, one))
+
+
+def _order(table: AnswerTable, one: PairPlace) -> tuple[int, int, int, int]:
     return (
         table.sets.index(one.set or ""),
         table.conditions.index(one.a),

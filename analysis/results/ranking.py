@@ -15,6 +15,11 @@ from analysis.rankings.placements import Placements, placements
 from analysis.rankings.summary import RankSummary, rank_summaries
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
+from analysis.results.heterogeneity import (
+    ConditionHeterogeneity,
+    corrected_tests,
+    heterogeneity,
+)
 from analysis.results.left_out import LeftOut
 from analysis.results.place import ConditionPlace
 from analysis.results.strength_errors import RankInterval, strength_errors
@@ -149,12 +154,15 @@ class RankingResults:
         In the order of sets, questions and conditions.
     plackett_luce, kendall_w, friedman : mapping of question to result
         See `ByQuestion`.
+    heterogeneity : tuple of ConditionHeterogeneity
+        Mean ranks by emotion, speaker and segment.
     """
 
     conditions: tuple[RankedCondition, ...]
     plackett_luce: ByQuestion[Worths]
     kendall_w: ByQuestion[Concordance]
     friedman: ByQuestion[Friedman]
+    heterogeneity: tuple[ConditionHeterogeneity, ...]
 
 
 def ranking_results(table: AnswerTable, left_out: LeftOut) -> RankingResults:
@@ -177,7 +185,33 @@ def ranking_results(table: AnswerTable, left_out: LeftOut) -> RankingResults:
         plackett_luce=by_question(table, analysed, _worths),
         kendall_w=by_question(table, analysed, _concordance),
         friedman=by_question(table, analysed, _friedman),
+        heterogeneity=corrected_tests(_heterogeneity(table, analysed)),
     )
+
+
+def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[ConditionHeterogeneity]:
+    found = []
+    for name, question, answers in parts(table, analysed):
+        shown = np.unique(codes(answers, "condition")).tolist()
+        ranks = answers.groupby(["participant", "segment"], observed=True)["value"].rank()
+        for place in shown:
+            own = codes(answers, "condition") == place
+            found += [
+                ConditionHeterogeneity(
+                    set=set_name(table, name),
+                    condition=table.conditions[place],
+                    question=question,
+                    **vars(one),
+                )
+                for one in heterogeneity(
+                    answers[own],
+                    ranks[own].to_numpy(np.float64),
+                    measure="mean_rank",
+                    null=(len(shown) + 1) / 2,
+                    limits=(1.0, len(shown)),
+                )
+            ]
+    return found
 
 
 def _shown(answers: pd.DataFrame) -> tuple[str, ...]:

@@ -13,10 +13,16 @@ from analysis.equivalence import equivalence_of_means
 from analysis.ratings.table import RatingSummary, rating_table
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
+from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
 from analysis.results.margin import Equivalent, within_margin
 from analysis.results.place import ConditionPlace, PairPlace
-from analysis.results.rating_contrasts import RatingContrast, rating_contrasts, with_holm
+from analysis.results.rating_contrasts import (
+    RatingContrast,
+    rated_cells_of,
+    rating_contrasts,
+    with_holm,
+)
 from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
 from analysis.results.retest import TestRetest, retest_of
 from analysis.tables.answers import AnswerTable
@@ -69,6 +75,8 @@ class RatingResults:
         In the order of sets, questions and conditions.
     equivalence : tuple of Equivalent
         Of participants' mean ratings; empty where no margin was stated.
+    heterogeneity : tuple of PairHeterogeneity
+        Differences of paired ratings by emotion, speaker and segment.
     """
 
     conditions: tuple[RatedCondition, ...]
@@ -77,6 +85,7 @@ class RatingResults:
     agreement: ByQuestion[Agreement]
     test_retest: ByQuestion[TestRetest]
     equivalence: tuple[Equivalent, ...]
+    heterogeneity: tuple[PairHeterogeneity, ...]
 
 
 def rating_results(
@@ -97,6 +106,7 @@ def rating_results(
     conditions: list[RatedCondition] = []
     differences: list[RatingContrast] = []
     equivalents: list[Equivalent] = []
+    apart: list[PairHeterogeneity] = []
     models: dict[tuple[str, str], RatingModel] = {}
     for name, question, answers in parts(table, analysed):
         shown = _conditions(table, answers)
@@ -104,11 +114,12 @@ def rating_results(
         fitted, model = rating_model(answers, shown)
         models[name, question] = model
         conditions += [
-            _condition(of, question, one) for one in rating_table(answers, shown, _scores(table))
+            _condition(of, question, one) for one in rating_table(answers, shown, scores_of(table))
         ]
         differences += rating_contrasts(
             of, question, answers, shown, fitted, models[name, question]
         )
+        apart += _heterogeneity(of, question, answers, shown)
         if margin is not None:
             equivalents += _equivalents(of, question, answers, shown, margin)
     return RatingResults(
@@ -118,6 +129,7 @@ def rating_results(
         agreement=by_question(table, analysed, _agreement),
         test_retest=by_question(table, left_out.kept, _retest),
         equivalence=tuple(equivalents),
+        heterogeneity=corrected_tests(apart),
     )
 
 
@@ -126,8 +138,8 @@ def _conditions(table: AnswerTable, answers: pd.DataFrame) -> tuple[str, ...]:
     return tuple(table.conditions[place] for place in np.unique(codes(answers, "condition")))
 
 
-def _scores(table: AnswerTable) -> tuple[int, ...]:
-    """Return the scale: five points at least, or the scores given where they are many."""
+def scores_of(table: AnswerTable) -> tuple[int, ...]:
+    """Return the scale, ascending: five points at least, or the scores given where many are."""
     given = np.unique(table.shown["value"].to_numpy()).astype(int).tolist()
     low, high = min(1, given[0]), max(5, given[-1])
     return tuple(range(low, high + 1)) if high - low < MOST_SCORES else tuple(given)
@@ -166,6 +178,24 @@ def _equivalents(
         )
         for a, b in combinations(shown, 2)
     ]
+
+
+def _heterogeneity(
+    of: str | None, question: str, answers: pd.DataFrame, shown: tuple[str, ...]
+) -> list[PairHeterogeneity]:
+    """Take differences of paired ratings apart; ratings without a partner are left out."""
+    cells = rated_cells_of(answers, len(shown))
+    rows = answers.iloc[cells.first]
+    found = []
+    for a, b in combinations(range(len(shown)), 2):
+        differences = cells.means[:, a] - cells.means[:, b]
+        both = ~np.isnan(differences)
+        place = PairPlace(set=of, a=shown[a], b=shown[b], question=question)
+        found += [
+            PairHeterogeneity(**vars(place), **vars(one))
+            for one in heterogeneity(rows[both], differences[both], measure="difference", null=0.0)
+        ]
+    return found
 
 
 def _agreement(answers: pd.DataFrame) -> Agreement:

@@ -14,7 +14,7 @@ from analysis.ordinal.mixed_model import OrdinalFit
 from analysis.preferences.win_share import holm
 from analysis.ratings.cliffs_delta import cliffs_delta
 from analysis.ratings.contrasts import Contrast, contrasts
-from analysis.ratings.differences import mean_differences, rated_cells
+from analysis.ratings.differences import RatedCells, mean_differences, rated_cells
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import codes
 from analysis.results.place import PairPlace
@@ -158,16 +158,29 @@ def with_holm(found: Sequence[RatingContrast]) -> tuple[RatingContrast, ...]:
     )
 
 
-def _differences(
-    answers: pd.DataFrame, shown: tuple[str, ...]
-) -> dict[tuple[str, str], RatedDifference]:
-    cells = rated_cells(
+def rated_cells_of(answers: pd.DataFrame, count: int) -> RatedCells:
+    """Arrange the ratings of one question by participant and segment.
+
+    Parameters
+    ----------
+    answers : DataFrame
+        Main and repeated trials.
+    count : int
+        How many conditions were rated.
+    """
+    return rated_cells(
         answers["value"].to_numpy(np.float64),
         np.unique(codes(answers, "condition"), return_inverse=True)[1].astype(np.intp),
         codes(answers, "participant"),
         codes(answers, "segment"),
-        count=len(shown),
+        count=count,
     )
+
+
+def _differences(
+    answers: pd.DataFrame, shown: tuple[str, ...]
+) -> dict[tuple[str, str], RatedDifference]:
+    cells = rated_cells_of(answers, len(shown))
     return {
         (shown[a], shown[b]): RatedDifference(**vars(estimate_of(found)))
         for (a, b), found in mean_differences(cells).items()

@@ -132,7 +132,7 @@ def _kinds(checking: Checking) -> NDArray[np.object_]:
 def _answers(layout: Layout, checking: Checking, kinds: NDArray[np.object_]) -> pd.DataFrame:
     named: list[Column] = [
         *(_COLUMN[name] for name in ("participant", "segment", "question", "trial")),
-        _COLUMN["correct_side"],
+        *(_COLUMN[name] for name in ("correct_side", "emotion", "speaker")),
         *layout.conditions,
         *layout.others,
     ]

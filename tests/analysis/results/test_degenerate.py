@@ -14,6 +14,9 @@ from tests.analysis.results.made_tables import TABLES
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
+OF_STUDIES_ALONE = "flow"
+"""Of a table it holds nothing that only a study knows."""
+
 SAID_BESIDE = {"p_holm": "clmm", "share": "win_share", "set": None, "settings": None}
 """Numbers whose neighbour says why they are missing; None: what may always be missing."""
 
@@ -34,6 +37,8 @@ def nulls_without_reason(value: Any, where: str = "") -> Iterator[str]:
     if not isinstance(value, dict):
         return
     for name, one in value.items():
+        if name == OF_STUDIES_ALONE:
+            continue
         own = isinstance(one, dict) and ("reason" in one or "remark" in one)
         numbers = list(one.values()) if isinstance(one, dict) and not own else [one]
         if None in numbers:

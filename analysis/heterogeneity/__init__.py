@@ -1,0 +1,1 @@
+"""Whether an effect is the same for every emotion, segment and speaker."""
