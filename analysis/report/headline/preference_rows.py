@@ -15,6 +15,7 @@ from analysis.results.pairwise import Comparison, PairwiseResults
 from analysis.results.preference import AsPublished, Preference, Robustness
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
+AnyEstimate = TypeVar("AnyEstimate", bound=Estimate)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,9 +109,9 @@ def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[Pr
     """Return the comparisons of each set, seen from the reference where there is one."""
     found = []
     for name, members in _by_set(results.comparisons):
-        from_side = reference or _in_all(members)
+        from_side = reference_of(members, reference)
         turned = [_from(comparison, from_side) for comparison in members]
-        if from_side and all(row.one == wording.name(from_side) for row in turned):
+        if from_side is not None:
             rows = [replace(row, label=row.other) for row in turned]
             one, other, heading = wording.name(from_side), "the other", "against"
         else:
@@ -118,6 +119,22 @@ def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[Pr
             one, other, heading = "the first", "the second", "first against second"
         found.append(_group(name, one, other, heading, [c.question for c in members], rows))
     return tuple(found)
+
+
+def reference_of(comparisons: Sequence[Comparison], reference: str | None) -> str | None:
+    """Return the condition from whose side comparisons are seen.
+
+    Parameters
+    ----------
+    comparisons : sequence of Comparison
+        Of one set.
+    reference : str or None
+        What the study says; without it, the condition that all comparisons have in common, the
+        first one of two.
+    """
+    candidates = (comparisons[0].a, comparisons[0].b) if reference is None else (reference,)
+    common = [name for name in candidates if all(name in (c.a, c.b) for c in comparisons)]
+    return common[0] if common else None
 
 
 def mismatch_groups(results: MismatchResults) -> tuple[PreferenceGroup, ...]:
@@ -133,16 +150,6 @@ def mismatch_groups(results: MismatchResults) -> tuple[PreferenceGroup, ...]:
 def _by_set(members: Sequence[Placed]) -> Iterable[tuple[str | None, list[Placed]]]:
     for name, inside in groupby(members, key=lambda one: one.set):
         yield name, list(inside)
-
-
-def _in_all(comparisons: Sequence[Comparison]) -> str | None:
-    """Return the condition that every comparison has in common, the first one of two."""
-    common = [
-        name
-        for name in (comparisons[0].a, comparisons[0].b)
-        if all(name in (one.a, one.b) for one in comparisons)
-    ]
-    return common[0] if common else None
 
 
 def _group(
@@ -213,6 +220,6 @@ def _turned(row: PreferenceRow) -> PreferenceRow:
     )
 
 
-def complement(share: Estimate) -> Estimate:
+def complement(share: AnyEstimate) -> AnyEstimate:
     """Return the same share seen from the other side."""
     return replace(share, estimate=1 - share.estimate, low=1 - share.high, high=1 - share.low)

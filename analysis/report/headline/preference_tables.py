@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
+from analysis.clustered_variance import TWO_WAY
 from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.preference_figure import levels
 from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow
-from analysis.report.headline.words import counted, gathered, interval, of_set, plus_minus
+from analysis.report.headline.words import counted, gathered, of_set, plus_minus, share_words
 
 _MOST_BESIDE: Final = 3
 """Questions up to which a table shows them beside each other."""
@@ -85,7 +86,6 @@ def counts_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
 
 def win_share_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
     """Return the headline numbers: win share with its interval, and the model's net preference."""
-    methods = {row.win_share.method for row in group.rows if row.win_share.method}
     return Table(
         caption=f"{of_set(group.set)}Win share of {group.one}: preferences for it plus half of "
         "“no difference”, as a share of all answers, with its "
@@ -95,14 +95,14 @@ def win_share_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
         "likelihood ratio, corrected by Holm over all comparisons and questions of the report. "
         "After exclusions.",
         header=(
-            *("question", group.heading, "recruited", "analysed", "answers"),
-            *("win share", f"{LEVEL:.0%} interval", "log-odds", "p", f"p{wording.NO_BREAK}(Holm)"),
+            *("question", group.heading, "participants", "answers"),
+            *(f"win share, {LEVEL:.0%} interval", "log-odds", "p", f"p{wording.NO_BREAK}(Holm)"),
         ),
         rows=tuple(_headline(row) for row in group.rows),
         text_columns=2,
         notes=(
+            "Participants: those analysed, of those who took part in the comparison.",
             *_reasons(group),
-            *(f"Variance of win shares: {method}." for method in sorted(methods)),
         ),
         name=name,
         data=data,
@@ -118,16 +118,15 @@ def further_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
         "segments as the only ones of interest, and min F′, which is conservative. As published: "
         "what papers report, all answers pooled as if each came from another person, ties "
         "dropped; not a valid test of these answers.",
-        groups=(("", 2), ("nobody excluded", 2), ("further tests, p", 3), ("as published, p", 2)),
+        groups=(("", 2), ("nobody excluded", 1), ("further tests, p", 3), ("as published, p", 2)),
         header=(
-            *("question", group.heading, "win share", f"{LEVEL:.0%} interval"),
+            *("question", group.heading, f"win share, {LEVEL:.0%} interval"),
             *("sign", "Wilcoxon", "min F′", "binomial", "Wilcoxon"),
         ),
         rows=tuple(
             (
                 *cells(wording.heading(row.question), row.label),
-                counted(row.everyone.estimate, wording.share(row.everyone.estimate)),
-                Cell(text=interval(row.everyone) or "–"),
+                counted(row.everyone.estimate, share_words(row.everyone, why=False)),
                 *(
                     counted(p, wording.p_value(p))
                     for p in (
@@ -165,11 +164,9 @@ def _headline(row: PreferenceRow) -> tuple[Cell, ...]:
     net = row.net
     return (
         *cells(wording.heading(row.question), row.label),
-        counted(row.recruited, str(row.recruited)),
-        counted(row.attentive, str(row.attentive)),
+        counted(row.attentive, f"{row.attentive} of {row.recruited}"),
         counted(row.n, str(row.n)),
-        counted(row.win_share.estimate, wording.share(row.win_share.estimate)),
-        counted(row.win_share.low, interval(row.win_share) or "–"),
+        counted(row.win_share.estimate, share_words(row.win_share, why=False)),
         counted(net.estimate, plus_minus(net.estimate, net.se)),
         counted(net.p, wording.p_value(net.p)),
         counted(row.p_holm, wording.p_value(row.p_holm)),
@@ -183,6 +180,7 @@ def _reasons(group: PreferenceGroup) -> tuple[str, ...]:
         for row in group.rows
         for note in (
             row.win_share.reason and f"no interval: {row.win_share.reason}",
+            "" if row.win_share.method in {"", TWO_WAY} else f"interval {row.win_share.method}",
             row.net.reason and f"no log-odds: {row.net.reason}",
             row.net.remark,
         )

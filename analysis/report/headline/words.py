@@ -23,14 +23,15 @@ def between(low: str, high: str) -> str:
     return f"[{low},{wording.NO_BREAK}{high}]"
 
 
-def share_words(found: Estimate) -> str:
-    """Return a share with its interval, '.63 [.55, .71]', or with why there is none."""
+def share_words(found: Estimate, *, why: bool = True) -> str:
+    """Return a share with its interval, '.63 [.55, .71]', or with `why` there is none."""
     if math.isnan(found.estimate):
-        return "– (no answers)"
+        return "– (no answers)" if why else "–"
     inside = interval(found)
     if inside:
         return f"{wording.share(found.estimate)}{wording.NO_BREAK}{inside}"
-    return f"{wording.share(found.estimate)} (no interval: {found.reason})"
+    reason = f" (no interval: {found.reason})" if why else ""
+    return f"{wording.share(found.estimate)}{reason}"
 
 
 def number(value: float) -> str:
