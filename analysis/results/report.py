@@ -24,6 +24,7 @@ from analysis.results.pairwise import PairwiseResults, pairwise_results
 from analysis.results.quality import Quality, quality
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results
+from analysis.results.sensitivity import Sensitivity, sensitivity
 from analysis.tables.answers import AnswerTable
 from analysis.tables.layouts import LAYOUTS
 from analysis.tables.reading import read_answers
@@ -88,6 +89,8 @@ class TableReport:
         Why there is nothing to report; empty where there is something.
     quality : Quality
         How answers were given.
+    sensitivity : tuple of Sensitivity
+        Headline numbers with and without exclusions; empty where nobody is excluded.
     metrics_against_people : mapping of question to AgainstPeople
         See `ByQuestion`; empty where no motion was measured.
     results : Results
@@ -107,6 +110,7 @@ class TableReport:
     notes: tuple[str, ...]
     remark: str
     quality: Quality
+    sensitivity: tuple[Sensitivity, ...]
     metrics_against_people: ByQuestion[AgainstPeople] = field(default_factory=dict)
     results: Results
 
@@ -220,6 +224,7 @@ def analyse_answers(
         notes=table.notes,
         remark=_remark(table, left_out),
         quality=quality(left_out.everyone),
+        sensitivity=sensitivity(table, left_out),
         metrics_against_people=beside,
         results=results,
     )
