@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.preferences.win_share import holm
+from analysis.results.report import analyse_table
+from tests.analysis.results.made_tables import TABLES
+
+
+def apart(folder: Path, table: pd.DataFrame, protocol: str) -> list[Any]:
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    return list(analyse_table(path, protocol).results.heterogeneity)
+
+
+def with_emotions(table: pd.DataFrame) -> pd.DataFrame:
+    """Six segments: four angry ones, two that are neither."""
+    number = table["segment"].str[1:].astype(int)
+    emotion = np.where(number < 4, "anger", "joy")
+    return table.assign(emotion=emotion, speaker=np.where(number % 2, "ada", "bo"))
+
+
+@pytest.mark.parametrize(
+    ("protocol", "measure"),
+    [
+        ("pairwise", "win_share"),
+        ("mismatch", "win_share"),
+        ("rating", "difference"),
+        ("ranking", "mean_rank"),
+    ],
+)
+def test_every_protocol_is_taken_apart(protocol: str, measure: str, tmp_path: Path) -> None:
+    found = apart(tmp_path, with_emotions(TABLES[protocol](participants=8)), protocol)
+
+    assert {one.measure for one in found} == {measure}
+    assert {one.by for one in found} == {"emotion", "speaker", "segment"}
+    for one in found:
+        described = {level.level: level.descriptive for level in one.levels}
+        if one.by == "emotion":
+            assert described == {"anger": False, "joy": True}
+        if one.by == "speaker":
+            assert described == {"ada": True, "bo": True}
+        if one.by == "segment":
+            assert list(described) == [f"s{n}" for n in range(6)]
+            assert all(described.values())
+        for level in one.levels:
+            assert bool(level.remark) == level.descriptive
+            assert np.isnan(level.p) == level.descriptive
+    assert [one.test.p_holm for one in found] == pytest.approx(
+        holm([one.test.p for one in found]), nan_ok=True
+    )
+    tested = [w for one in found for w in one.levels if not w.descriptive]
+    assert [w.p_holm for w in tested] == pytest.approx(holm([w.p for w in tested]), nan_ok=True)
+
+
+def test_levels_add_up_to_the_whole(tmp_path: Path) -> None:
+    table = with_emotions(TABLES["pairwise"](participants=8))
+    path = tmp_path / "answers.csv"
+    table.to_csv(path, index=False)
+    results: Any = analyse_table(path, "pairwise").results
+
+    for whole in results.comparisons:
+        for one in results.heterogeneity:
+            if (one.a, one.b, one.question) == (whole.a, whole.b, whole.question):
+                assert sum(level.n for level in one.levels) == whole.n
+                together = sum(level.n * level.estimate for level in one.levels) / whole.n
+                assert together == pytest.approx(whole.win_share.estimate)
+
+
+def test_ratings_without_a_partner_have_no_difference(tmp_path: Path) -> None:
+    table = with_emotions(TABLES["rating"](participants=6))
+    lonely = table[~((table["condition"] == "ours") & (table["segment"] == "s0"))]
+
+    found = apart(tmp_path, lonely, "rating")
+
+    pair = next(one for one in found if one.by == "segment" and {one.a, one.b} == {"truth", "ours"})
+    assert [level.level for level in pair.levels] == [f"s{n}" for n in range(1, 6)]
+
+
+def test_without_emotions_there_is_nothing_to_take_apart_by_them(tmp_path: Path) -> None:
+    table = TABLES["pairwise"](participants=4)
+
+    found = apart(tmp_path, table.assign(emotion="joy"), "pairwise")
+
+    assert {one.by for one in found} == {"segment"}
