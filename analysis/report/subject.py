@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
 
-from analysis.against_people.result import AgainstPeople
 from analysis.metrics.conditions import StudyMetrics
-from analysis.results.grouping import ByQuestion
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 Origin = Literal["participants", "rehearsal", "table", "none"]
@@ -116,8 +114,6 @@ class Subject:
         Of a rehearsal: what its raters were given; () otherwise.
     metrics : StudyMetrics or None
         Automatic metrics of the conditions, where there are motions.
-    against_people : ByQuestion of AgainstPeople
-        How far metrics order conditions as people do; empty where there are no metrics.
     stills : tuple of Still
         Frames of the conditions at chosen moments, by condition and then moment.
     no_stills : str
@@ -143,7 +139,6 @@ class Subject:
     seed: int | None = None
     truth: tuple[KnownValue, ...] = ()
     metrics: StudyMetrics | None = None
-    against_people: ByQuestion[AgainstPeople] = field(default_factory=lambda: MappingProxyType({}))
     stills: tuple[Still, ...] = ()
     no_stills: str = ""
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
 import pandas as pd
 
-from analysis.against_people.against_people import metrics_against_people
 from analysis.exclusions.rules import ExclusionRule
 from analysis.exclusions.sitting import KnownSitting
 from analysis.report import Subject, write_report
@@ -23,7 +22,6 @@ from analysis.results.report import (
     analyse_answers,
     analyse_table,
 )
-from analysis.tables.answers import AnswerTable
 from analysis.tables.cells import Cells
 from analysis.tables.layouts import LAYOUTS
 from analysis.tables.reading import Order, answers_in
@@ -74,8 +72,6 @@ class StudyOfReport:
 class _Task:
     """One task of a study, analysed."""
 
-    table: AnswerTable
-    left_out: LeftOut
     report: TableReport
     written: bytes
 
@@ -113,17 +109,11 @@ def report(
         exclude,
     )
     agreed = study_margin(study.margin, answers.stated, margin)
-    tasks = _tasks(study, answers, rules, agreed.margin)
-    main = tasks[0]
     subject = study_subject(
         folder, study, segments, origin=answers.origin, notes=(*rules.notes, *agreed.notes)
     )
-    subject = replace(
-        subject,
-        against_people=metrics_against_people(
-            main.table, main.left_out.analysed, subject.metrics, subject.recorded
-        ),
-    )
+    tasks = _tasks(study, answers, rules, agreed.margin, subject)
+    main = tasks[0]
     page = write_report(
         main.report,
         subject,
@@ -169,7 +159,11 @@ def report_table(
 
 
 def _tasks(
-    study: Study, answers: Answers, rules: StudyExclusions, margin: float | None
+    study: Study,
+    answers: Answers,
+    rules: StudyExclusions,
+    margin: float | None,
+    subject: Subject,
 ) -> list[_Task]:
     """Analyse what was answered, task by task; the one that the study is named after first."""
     stored = answers.stored
@@ -179,7 +173,7 @@ def _tasks(
         else study_answers(study, stored.part(of_present_design(stored.study_sessions)))
     )
     return [
-        _analysed(study, protocol, rows, given.known, rules, margin, stored)
+        _analysed(study, protocol, rows, given.known, rules, margin, stored, subject)
         for protocol, rows in given.tables.items()
     ]
 
@@ -192,6 +186,7 @@ def _analysed(
     rules: StudyExclusions,
     margin: float | None,
     stored: StoredAnswers | None,
+    subject: Subject,
 ) -> _Task:
     table = answers_in(
         Cells(path=Path(ANSWERS), rows=rows, numbers=pd.RangeIndex(len(rows)) + 2, ignored=()),
@@ -205,8 +200,6 @@ def _analysed(
     left_out = leave_out(table, rules.rules, planned=rules.planned, known=known)
     written = _with_exclusions(rows, left_out)
     return _Task(
-        table=table,
-        left_out=left_out,
         report=analyse_answers(
             table,
             left_out,
@@ -218,6 +211,8 @@ def _analysed(
             settings=Settings(max_catch_failures=None, margin=margin),
             arms=() if stored is None else arm_states(study, stored.study_sessions),
             arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
+            metrics=subject.metrics,
+            recorded=subject.recorded,
         ),
         written=written,
     )
