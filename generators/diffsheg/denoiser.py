@@ -85,14 +85,7 @@ class Branch(nn.Module):
         style = functional.silu(style)
         return [block.modulate(style) for block in self.blocks if isinstance(block, StyledBlock)]
 
-    def forward(
-        self,
-        noisy: Tensor,
-        modulations: list[Tensor],
-        audio: Tensor,
-        speech: Tensor,
-        told: Tensor | None,
-    ) -> Tensor:
+    def forward(self, noisy: Tensor, modulations: list[Tensor], conditions: Tensor) -> Tensor:
         """Return the noise in `noisy`, (batch, frames, part).
 
         Parameters
@@ -101,17 +94,10 @@ class Branch(nn.Module):
             (batch, frames, part).
         modulations : list of Tensor
             See `modulate`.
-        audio : Tensor
-            (batch, frames, 2 · audio width), mel bands and what the shared encoder makes of them.
-        speech : Tensor
-            (batch, frames, speech width), what `self.speech` makes of the speech features.
-        told : Tensor or None
-            (batch, frames, other part), the estimate of the other branch.
+        conditions : Tensor
+            (batch, frames, channels): what is heard, then the estimate of the other branch.
         """
-        frames = noisy.shape[1]
-        features = self.dropout(self.inward(noisy) + self.position[:, :frames])
-        known = [self.audio(audio), speech, *([] if told is None else [told])]
-        conditions = torch.cat([one.expand(noisy.shape[0], -1, -1) for one in known], dim=-1)
+        features = self.dropout(self.inward(noisy) + self.position[:, : noisy.shape[1]])
         if self.guidance is None:
             return self._through(features, modulations, conditions, None)
         if self.training:
@@ -194,9 +180,9 @@ class Denoiser(nn.Module):
         Tensor
             (batch, frames, motion width).
         """
-        return self.denoise(
-            noisy, timestep, mel, self.encode(hubert), self.modulate(timestep, person)
-        )
+        modulations = self.modulate(timestep, person)
+        heard = self.hear(mel, self.encode(hubert), modulations)
+        return self.denoise(noisy, timestep, heard, modulations)
 
     def encode(self, hubert: Tensor) -> dict[str, Tensor]:
         """Return what each branch makes of the speech features; the same for all steps."""
@@ -210,21 +196,35 @@ class Denoiser(nn.Module):
             {name: self._branch(name).modulate(steps, person) for name in self.branches},
         )
 
-    def denoise(
-        self,
-        noisy: Tensor,
-        timestep: Tensor,
-        mel: Tensor,
-        speech: dict[str, Tensor],
-        modulations: Modulations,
-    ) -> Tensor:
-        """Return the noise in `noisy`, told what `encode` and `modulate` give; see `forward`."""
+    def hear(
+        self, mel: Tensor, speech: dict[str, Tensor], modulations: Modulations
+    ) -> dict[str, Tensor]:
+        """Return what each branch is told of the speech, (batch, frames, channels).
+
+        Parameters
+        ----------
+        mel : Tensor
+            (batch, frames, mel bands).
+        speech : mapping of str to Tensor
+            What `encode` returns.
+        modulations : Modulations
+            What `modulate` returns for the diffusion step.
+        """
         audio = torch.cat([mel, self.audio(MEL_GAIN * mel, modulations.audio)], dim=-1)
+        return {
+            name: torch.cat([self._branch(name).audio(audio), speech[name]], dim=-1)
+            for name in self.branches
+        }
+
+    def denoise(
+        self, noisy: Tensor, timestep: Tensor, heard: dict[str, Tensor], modulations: Modulations
+    ) -> Tensor:
+        """Return the noise in `noisy`, told what `hear` and `modulate` give; see `forward`."""
 
         def estimate(name: str, part: Tensor, told: Tensor | None) -> Tensor:
-            found: Tensor = self._branch(name)(
-                part, modulations.branches[name], audio, speech[name], told
-            )
+            known = [heard[name], *([] if told is None else [told])]
+            conditions = torch.cat([one.expand(len(part), -1, -1) for one in known], dim=-1)
+            found: Tensor = self._branch(name)(part, modulations.branches[name], conditions)
             return found
 
         if self.config.flow == "joint":

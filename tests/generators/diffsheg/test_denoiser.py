@@ -65,7 +65,9 @@ def test_modulations_computed_beforehand_change_nothing() -> None:
     beforehand, speech = denoiser.modulate(steps, person), denoiser.encode(hubert)
     for row, step in enumerate(steps):
         asked_anew = denoiser(noisy, step[None], mel, hubert, person)
-        told = denoiser.denoise(noisy, step[None], mel, speech, beforehand.row(row))
+        modulations = beforehand.row(row)
+        heard = denoiser.hear(mel, speech, modulations)
+        told = denoiser.denoise(noisy, step[None], heard, modulations)
         assert torch.allclose(told, asked_anew, atol=1e-6)
 
 
