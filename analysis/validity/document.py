@@ -33,8 +33,9 @@ differ in their preference, in logits.
 A number is a **headline** where false positives are at most {MOST_FALSE:g} and coverage is at least
 {LEAST_COVERED:g}; *within error* where it misses by less than two standard errors. Below
 {CONSERVATIVE:g} it is called conservative. Equivalence is simulated with conditions that differ by
-just the margin: there, finding them equivalent is the false positive. Ranks are right where those
-of all conditions are.
+just the margin: there, finding them equivalent is the false positive. Of heterogeneity, the effect
+is that every second emotion is liked by so much more and every other by so much less. Ranks are
+right where those of all conditions are.
 """
 
 _COLUMNS: Final = ("number", "people × segments, SDs", "false +", "covered", "power", "none")

@@ -7,12 +7,19 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from analysis.validity.conclusions.conclusion import Protocol
-from analysis.validity.conclusions.pairs import EQUIVALENCE, MISMATCH, NET_PREFERENCE, PREFERENCES
+from analysis.validity.conclusions.pairs import (
+    EQUIVALENCE,
+    HETEROGENEITY,
+    MISMATCH,
+    NET_PREFERENCE,
+    PREFERENCES,
+)
 from analysis.validity.conclusions.ranked import RANKINGS
 from analysis.validity.conclusions.rated import (
     AGREED_CONTRASTS,
     AGREED_RATINGS,
     CONTRASTS,
+    RATED_EQUIVALENCE,
     RATINGS,
 )
 from analysis.validity.conclusions.voted import VOTES
@@ -62,7 +69,7 @@ def _designs(
 
 EXPERIMENTS: Final = (
     Experiment(
-        name="pairs", protocol=PREFERENCES, designs=_designs(22, 24, FEW, SPREADS), share=3.0
+        name="pairs", protocol=PREFERENCES, designs=_designs(22, 24, FEW, SPREADS), share=1.0
     ),
     Experiment(
         name="pairs, mixed model", protocol=NET_PREFERENCE, designs=_designs(22, 24, FEW, SPREADS)
@@ -71,17 +78,29 @@ EXPERIMENTS: Final = (
         name="pairs, equivalence",
         protocol=EQUIVALENCE,
         designs=_designs(22, 24, FEW, SPREADS),
-        share=6.0,
+        share=2.0,
+    ),
+    Experiment(
+        name="pairs, heterogeneity",
+        protocol=HETEROGENEITY,
+        designs=_designs(22, 24, FEW[:1], SPREADS),
+        share=2.0,
     ),
     Experiment(
         name="mismatch", protocol=MISMATCH, designs=_designs(22, 24, FEW, SPREADS), share=6.0
     ),
-    Experiment(name="ratings", protocol=RATINGS, designs=_designs(22, 24, FEW, SPREADS), share=6.0),
+    Experiment(name="ratings", protocol=RATINGS, designs=_designs(22, 24, FEW, SPREADS), share=2.0),
     Experiment(
         name="ratings, one taste",
         protocol=AGREED_RATINGS,
         designs=_designs(22, 24, FEW[1:], SPREADS[2:3]),
-        share=6.0,
+        share=2.0,
+    ),
+    Experiment(
+        name="ratings, equivalence",
+        protocol=RATED_EQUIVALENCE,
+        designs=_designs(22, 24, FEW[1:], SPREADS),
+        share=2.0,
     ),
     Experiment(
         name="ratings, mixed model",
@@ -95,8 +114,8 @@ EXPERIMENTS: Final = (
         designs=_designs(22, 24, FEW[1:2], SPREADS[2:3]),
         share=0.5,
     ),
-    Experiment(name="votes", protocol=VOTES, designs=_designs(22, 24, FEW, SPREADS), share=6.0),
+    Experiment(name="votes", protocol=VOTES, designs=_designs(22, 24, FEW, SPREADS), share=3.0),
     Experiment(
-        name="rankings", protocol=RANKINGS, designs=_designs(22, 8, FEW[2:], SPREADS), share=2.0
+        name="rankings", protocol=RANKINGS, designs=_designs(22, 8, FEW[2:], SPREADS), share=1.0
     ),
 )

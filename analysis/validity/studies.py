@@ -101,11 +101,20 @@ def crossed(design: Design) -> tuple[Codes, Codes]:
     return participants, np.tile(np.arange(design.items), design.participants)
 
 
-def preferences(design: Design, generator: np.random.Generator) -> Preferences:
-    """Return the answers of one study that compares two conditions."""
+def preferences(
+    design: Design, generator: np.random.Generator, *, shifts: Floats | None = None
+) -> Preferences:
+    """Return the answers of one study that compares two conditions.
+
+    Parameters
+    ----------
+    shifts : ndarray, shape (items,), optional
+        How much the effect is larger for each item, in logits.
+    """
     people, items = crossed(design)
     latent = (
         design.effect
+        + (0.0 if shifts is None else shifts[items])
         + design.participant_sd * generator.standard_normal(design.participants)[people]
         + design.item_sd * generator.standard_normal(design.items)[items]
         + generator.logistic(size=people.size)

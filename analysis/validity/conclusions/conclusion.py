@@ -62,6 +62,11 @@ class Protocol:
     effects: tuple[float, float] = (0.0, EFFECT)
 
 
+def no_truths(_: Design) -> Mapping[str, float]:
+    """Return the truths of conclusions that have no interval."""
+    return {}
+
+
 def of_mean(found: ClusteredMean) -> Conclusion:
     """Return what a clustered mean says."""
     return Conclusion(p_value=found.p_value, low=found.low, high=found.high)

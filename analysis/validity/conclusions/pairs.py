@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from analysis.equivalence import equivalence
+from analysis.heterogeneity.between import between_groups, between_segments
 from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
 from analysis.preferences.clustered import clustered_mean
 from analysis.published.pooled import pooled_tests
@@ -21,6 +22,7 @@ from analysis.validity.conclusions.conclusion import (
     EFFECT,
     Conclusion,
     Protocol,
+    no_truths,
     of_error,
     of_mean,
 )
@@ -30,6 +32,9 @@ WIN_SHARE: Final = "win share, two-way clustered"
 LEFT_SHARE: Final = "left side's share, two-way clustered"
 OWN_SHARE: Final = "own speech's win share, two-way clustered"
 EQUIVALENT: Final = "two one-sided tests of the win share"
+EMOTIONS: Final = 8
+BY_EMOTION: Final = "emotions differ, min F'"
+BY_SEGMENT: Final = "segments differ, F"
 RATIO: Final = "clmm, likelihood ratio"
 WALD: Final = "clmm, Wald"
 
@@ -87,6 +92,26 @@ def conclude_equivalence(
     return {EQUIVALENT: Conclusion(p_value=found.p_value)}
 
 
+def conclude_heterogeneity(
+    design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    """Return whether emotions and segments are found to differ in what is preferred.
+
+    Where there is an effect, every second one of `EMOTIONS` is preferred by so much more. Segments
+    differ in any study in which items do, so that only the others tell false positives.
+    """
+    emotion = np.arange(design.items) % EMOTIONS
+    shifts = np.where(emotion % 2, design.effect, -design.effect)
+    study = preferences(replace(design, effect=0.0), generator, shifts=shifts)
+    groups = emotion[study.items]
+    found = between_groups(study.wins, groups, study.participants, study.items)
+    numbers = {BY_EMOTION: Conclusion(p_value=found.p_value)}
+    if not design.item_sd:
+        apart = between_segments(study.wins, study.participants, study.items)
+        numbers[BY_SEGMENT] = Conclusion(p_value=apart.p_value)
+    return numbers
+
+
 def _likelihood_ratio_p(full: OrdinalFit, reduced: OrdinalFit) -> float:
     converged = full.converged and reduced.converged
     return likelihood_ratio(full, reduced)[2] if converged else math.nan
@@ -101,10 +126,6 @@ def _true_effect(design: Design) -> Mapping[str, float]:
     return {WALD: design.effect}
 
 
-def _no_truths(_: Design) -> Mapping[str, float]:
-    return {}
-
-
 PREFERENCES: Final = Protocol(
     conclude=conclude_preferences,
     truths=_true_shares,
@@ -113,5 +134,6 @@ PREFERENCES: Final = Protocol(
 NET_PREFERENCE: Final = Protocol(conclude=conclude_net_preference, truths=_true_effect)
 MISMATCH: Final = Protocol(conclude=conclude_mismatch, truths=_true_shares)
 EQUIVALENCE: Final = Protocol(
-    conclude=conclude_equivalence, truths=_no_truths, effects=(EFFECT, 0.0)
+    conclude=conclude_equivalence, truths=no_truths, effects=(EFFECT, 0.0)
 )
+HETEROGENEITY: Final = Protocol(conclude=conclude_heterogeneity, truths=no_truths)
