@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
+from matplotlib.font_manager import get_font_names
 
 INK: Final = "#22262b"
 SOFT: Final = "#5f6670"
@@ -71,10 +72,13 @@ def _linear(part: float) -> float:
     return part / 12.92 if part <= 0.04045 else float(((part + 0.055) / 1.055) ** 2.4)
 
 
+_FURTHER: Final = ("Noto Sans CJK JP", "Noto Sans CJK SC", "IPAexGothic", "Noto Sans", "Unifont")
+"""Fonts that files use, where they are installed, for letters that DejaVu Sans does not have."""
+
 STYLE: Final[dict[Any, Any]] = {
     "svg.fonttype": "none",
     "pdf.fonttype": 42,
-    "font.family": "DejaVu Sans",
+    "font.family": ["DejaVu Sans", *(name for name in _FURTHER if name in get_font_names())],
     "font.size": 8.0,
     "text.parse_math": False,
     "axes.spines.top": False,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import cache
 from typing import Any, Final
 
@@ -130,5 +131,7 @@ def _wide(text: str, bold: bool) -> float:
 @cache
 def _sign_width(sign: str, bold: bool) -> float:
     font = FontProperties(family="DejaVu Sans", size=100, weight="bold" if bold else "normal")
-    width, _, _ = TextToPath().get_text_width_height_descent(sign, font, ismath=False)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=r"Glyph .* missing from font")
+        width, _, _ = TextToPath().get_text_width_height_descent(sign, font, ismath=False)
     return float(width) / 100

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Final
 
 import matplotlib as mpl
@@ -72,7 +74,7 @@ def inline_svg(
     See `picture` for the parameters; without a title, `alt` alone names the figure.
     """
     stream = io.StringIO()
-    with mpl.rc_context({**STYLE, "svg.hashsalt": name}):
+    with mpl.rc_context({**STYLE, "svg.hashsalt": name}), _any_letters():
         figure.savefig(
             stream,
             format="svg",
@@ -92,9 +94,17 @@ def inline_svg(
 def as_pdf(figure: Figure) -> bytes:
     """Return `figure` as a PDF file with embedded fonts and without a date."""
     stream = io.BytesIO()
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(STYLE), _any_letters():
         figure.savefig(stream, format="pdf", metadata={"CreationDate": None, "Producer": None})
     return stream.getvalue()
+
+
+@contextmanager
+def _any_letters() -> Iterator[None]:
+    """Draw letters that no installed font has as boxes; on a page the browser has its own fonts."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=r"Glyph .* missing from font")
+        yield
 
 
 def _named(body: str, name: str, title: str, alt: str) -> str:

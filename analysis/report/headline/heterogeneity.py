@@ -1,0 +1,218 @@
+"""Where a difference comes from: effects by emotion, speaker and segment, as forest plots."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from analysis.heterogeneity.cells import FEW
+from analysis.preferences.clustered import LEVEL
+from analysis.report import wording
+from analysis.report.content import Picture, Section, Table, cells
+from analysis.report.headline.apart import Apart, taken_apart
+from analysis.report.headline.dot_figure import Dot, dot_pictures, round_ticks, spread
+from analysis.report.headline.panels import RowName, Scale
+from analysis.report.headline.words import between, counted, number
+from analysis.report.subject import Subject
+from analysis.results.estimate import Estimate
+from analysis.results.heterogeneity import KINDS, By, Within
+from analysis.results.report import TableReport
+
+MOST_PANELS: Final = 24
+"""Effects up to which forest plots are drawn; more of them stand in the tables alone."""
+
+MOST_ROWS: Final = 30
+"""Levels up to which a forest plot fits a page."""
+
+_ALL: Final = {"emotion": "all emotions", "speaker": "all speakers", "segment": "all segments"}
+_DATA: Final = "heterogeneity.csv"
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Measure:
+    """How effects of one kind are called and written."""
+
+    axis: str
+    says: str
+    written: Callable[[float], str]
+
+
+_MEASURES: Final = {
+    "win_share": _Measure(
+        axis="win share", says="win share, .5 for no preference", written=wording.share
+    ),
+    "difference": _Measure(
+        axis="difference in scores",
+        says="mean difference of paired ratings in scores, 0 for none",
+        written=number,
+    ),
+    "mean_rank": _Measure(axis="mean rank", says="mean rank, 1 is best", written=number),
+}
+
+
+def heterogeneity_section(report: TableReport, subject: Subject) -> Section | None:
+    """Return forest plots and tests, None where neither emotions nor speakers nor segments differ.
+
+    Parameters
+    ----------
+    report : TableReport
+        What was found.
+    subject : Subject
+        Its reference, if it has one, is what pairwise win shares are seen from.
+    """
+    found = taken_apart(report.results, subject.reference)
+    if not found:
+        return None
+    few = any(level.descriptive for one in found for level in one.levels)
+    missing = [by for by in KINDS if any(one.by == by for one in found) and not _drawn(found, by)]
+    paragraphs = [
+        "These estimates show where a difference comes from. Whether there is one, the headline "
+        "tests; that one emotion, speaker or segment decides and another does not is no evidence "
+        "that they differ: the tests of the table ask that."
+    ]
+    if few:
+        paragraphs.append(
+            f"Hollow marks are descriptive: they rest on {FEW} segments or fewer, which says "
+            "nothing about others of their kind, so they are not tested."
+        )
+    if missing:
+        paragraphs.append(
+            f"By {' and by '.join(missing)} there are too many estimates to draw; they are in "
+            f"tables/{_DATA}."
+        )
+    return Section(
+        anchor="heterogeneity",
+        heading="Where the difference comes from",
+        paragraphs=tuple(paragraphs),
+        pictures=tuple(
+            picture
+            for by in KINDS
+            if _drawn(found, by)
+            for picture in _forest(found, by, subject.mark)
+        ),
+        tables=(_tests(found),),
+    )
+
+
+def _drawn(found: Sequence[Apart], by: By) -> bool:
+    of = [one for one in found if one.by == by]
+    return 0 < len(of) <= MOST_PANELS and len(_levels(of)) <= MOST_ROWS
+
+
+def _levels(found: Sequence[Apart]) -> tuple[str, ...]:
+    return tuple(sorted({level.level for one in found for level in one.levels}, key=_natural))
+
+
+def _natural(name: str) -> list[tuple[int, str]]:
+    """Return a key that puts 's2' before 's10'."""
+    return [
+        (int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)
+    ]
+
+
+def _forest(found: Sequence[Apart], by: By, mark: str) -> tuple[Picture, ...]:
+    of = [one for one in found if one.by == by]
+    names = _levels(of)
+    measure = _MEASURES[of[0].measure]
+    panels = {one.heading: _dots(one, names, measure) for one in of}
+    return dot_pictures(
+        panels,
+        [*(RowName(name=wording.name(name)) for name in names), RowName(name=_ALL[by])],
+        _scale(of, [dot for dots in panels.values() for dot in dots], measure),
+        name=f"by-{by}",
+        title=f"Effects by {by}",
+        told={heading: _told(heading, dots) for heading, dots in panels.items()},
+        caption=f"By {by}: {measure.says}, with {LEVEL:.0%} intervals, clustered by participant "
+        "and segment (CR1), of one segment by participant alone; after exclusions. Hollow: "
+        f"descriptive, {FEW} segments or fewer. Diamond: over all.",
+        data=_DATA,
+        mark=mark,
+    )
+
+
+def _scale(found: Sequence[Apart], dots: Sequence[Dot], measure: _Measure) -> Scale:
+    if found[0].measure == "win_share":
+        return Scale(
+            limits=(0, 1),
+            ticks={0: "0", 0.25: ".25", 0.5: ".5", 0.75: ".75", 1: "1"},
+            label=measure.axis,
+            line=0.5,
+        )
+    limits = spread(dots, around=found[0].null)
+    return Scale(limits=limits, ticks=round_ticks(limits), label=measure.axis, line=found[0].null)
+
+
+def _dots(of: Apart, names: Sequence[str], measure: _Measure) -> list[Dot]:
+    by_name = {level.level: level for level in of.levels}
+    dots = [_dot(by_name.get(name), name, measure) for name in names]
+    return [*dots, _dot(of.whole, "over all", measure, whole=True)]
+
+
+def _dot(found: Estimate | None, name: str, measure: _Measure, *, whole: bool = False) -> Dot:
+    if found is None or not found.n:
+        return Dot(estimate=math.nan, words="–", hint=f"{name}: no answers", whole=whole)
+    written = measure.written(found.estimate)
+    inside = (
+        f"no interval: {found.reason}"
+        if found.reason
+        else between(measure.written(found.low), measure.written(found.high))
+    )
+    return Dot(
+        estimate=found.estimate,
+        low=found.low,
+        high=found.high,
+        words=written,
+        hint=f"{name}: {written} {inside}, {wording.count(found.segments, 'segment')}",
+        descriptive=isinstance(found, Within) and found.descriptive,
+        whole=whole,
+    )
+
+
+def _told(heading: str, dots: Sequence[Dot]) -> str:
+    return f"{wording.heading(heading)}. {'; '.join(dot.hint for dot in dots)}."
+
+
+def _tests(found: Sequence[Apart]) -> Table:
+    return Table(
+        caption="Whether effects differ between emotions, speakers or segments. p (Holm) is "
+        "corrected over these tests of the report, which are exploratory.",
+        header=(
+            *("question", "of", "by", "levels", "F", "df", "p"),
+            f"p{wording.NO_BREAK}(Holm)",
+        ),
+        rows=tuple(
+            (
+                *cells(_question(one), one.about, one.by),
+                counted(len(one.levels), str(len(one.levels))),
+                counted(one.test.f, number(one.test.f)),
+                counted(one.test.df, _freedom(one)),
+                counted(one.test.p, wording.p_value(one.test.p)),
+                counted(one.test.p_holm, wording.p_value(one.test.p_holm)),
+            )
+            for one in found
+        ),
+        text_columns=3,
+        notes=tuple(
+            dict.fromkeys(
+                f"By {one.by}: {text.rstrip('.')}."
+                for one in found
+                for text in (one.test.method, one.test.reason and f"no test, {one.test.reason}")
+                if text
+            )
+        ),
+        name="heterogeneity-tests",
+    )
+
+
+def _question(one: Apart) -> str:
+    of = "" if one.set is None else f"Set {one.set}: "
+    return f"{of}{wording.heading(one.question)}"
+
+
+def _freedom(one: Apart) -> str:
+    if math.isnan(one.test.df):
+        return "–"
+    return f"{wording.fixed(one.test.df, 0)}, {wording.fixed(one.test.df_rest, 1)}"
