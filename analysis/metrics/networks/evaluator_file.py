@@ -12,7 +12,7 @@ from torch import Tensor
 
 from analysis.metrics.networks.autoencoder_network import AutoencoderConfig
 from analysis.metrics.networks.clip_views import Channels, Face
-from analysis.metrics.networks.design import Design, Kind, Network
+from analysis.metrics.networks.design import SIZES, Design, Kind, Network
 from analysis.metrics.networks.emotion_network import EmotionConfig
 from analysis.metrics.networks.normalisation import Normalisation
 from generators.training.weights_file import WeightsFile, read_weights, write_weights
@@ -207,6 +207,10 @@ def _facts(found: WeightsFile) -> EvaluatorFacts:
         raise InputError(
             f"the feature network is of format {found.facts.get('format')!r}, not {_FORMAT}",
             remedy="Use the version of the program that trained it, or train again",
+        )
+    if found.facts["kind"] not in SIZES:
+        raise InputError(
+            f"the feature network is of an unknown kind, {found.facts['kind']!r}", remedy=_REMEDY
         )
     config = EmotionConfig if found.facts["kind"] == "emotion" else AutoencoderConfig
     try:

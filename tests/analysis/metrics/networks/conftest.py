@@ -1,0 +1,68 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from analysis.metrics.networks import Evaluator, load_evaluator
+from analysis.metrics.networks.training import TRAINING, EvaluatorRequest, train_evaluator
+from generators.training.run_folder import RunFolder
+from motion.body import read_body
+from motion.face_landmarks import FaceLandmarks
+from renderer.body_asset import default_body
+from tests.analysis.metrics.networks.swinging import sources
+
+
+@pytest.fixture(scope="package", autouse=True)
+def one_thread() -> Iterator[None]:
+    """Leave torch one thread: tests run beside each other, and threads would wait for threads."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
+
+
+def trained(folder: Path, kind: str, channels: str, *, steps: int, **options: object) -> Path:
+    """Train a tiny network for a few steps and return its file."""
+    training = replace(TRAINING[kind, "tiny"], steps=steps)
+    request = EvaluatorRequest(
+        kind=kind, size="tiny", channels=channels, training=training, **options
+    )
+    out = folder / f"{kind}-{channels}.safetensors"
+    train_evaluator(request, sources(), out, RunFolder(out.with_suffix(".run")))
+    return out
+
+
+@pytest.fixture(scope="session")
+def emotion_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return trained(tmp_path_factory.mktemp("emotion"), "emotion", "body", steps=15)
+
+
+@pytest.fixture(scope="session")
+def gesture_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return trained(tmp_path_factory.mktemp("gesture"), "motion", "gesture", steps=4)
+
+
+@pytest.fixture(scope="session")
+def face_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    landmarks = FaceLandmarks.of(read_body(default_body()))
+    folder = tmp_path_factory.mktemp("face")
+    return trained(folder, "face", "landmarks", steps=4, landmarks=landmarks)
+
+
+@pytest.fixture(scope="session")
+def both_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return trained(tmp_path_factory.mktemp("both"), "motion", "both", steps=2, frozen=("root",))
+
+
+@pytest.fixture
+def emotion(emotion_file: Path) -> Evaluator:
+    return load_evaluator(emotion_file)
+
+
+@pytest.fixture
+def gesture(gesture_file: Path) -> Evaluator:
+    return load_evaluator(gesture_file)
