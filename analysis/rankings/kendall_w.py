@@ -9,6 +9,8 @@ import numpy as np
 
 from analysis.rankings.friedman import Blocks, blocks_of_rankings, friedman
 from analysis.rankings.placements import Placements
+from analysis.rankings.resampled_concordance import RESAMPLES, resampled_concordance
+from analysis.resampling.two_way import percentile_interval
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +54,10 @@ class KendallW:
         Of the participants about each segment.
     mean : float
         Mean over the segments that have one; NaN where none has.
+    low, high : float
+        Ends of its 95 % interval, participants and segments drawn again; NaN where there is none.
+    method, reason : str
+        How the interval was found; why there is none.
     overall : Concordance
         Of the participants about the conditions, each ranked by the participant's mean ranks
         over segments. Its p value treats the segments as the only ones of interest.
@@ -60,18 +66,41 @@ class KendallW:
     segments: tuple[Concordance, ...]
     mean: float
     overall: Concordance
+    low: float = math.nan
+    high: float = math.nan
+    method: str = ""
+    reason: str = ""
 
 
-def kendall_w(rankings: Placements) -> KendallW:
-    """Measure how far participants agree (Kendall & Babington Smith 1939, corrected for ties)."""
+def kendall_w(rankings: Placements, *, resamples: int = RESAMPLES, seed: int = 0) -> KendallW:
+    """Measure how far participants agree (Kendall & Babington Smith 1939, corrected for ties).
+
+    Parameters
+    ----------
+    rankings : Placements
+        Of one question.
+    resamples, seed : int
+        Bootstrap resamples of participants and segments, and what draws them.
+    """
     segments = tuple(
         _of_segment(rankings, number, name) for number, name in enumerate(rankings.segment_names)
     )
     known = [found.estimate for found in segments if not found.reason]
-    return KendallW(
+    found = KendallW(
         segments=segments,
         mean=float(np.mean(known)) if known else math.nan,
         overall=_concordance("", blocks_of_rankings(rankings)),
+    )
+    if len(known) < 2:
+        few = "one segment gives no interval" if known else "no segment was ranked by two"
+        return replace(found, reason=few)
+    drawn = resampled_concordance(rankings, resamples=resamples, seed=seed)
+    low, high = percentile_interval(drawn)
+    return replace(
+        found,
+        low=low,
+        high=high,
+        method=f"bootstrap over participants and segments, {resamples} resamples",
     )
 
 

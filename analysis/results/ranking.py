@@ -12,16 +12,17 @@ import pandas as pd
 from analysis.rankings.friedman import blocks_of_rankings, friedman
 from analysis.rankings.kendall_w import kendall_w
 from analysis.rankings.placements import Placements, placements
+from analysis.rankings.posthoc import PairwiseRanks, compare_pairs
 from analysis.rankings.summary import RankSummary, rank_summaries
 from analysis.results.estimate import Estimate, estimate_of
-from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
+from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.heterogeneity import (
     ConditionHeterogeneity,
     corrected_tests,
     heterogeneity,
 )
 from analysis.results.left_out import LeftOut
-from analysis.results.place import ConditionPlace
+from analysis.results.place import ConditionPlace, PairPlace
 from analysis.results.strength_errors import RankInterval, strength_errors
 from analysis.results.strengths import named, remark_of
 from analysis.strengths.plackett_luce import plackett_luce
@@ -112,22 +113,28 @@ class Concordance:
 
     Attributes
     ----------
-    mean : float
-        Kendall's W, mean over segments that have one.
+    mean, low, high : float
+        Kendall's W, mean over segments that have one, and its 95 % interval: participants and
+        segments drawn again.
     overall : float
         Kendall's W of participants' mean ranks over segments.
     n : int
         Participants behind `overall`.
     segments : tuple of SegmentConcordance
         One per segment.
+    method : str
+        How the interval was found.
     reason : str
-        Why `overall` is missing.
+        Why a number is missing.
     """
 
     mean: float
+    low: float
+    high: float
     overall: float
     n: int
     segments: tuple[SegmentConcordance, ...]
+    method: str
     reason: str
 
 
@@ -145,6 +152,39 @@ class Friedman:
 
 
 @dataclass(frozen=True, kw_only=True)
+class RankContrast(PairPlace):
+    """Whether two conditions are placed otherwise, after Friedman's test; secondary.
+
+    It rests on participants' mean ranks and takes the segments as the only ones of interest.
+
+    Attributes
+    ----------
+    difference : float
+        Mean rank of a minus that of b over participants, ranked by their means; below zero where
+        a is the better one.
+    nemenyi_p : float
+        Of the Studentised range; corrects for all pairs of the question by itself.
+    conover_p, conover_holm : float
+        Of Conover and Iman's t; corrected over all pairs of the question.
+    wilcoxon_p, wilcoxon_holm : float
+        Exact, of participants' mean ranks; corrected likewise.
+    n : int
+        Participants who ranked all conditions.
+    reason : str
+        Why a number is missing.
+    """
+
+    difference: float
+    nemenyi_p: float
+    conover_p: float
+    conover_holm: float
+    wilcoxon_p: float
+    wilcoxon_holm: float
+    n: int
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class RankingResults:
     """All of them.
 
@@ -154,6 +194,8 @@ class RankingResults:
         In the order of sets, questions and conditions.
     plackett_luce, kendall_w, friedman : mapping of question to result
         See `ByQuestion`.
+    posthoc : tuple of RankContrast
+        Every two conditions, in the order of sets and questions.
     heterogeneity : tuple of ConditionHeterogeneity
         Mean ranks by emotion, speaker and segment.
     """
@@ -162,6 +204,7 @@ class RankingResults:
     plackett_luce: ByQuestion[Worths]
     kendall_w: ByQuestion[Concordance]
     friedman: ByQuestion[Friedman]
+    posthoc: tuple[RankContrast, ...]
     heterogeneity: tuple[ConditionHeterogeneity, ...]
 
 
@@ -176,15 +219,23 @@ def ranking_results(table: AnswerTable, left_out: LeftOut) -> RankingResults:
         Who is left out.
     """
     analysed = left_out.analysed
+    placed = {
+        (name, question): _placements(answers) for name, question, answers in parts(table, analysed)
+    }
     return RankingResults(
         conditions=tuple(
             _condition(set_name(table, name), question, one)
-            for name, question, answers in parts(table, analysed)
-            for one in rank_summaries(_placements(answers))
+            for (name, question), given in placed.items()
+            for one in rank_summaries(given)
         ),
         plackett_luce=by_question(table, analysed, _worths),
-        kendall_w=by_question(table, analysed, _concordance),
-        friedman=by_question(table, analysed, _friedman),
+        kendall_w=nested(table, {place: _concordance(given) for place, given in placed.items()}),
+        friedman=nested(table, {place: _friedman(given) for place, given in placed.items()}),
+        posthoc=tuple(
+            _contrast(set_name(table, name), question, pair)
+            for (name, question), given in placed.items()
+            for pair in compare_pairs(blocks_of_rankings(given))
+        ),
         heterogeneity=corrected_tests(_heterogeneity(table, analysed)),
     )
 
@@ -277,10 +328,12 @@ def _worths(answers: pd.DataFrame) -> Worths:
     )
 
 
-def _concordance(answers: pd.DataFrame) -> Concordance:
-    found = kendall_w(_placements(answers))
+def _concordance(given: Placements) -> Concordance:
+    found = kendall_w(given)
     return Concordance(
         mean=found.mean,
+        low=found.low,
+        high=found.high,
         overall=found.overall.estimate,
         n=found.overall.n,
         segments=tuple(
@@ -293,10 +346,29 @@ def _concordance(answers: pd.DataFrame) -> Concordance:
             )
             for one in found.segments
         ),
-        reason=found.overall.reason,
+        method=found.method,
+        reason=found.overall.reason or found.reason,
     )
 
 
-def _friedman(answers: pd.DataFrame) -> Friedman:
-    found = friedman(blocks_of_rankings(_placements(answers)))
+def _contrast(of: str | None, question: str, found: PairwiseRanks) -> RankContrast:
+    return RankContrast(
+        set=of,
+        a=found.a,
+        b=found.b,
+        question=question,
+        # Its ranks rise with how good a condition is; places fall.
+        difference=-found.difference,
+        nemenyi_p=found.nemenyi_p,
+        conover_p=found.conover_p,
+        conover_holm=found.conover_holm,
+        wilcoxon_p=found.wilcoxon.p_value,
+        wilcoxon_holm=found.wilcoxon_holm,
+        n=found.n,
+        reason=found.reason or found.wilcoxon.reason,
+    )
+
+
+def _friedman(given: Placements) -> Friedman:
+    found = friedman(blocks_of_rankings(given))
     return Friedman(statistic=found.statistic, p=found.p_value, n=found.n, reason=found.reason)

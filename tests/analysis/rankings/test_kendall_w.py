@@ -7,7 +7,8 @@ import pytest
 from scipy import stats
 
 from analysis.rankings.kendall_w import kendall_w
-from analysis.rankings.placements import placements
+from analysis.rankings.placements import Placements, placements
+from analysis.rankings.resampled_concordance import resampled_concordance
 from tests.analysis.rankings.made_rankings import CONDITIONS, made_rankings, ranking
 
 ABC = ("a", "b", "c")
@@ -53,3 +54,46 @@ def test_one_participant_agrees_with_nobody():
     found = kendall_w(placements(ranking({"a": 1, "b": 2, "c": 3}), ABC))
     assert found.segments[0].reason == "fewer than two participants with all conditions"
     assert math.isnan(found.mean)
+
+
+def crossed(agreement: float, people: int = 15, things: int = 6, seed: int = 1) -> Placements:
+    chance = np.random.default_rng(seed)
+    worth = agreement * np.arange(4) + chance.gumbel(size=(people * things, 4))
+    who, what = np.divmod(np.arange(people * things), things)
+    return Placements(
+        conditions=tuple("abcd"),
+        given=np.argsort(np.argsort(-worth, axis=1), axis=1) + 1.0,
+        participants=who,
+        segments=what,
+        participant_names=tuple(map(str, range(people))),
+        segment_names=tuple(map(str, range(things))),
+    )
+
+
+def test_its_interval_lies_around_the_mean_and_not_above_it() -> None:
+    """Participants drawn twice agree with themselves; counted, they would raise it."""
+    for agreement in (0.0, 0.5, 2.0):
+        rankings = crossed(agreement)
+        found = kendall_w(rankings)
+
+        assert found.low < found.mean < found.high
+        drawn = resampled_concordance(rankings)
+        assert drawn.mean() == pytest.approx(found.mean, abs=0.02)
+
+
+def test_it_contains_the_truth_in_nearly_all_studies() -> None:
+    truth = np.mean([kendall_w(crossed(0.5, 15, 40, seed), resamples=2).mean for seed in range(20)])
+    inside = []
+    for seed in range(40):
+        found = kendall_w(crossed(0.5, seed=100 + seed), resamples=300)
+        inside.append(found.low <= truth <= found.high)
+
+    assert np.mean(inside) > 0.88
+
+
+def test_one_segment_gives_no_interval_and_says_so() -> None:
+    found = kendall_w(crossed(1.0, things=1))
+
+    assert np.isnan(found.low)
+    assert found.reason == "one segment gives no interval"
+    assert found.mean > 0

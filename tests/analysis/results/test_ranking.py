@@ -50,3 +50,28 @@ def test_an_empty_rank_leaves_a_condition_out_of_its_ranking(tmp_path: Path) -> 
     assert by_name["truth"].n == 12 * 6
     assert by_name["static"].n == 12 * 5
     assert by_name["truth"].remark == "12 of 72 rankings leave conditions out"
+
+
+def test_every_two_conditions_are_compared_after_friedman(tmp_path: Path) -> None:
+    found = results(tmp_path, ranking_table(participants=15))
+
+    assert [(one.a, one.b) for one in found.posthoc] == [
+        ("truth", "ours"),
+        ("truth", "static"),
+        ("ours", "static"),
+    ]
+    for one in found.posthoc:
+        assert one.difference < 0
+        assert one.conover_holm >= one.conover_p
+        assert 0 <= one.nemenyi_p <= 1
+
+
+def test_the_segments_that_were_ranked_are_a_sample_too(tmp_path: Path) -> None:
+    found = results(tmp_path, ranking_table(participants=15))
+
+    fitted = found.plackett_luce["realism"]
+    for name in fitted.worths:  # type: ignore[union-attr]
+        assert fitted.low[name] < fitted.worths[name] < fitted.high[name]  # type: ignore[union-attr]
+    assert "5 degrees of freedom" in fitted.method  # type: ignore[union-attr]
+    agreed = found.kendall_w["realism"]
+    assert agreed.low < agreed.mean < agreed.high  # type: ignore[union-attr]
