@@ -10,7 +10,7 @@ import pandas as pd
 from analysis.results.plain import plain
 from analysis.results.report import TableReport
 
-_PER_REPORT: Final = ("rules", "flow")
+_PER_REPORT: Final = ("rules", "flow", "sensitivity")
 """Lists that every report has, beside what its protocol gives."""
 
 
@@ -22,6 +22,7 @@ def csv_tables(report: TableReport) -> dict[str, pd.DataFrame]:
     rows = {"exclusions": excluded}
     for name in (*_PER_REPORT, *vars(report.results)):
         rows[name] = _rows(results[name], with_sets=bool(report.sets))
+    rows["heterogeneity"] = [row for one in rows["heterogeneity"] for row in _levels(one)]
     for flow in rows["flow"]:
         counts = zip(rules, flow.pop("removed"), strict=True)
         flow |= {f"removed_{place}_{rule}": n for place, (rule, n) in enumerate(counts, start=1)}
@@ -51,6 +52,12 @@ def _of(found: Any, **place: str) -> list[dict[str, Any]]:
     if isinstance(found, list):
         return [place | dict(one) for one in found]
     return [place | dict(found)]
+
+
+def _levels(entry: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return a row for each level of an effect that was taken apart, its test in all of them."""
+    shared = {name: value for name, value in entry.items() if name != "levels"}
+    return [shared | {"level": level["level"]} | level for level in entry["levels"]]
 
 
 def _flat(entry: Mapping[str, Any]) -> dict[str, Any]:

@@ -14,10 +14,12 @@ from analysis.report.content import Page, Section
 from analysis.report.diagnostics_section import diagnostics_section
 from analysis.report.flow_section import flow_section
 from analysis.report.flow_words import flow_line
+from analysis.report.headline.heterogeneity import heterogeneity_section
 from analysis.report.headline.sections import first_picture, headline_sections
 from analysis.report.limits_section import limits_section
 from analysis.report.methods_section import methods_section
 from analysis.report.metric_section import metric_section
+from analysis.report.sensitivity_section import sensitivity_section
 from analysis.report.subject import Subject
 from analysis.report.truth_section import truth_section
 from analysis.results.report import TableReport
@@ -58,6 +60,11 @@ def _sections(
     yield from headline_sections(report, subject)
     for task in more:
         yield from map(partial(_of_task, task), headline_sections(task, subject))
+    yield heterogeneity_section(report, subject)
+    yield sensitivity_section(report, subject)
+    for task in more:
+        further = sensitivity_section(task, subject)
+        yield further and _of_task(task, further)
     yield metric_section(report, subject)
     yield against_people_section(report, subject)
     yield diagnostics_section(report, subject)

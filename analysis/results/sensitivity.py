@@ -66,8 +66,8 @@ class Sensitivity:
         What the number is; the win share is that of a, or of a motion with its own speech.
     analysed : Number
         As reported.
-    as_planned : Number or None
-        By the rules alone that were settled beforehand; None where they leave out the same.
+    as_planned : Number
+        By the rules alone that were settled beforehand.
     everyone : Number
         When nobody is excluded.
     """
@@ -77,8 +77,14 @@ class Sensitivity:
     conditions: tuple[str, ...]
     measure: str
     analysed: Number
-    as_planned: Number | None
+    as_planned: Number
     everyone: Number
+
+    @property
+    def is_as_planned(self) -> bool:
+        """Whether the rules that were settled beforehand give the same as all rules."""
+        # As text, in which a number that does not exist equals another one.
+        return str(self.analysed) == str(self.as_planned)
 
 
 MEASURES: Final[Mapping[str, str]] = MappingProxyType(
@@ -112,7 +118,7 @@ def sensitivity(table: AnswerTable, left_out: LeftOut) -> tuple[Sensitivity, ...
         return ()
     everyone = dict(_numbers(table, left_out.everyone))
     analysed = dict(_numbers(table, left_out.analysed))
-    planned = None if left_out.is_as_planned else dict(_numbers(table, left_out.as_planned))
+    planned = analysed if left_out.is_as_planned else dict(_numbers(table, left_out.as_planned))
     return tuple(
         Sensitivity(
             set=set_name(table, key[0]),
@@ -120,7 +126,7 @@ def sensitivity(table: AnswerTable, left_out: LeftOut) -> tuple[Sensitivity, ...
             conditions=key[2],
             measure=MEASURES[table.protocol],
             analysed=analysed.get(key, _NOBODY),
-            as_planned=None if planned is None else planned.get(key, _NOBODY),
+            as_planned=planned.get(key, _NOBODY),
             everyone=number,
         )
         for key, number in everyone.items()

@@ -47,13 +47,13 @@ def test_every_headline_number_is_given_of_all_three_groups(tmp_path: Path, prot
     each = found(tmp_path, protocol, PLANNED, AFTERWARDS)
     assert each
     for one in each:
-        assert one.as_planned is not None
+        assert not one.is_as_planned
         assert [g.participants for g in (one.analysed, one.as_planned, one.everyone)] == [4, 5, 6]
         assert one.analysed.low < one.analysed.estimate < one.analysed.high
 
 
-def test_as_planned_is_not_repeated_where_it_is_what_is_analysed(tmp_path: Path) -> None:
-    assert {one.as_planned for one in found(tmp_path, "ranking", PLANNED)} == {None}
+def test_as_planned_is_what_is_analysed_where_no_rule_is_exploratory(tmp_path: Path) -> None:
+    assert all(one.is_as_planned for one in found(tmp_path, "ranking", PLANNED))
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,109 @@
+"""The section on how far results depend on who is left out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from analysis.report import wording
+from analysis.report.by_question import question_name
+from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.headline.words import between, counted
+from analysis.report.subject import Subject
+from analysis.results.report import TableReport
+from analysis.results.sensitivity import Number, Sensitivity
+
+_MEASURES = {
+    "pairwise": "win share of the first",
+    "mismatch": "share of preferences for its own speech",
+    "rating": "mean rating",
+    "ranking": "mean rank (1 is best)",
+}
+
+
+def sensitivity_section(report: TableReport, subject: Subject) -> Section | None:
+    """Return the headline numbers with and without exclusions; None where nobody is left out."""
+    del subject
+    if not report.sensitivity:
+        return None
+    is_planned = all(one.is_as_planned for one in report.sensitivity)
+    return Section(
+        anchor="sensitivity",
+        heading="With and without exclusions",
+        paragraphs=(
+            "The same numbers of those who are analysed, and of everybody who answered. Where the "
+            "two differ in what they say, the exclusions decide the result.",
+            *(
+                ()
+                if is_planned
+                else (
+                    "As planned are those whom the rules keep that were settled beforehand; the "
+                    "others, which came afterwards, are exploratory.",
+                )
+            ),
+        ),
+        tables=(_table(report, is_planned),),
+    )
+
+
+def _table(report: TableReport, is_planned: bool) -> Table:
+    groups = ("analysed", *(() if is_planned else ("as planned",)), "nobody excluded")
+    measure = _MEASURES[report.protocol]
+    return Table(
+        caption=f"{wording.heading(measure)}, with its 95 % interval, clustered by participant "
+        "and segment.",
+        groups=(("", 2), *((group, 2) for group in groups)),
+        header=(
+            *("question", "condition" if len(report.sensitivity[0].conditions) == 1 else "pair"),
+            *(heading for _ in groups for heading in ("participants", measure)),
+        ),
+        rows=tuple(_row(one, is_planned) for one in report.sensitivity),
+        text_columns=2,
+        notes=tuple(
+            dict.fromkeys(
+                f"{_of(one)}, {question_name(one.set or '', one.question)}: {number.reason}."
+                for one in report.sensitivity
+                for number in _shown(one, is_planned)
+                if number.reason
+            )
+        ),
+        name="sensitivity_table",
+        data="sensitivity.csv",
+    )
+
+
+def _row(one: Sensitivity, is_planned: bool) -> tuple[Cell, ...]:
+    words = wording.share if one.measure == "win share" else _two_decimals
+    return (
+        *cells(question_name(one.set or "", one.question), _of(one)),
+        *(
+            cell
+            for number in _shown(one, is_planned)
+            for cell in (_people(number), _number(number, words))
+        ),
+    )
+
+
+def _shown(one: Sensitivity, is_planned: bool) -> tuple[Number, ...]:
+    if is_planned:
+        return one.analysed, one.everyone
+    return one.analysed, one.as_planned, one.everyone
+
+
+def _of(one: Sensitivity) -> str:
+    return " – ".join(map(wording.name, one.conditions))
+
+
+def _people(number: Number) -> Cell:
+    return Cell(text=str(number.participants), value=number.participants)
+
+
+def _number(number: Number, words: Callable[[float], str]) -> Cell:
+    text = words(number.estimate)
+    if not math.isnan(number.low):
+        text = f"{text}{wording.NO_BREAK}{between(words(number.low), words(number.high))}"
+    return counted(number.estimate, text)
+
+
+def _two_decimals(value: float) -> str:
+    return wording.fixed(value, 2)
