@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from analysis.equivalence import Equivalence, equivalence
+from analysis.results.estimate import Estimate
 from analysis.results.place import PairPlace
 
 
@@ -34,6 +35,60 @@ class Equivalent(PairPlace):
     verdict: str
     method: str
     reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class MarginTest:
+    """Two one-sided tests of another estimate of the same difference.
+
+    Attributes
+    ----------
+    estimate, low, high, p : float
+        As in `Equivalent`.
+    verdict, method, reason : str
+        As in `Equivalent`.
+    """
+
+    estimate: float
+    low: float
+    high: float
+    p: float
+    verdict: str
+    method: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class RatedEquivalent(Equivalent):
+    """Two one-sided tests of participants' means, which take the segments as the only ones.
+
+    Attributes
+    ----------
+    two_way : MarginTest
+        Of the mean difference of paired ratings, for which segments are a sample too; the
+        headline.
+    """
+
+    two_way: MarginTest
+
+
+def margin_test(difference: Estimate, margin: float) -> MarginTest:
+    """Test a two-way clustered difference against a margin."""
+    found = equivalence(
+        difference.estimate,
+        difference.se,
+        margin,
+        freedom=max(1, min(difference.participants, difference.segments) - 1),
+    )
+    return MarginTest(
+        estimate=found.estimate,
+        low=found.low,
+        high=found.high,
+        p=found.p_value,
+        verdict=found.verdict,
+        method=f"{found.method}, {difference.method}" if found.method else "",
+        reason=difference.reason or found.reason,
+    )
 
 
 def equivalent(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -15,7 +15,7 @@ from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
-from analysis.results.margin import Equivalent, within_margin
+from analysis.results.margin import RatedEquivalent, margin_test, within_margin
 from analysis.results.place import ConditionPlace, PairPlace
 from analysis.results.rating_contrasts import (
     RatingContrast,
@@ -73,7 +73,7 @@ class RatingResults:
         See `ByQuestion`.
     contrasts : tuple of RatingContrast
         In the order of sets, questions and conditions.
-    equivalence : tuple of Equivalent
+    equivalence : tuple of RatedEquivalent
         Of participants' mean ratings; empty where no margin was stated.
     heterogeneity : tuple of PairHeterogeneity
         Differences of paired ratings by emotion, speaker and segment.
@@ -84,7 +84,7 @@ class RatingResults:
     contrasts: tuple[RatingContrast, ...]
     agreement: ByQuestion[Agreement]
     test_retest: ByQuestion[TestRetest]
-    equivalence: tuple[Equivalent, ...]
+    equivalence: tuple[RatedEquivalent, ...]
     heterogeneity: tuple[PairHeterogeneity, ...]
 
 
@@ -105,7 +105,7 @@ def rating_results(
     analysed = left_out.analysed
     conditions: list[RatedCondition] = []
     differences: list[RatingContrast] = []
-    equivalents: list[Equivalent] = []
+    equivalents: list[RatedEquivalent] = []
     apart: list[PairHeterogeneity] = []
     models: dict[tuple[str, str], RatingModel] = {}
     for name, question, answers in parts(table, analysed):
@@ -121,7 +121,8 @@ def rating_results(
         )
         apart += _heterogeneity(of, question, answers, shown)
         if margin is not None:
-            equivalents += _equivalents(of, question, answers, shown, margin)
+            own = [one for one in differences if (one.set, one.question) == (of, question)]
+            equivalents += _equivalents(answers, own, margin)
     return RatingResults(
         conditions=tuple(conditions),
         clmm=nested(table, models),
@@ -165,19 +166,21 @@ def _condition(of: str | None, question: str, found: RatingSummary) -> RatedCond
 
 
 def _equivalents(
-    of: str | None, question: str, answers: pd.DataFrame, shown: tuple[str, ...], margin: float
-) -> list[Equivalent]:
-    """Test the means of those participants who rated both conditions."""
+    answers: pd.DataFrame, contrasts: Sequence[RatingContrast], margin: float
+) -> list[RatedEquivalent]:
+    """Test the means of those participants who rated both conditions, and paired ratings."""
     means = answers.pivot_table(
         index="participant", columns="condition", values="value", aggfunc="mean", observed=True
     )
-    return [
-        within_margin(
-            equivalence_of_means((means[a] - means[b]).dropna().to_numpy(np.float64), margin),
-            PairPlace(set=of, a=a, b=b, question=question),
+    found = []
+    for one in contrasts:
+        differences = (means[one.a] - means[one.b]).dropna().to_numpy(np.float64)
+        place = PairPlace(set=one.set, a=one.a, b=one.b, question=one.question)
+        by_person = within_margin(equivalence_of_means(differences, margin), place)
+        found.append(
+            RatedEquivalent(**vars(by_person), two_way=margin_test(one.difference, margin))
         )
-        for a, b in combinations(shown, 2)
-    ]
+    return found
 
 
 def _heterogeneity(

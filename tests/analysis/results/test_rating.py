@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.preferences.win_share import holm
 from analysis.results.rating import RatingResults
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import rating_table
@@ -72,3 +73,30 @@ def test_scores_that_nobody_gave_are_counted_as_none(tmp_path: Path) -> None:
     found = results(tmp_path, table.assign(response=table["response"].clip(2, 4)))
     assert list(found.conditions[0].counts) == [1, 2, 3, 4, 5]
     assert found.conditions[0].counts[5] == 0
+
+
+def test_paired_differences_lead_and_have_a_family_of_their_own(tmp_path: Path) -> None:
+    table = rating_table(("x", "y", "z"), ("match", "style"), participants=8, segments=5)
+    found = results(tmp_path, table).contrasts
+
+    assert [one.difference.p_holm for one in found] == pytest.approx(
+        holm([one.difference.p for one in found])
+    )
+    for one in found:
+        own = table[table["question"] == one.question].pivot(
+            index=["participant", "segment"], columns="condition", values="response"
+        )
+        assert one.difference.estimate == pytest.approx((own[one.a] - own[one.b]).mean())
+        assert one.difference.n == 40
+        assert one.difference.low < one.difference.estimate < one.difference.high
+
+
+def test_equivalence_is_tested_with_segments_as_a_sample_too(tmp_path: Path) -> None:
+    table = rating_table(("x", "y"), participants=10, segments=6)
+    found = results(tmp_path, table, margin=0.4)
+
+    [one], [contrast] = found.equivalence, found.contrasts
+    assert one.two_way.estimate == pytest.approx(contrast.difference.estimate)
+    assert one.two_way.high - one.two_way.low < contrast.difference.high - contrast.difference.low
+    inside = one.two_way.low > -0.4 and one.two_way.high < 0.4
+    assert one.two_way.verdict.startswith("equivalent") == inside
