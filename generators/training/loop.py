@@ -89,7 +89,7 @@ def train(
     TrainingStopped
         After Ctrl-C, or a request to end: the state is saved.
     """
-    _check_device(task.device)
+    check_device(task.device)
     with torch.random.fork_rng(), _repeatable():
         torch.manual_seed(config.seed)
         return _Run(task, config, folder, show or (lambda done, total, detail: None)).finish()
@@ -213,7 +213,8 @@ def _optimizer(network: nn.Module, config: TrainingConfig) -> Optimizer:
     )
 
 
-def _check_device(device: str) -> None:
+def check_device(device: str) -> None:
+    """Raise `InputError` where `device` is neither ``cpu`` nor a ``cuda`` that is there."""
     if device not in ("cpu", "cuda"):
         raise InputError(f"unknown device {device!r}", remedy="Use cpu or cuda")
     if device == "cuda" and not torch.cuda.is_available():

@@ -183,9 +183,17 @@ def _say(trained: TrainedEvaluator, target: Path) -> None:
             f"{found['accuracy']:.3f}; always naming the most frequent: "
             f"{found['largest_share']:.3f}."
         )
+        learned = found["accuracy"] > found["largest_share"]
     else:
         click.echo(
             f"Rebuilds what was kept back with an error of {found['error']:.3f} deviations; always "
             f"the mean pose: {found['error_of_mean']:.3f}."
+        )
+        learned = found["error"] < found["error_of_mean"]
+    if not learned:
+        click.echo(
+            "It does no better than that on recordings that it never saw, so its scores say "
+            "little: give more recordings, or more steps.",
+            err=True,
         )
     click.echo(f"Wrote {target}, with the weights of step {facts.training.best_step}")

@@ -39,7 +39,7 @@ from analysis.metrics.networks.training_clips import (
     read_training_clips,
 )
 from generators.training.config import TrainingConfig
-from generators.training.loop import Show, Trained, train
+from generators.training.loop import Show, Trained, check_device, train
 from generators.training.run_folder import RunFolder
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -165,6 +165,7 @@ def train_evaluator(
     TrainingStopped
         After Ctrl-C; the state is saved.
     """
+    check_device(request.device)
     config = SIZES[request.kind][request.size]
     seer = _Seer(request, config.frame_rate)
     clips = read_training_clips(
@@ -198,7 +199,7 @@ def train_evaluator(
         seed=request.training.seed,
         device=request.device,
     )
-    _check_windows(parts, config)
+    _check_windows(parts, config, clips)
     trained = _trained(request, design, parts, clips, folder, show_training)
     facts = EvaluatorFacts.of(
         design,
@@ -254,19 +255,29 @@ class _Seer:
 def _check_clips(clips: TrainingClips, labels: tuple[str, ...], kind: Kind) -> None:
     """Raise where there is nothing to learn."""
     if not clips.sources:
-        first = f", such as {clips.skipped[0]}" if clips.skipped else "."
         raise InputError(
-            f"none of the {len(clips.skipped)} clips can be used{first.rstrip('.')}",
+            f"there is no clip to learn from{_left_out(clips)}",
             remedy="Give recordings that hold what the network looks at, of a window's length",
         )
     if kind == "emotion" and len(labels) < 2:
         raise InputError(
-            f"all {len(clips.sources)} clips show one emotion, {labels[0]!r}",
+            f"all {len(clips.sources)} clips show one emotion, {labels[0]!r}{_left_out(clips)}",
             remedy="Give recordings of two emotions or more, or train a network of another kind",
         )
 
 
-def _check_windows(parts: Split, config: EmotionConfig | AutoencoderConfig) -> None:
+def _left_out(clips: TrainingClips) -> str:
+    """Return how many clips could not be used, and why the first could not, behind a clause."""
+    if not clips.skipped:
+        return ""
+    count = len(clips.skipped)
+    first = f"{clips.skipped[0].where}: {clips.skipped[0].what}"
+    return f"; {count} could not be used ({first}{', for one' if count > 1 else ''})"
+
+
+def _check_windows(
+    parts: Split, config: EmotionConfig | AutoencoderConfig, clips: TrainingClips
+) -> None:
     """Raise where there is too little to learn from, or to tell how well it was learned."""
     for found, needed, what in (
         (len(parts.training), FEWEST_WINDOWS, "to learn from"),
@@ -275,7 +286,7 @@ def _check_windows(parts: Split, config: EmotionConfig | AutoencoderConfig) -> N
         if found < needed:
             raise InputError(
                 f"the clips make {found} windows of {config.seconds:.4g} s {what}, and a network "
-                f"needs {needed}",
+                f"needs {needed}{_left_out(clips)}",
                 remedy="Give more recordings, or longer ones",
             )
 
