@@ -220,7 +220,7 @@ def _analysed(
 
 def _with_exclusions(rows: pd.DataFrame, left_out: LeftOut) -> bytes:
     """Return a table as a CSV file that says who is left out and why."""
-    excluded = rows["participant"].map(left_out.exclusions).fillna("")
+    excluded = [left_out.exclusions.get(who, "") for who in rows["participant"].tolist()]
     return rows.assign(excluded=excluded).to_csv(index=False, lineterminator="\n").encode()
 
 

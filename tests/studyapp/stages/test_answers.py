@@ -6,7 +6,6 @@ import pandas as pd
 import pytest
 from sqlalchemy import select
 
-from analysis.responses import read_responses
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import StudySession
 from studyapp.services.database import Database, sqlite_url
@@ -67,9 +66,9 @@ def test_export_writes_either_the_real_answers_or_the_rehearsals(
     answer_once(folder, folder.rehearsal)
 
     assert export(folder, tmp_path / "real.csv", rehearsal=False) == 0
-    assert read_responses(tmp_path / "real.csv").empty
+    assert pd.read_csv(tmp_path / "real.csv").empty
     assert export(folder, tmp_path / "rehearsed.csv", rehearsal=True) == 2
-    assert len(read_responses(tmp_path / "rehearsed.csv")) == 2
+    assert len(pd.read_csv(tmp_path / "rehearsed.csv")) == 2
 
 
 def test_the_export_says_beside_the_answers_how_the_videos_were_watched(
@@ -96,15 +95,15 @@ def test_a_table_that_became_empty_is_not_left_as_it_was(
     assert pd.read_csv(earlier).empty
 
 
-def test_the_answers_of_an_unfinished_study_session_do_not_count_as_completed(
-    folder: StudyFolder,
-) -> None:
+def test_an_unfinished_study_session_does_not_count_as_completed(folder: StudyFolder) -> None:
     answer_once(folder, folder.responses)
 
     answers = answers_to_report(folder)
 
-    assert answers.opened() == {"rule_based-mismatched": 1}
-    assert answers.completed() == frozenset()
+    assert answers.stored is not None
+    assert answers.stored.study_sessions["completed"].tolist() == [False]
+    assert answers.stored.study_sessions["arm"].tolist() == ["rule_based-mismatched"]
+    assert answers.stored.study_sessions["settled"].tolist() == [1]
 
 
 def test_what_was_kept_of_who_withdrew_is_exported_apart(
@@ -122,4 +121,7 @@ def test_what_was_kept_of_who_withdrew_is_exported_apart(
 
     assert export(folder, tmp_path / "responses.csv") == 0
     assert export(folder, tmp_path / "withdrawn.csv", withdrawn=True) == 2
-    assert answers_to_report(folder).responses.empty
+    stored = answers_to_report(folder).stored
+    assert stored is not None
+    assert stored.answers.empty
+    assert stored.study_sessions["withdrawn"].tolist() == [True]

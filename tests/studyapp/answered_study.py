@@ -1,0 +1,76 @@
+"""Participants who answer a whole study by chance, straight through the services."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from studyapp.services.answering import answer
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.taking_part import ShownTrial
+from studyapp.services.versions import open_study
+from studyapp.services.watching import record_watched
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+def answer_study(
+    folder: Path, *, people: int, seed: int = 1, stop_after: int | None = None
+) -> None:
+    """Let `people` take part in the study in `folder`; the last one stops after some trials."""
+    database = Database.open(sqlite_url(folder / "responses.db"))
+    served = ServedStudy.read(folder)
+    clock = SetClock()
+    open_study(database, served, clock)
+    chance = np.random.default_rng(seed)
+    for number in range(people):
+        participant = Participant(database, served, clock).enrol(f"visit{number}").begin()
+        trials = stop_after if number == people - 1 else None
+        _take(participant, chance, trials)
+    database.close()
+
+
+def _take(participant: Participant, chance: np.random.Generator, trials: int | None) -> None:
+    while trials is None or trials > 0:
+        shown = participant.look().trial
+        if shown is None:
+            return
+        participant.clock.advance(seconds=10)
+        for video in shown.videos:
+            record_watched(
+                participant.database,
+                participant.served,
+                participant.token,
+                video.token,
+                batch=0,
+                intervals=[(0.0, video.duration)],
+                clock=participant.clock,
+            )
+        answer(
+            participant.database,
+            participant.served,
+            participant.token,
+            shown.token,
+            _answers(shown, chance),
+            participant.clock,
+        )
+        trials = None if trials is None else trials - 1
+
+
+def _answers(shown: ShownTrial, chance: np.random.Generator) -> dict[str, list[str]]:
+    """Return answers by chance: of what is ranked, an order for each question."""
+    questions = dict.fromkeys(ask.question for ask in shown.asks)
+    orders = {
+        name: iter(chance.permutation(len(shown.asks) // len(questions))) for name in questions
+    }
+    ranked = all(
+        ask.stimulus is not None and len(ask.values) * len(questions) == len(shown.asks)
+        for ask in shown.asks
+    )
+    return {
+        ask.field: [
+            str(int(next(orders[ask.question])) + 1 if ranked else int(chance.choice(ask.values)))
+        ]
+        for ask in shown.asks
+    }
