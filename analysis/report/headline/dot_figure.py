@@ -129,11 +129,11 @@ def round_ticks(limits: tuple[float, float], *, most: int = 5) -> dict[float, st
     """Return at most so many round numbers within an axis, and how they are written."""
     wide = limits[1] - limits[0]
     step = 10.0 ** math.floor(math.log10(wide / most))
-    step = next(step * k for k in (1, 2, 5, 10) if wide / (step * k) <= most)
+    step = next(step * k for k in (1, 2, 5, 10) if wide / (step * k) <= most + 1e-6)
     places = max(0, -math.floor(math.log10(step)))
-    first = math.ceil(limits[0] / step)
+    first = math.ceil(limits[0] / step - 1e-6)
     found = {}
-    for number in range(first, math.floor(limits[1] / step) + 1):
+    for number in range(first, math.floor(limits[1] / step + 1e-6) + 1):
         value = round(number * step, 10)
         found[value] = f"{value:.{places}f}".replace("-", "−")
     return found

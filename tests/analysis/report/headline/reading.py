@@ -1,0 +1,63 @@
+"""What figures and tables say, for tests to compare with the results."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from bs4 import BeautifulSoup, Tag
+
+from analysis.report.content import Picture, Section, Table
+
+SCALE = ("very unnatural", "not realistic", "looks OK", "looks good", "looks great")
+
+
+def drawn(picture: Picture) -> Tag:
+    """Return a figure's element."""
+    found = BeautifulSoup(picture.svg, "html.parser").svg
+    assert found is not None
+    return found
+
+
+def words(picture: Picture) -> list[str]:
+    """Return what is written in a figure, from the one drawn first."""
+    return [text.get_text() for text in drawn(picture)("text")]
+
+
+def hints(picture: Picture) -> list[str]:
+    """Return what a reader sees who points at a figure's parts, without the figure's own title."""
+    return [title.get_text() for title in drawn(picture)("title")][1:]
+
+
+def told(picture: Picture) -> str:
+    """Return a figure's text alternative."""
+    found = drawn(picture).desc
+    assert found is not None
+    return found.get_text()
+
+
+def edges(picture: Picture, ids: Iterable[str]) -> list[tuple[float, float]]:
+    """Return where parts of a figure begin and end, from left to right."""
+    found = []
+    for name in ids:
+        part = drawn(picture).find(id=f"{picture.name}-{name}")
+        assert isinstance(part, Tag)
+        assert part.path is not None
+        places = [float(x) for x in re.findall(r"[ML] ([-\d.]+)", str(part.path["d"]))]
+        found.append((min(places), max(places)))
+    return found
+
+
+def named_picture(section: Section, name: str) -> Picture:
+    """Return one of a section's figures."""
+    return next(picture for picture in section.pictures if picture.name == name)
+
+
+def named_table(section: Section, name: str) -> Table:
+    """Return one of a section's tables."""
+    return next(table for table in section.tables if table.name == name)
+
+
+def texts(table: Table) -> list[list[str]]:
+    """Return what a table's cells say."""
+    return [[cell.text for cell in row] for row in table.rows]
