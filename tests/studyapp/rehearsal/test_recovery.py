@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.exclusions.study_sessions import ExclusionResult, exclude, failed_catch_trials
-from analysis.preferences.win_share import Preference, compare
-from analysis.responses import responses_frame
+from analysis.results.estimate import Estimate
+from analysis.results.left_out import LeftOut, leave_out
+from analysis.results.preference import win_share
+from analysis.results.sided import sided
+from analysis.tables.answers import AnswerTable
+from analysis.tables.cells import Cells
+from analysis.tables.layouts import PAIRWISE
+from analysis.tables.reading import Order, answers_in
 from motion.segment import EMOTIONS, Segment
 from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
 from studyapp.rehearsal.judgement import judge
@@ -20,14 +25,13 @@ from studyapp.rehearsal.sight import SeenTrial
 from studyapp.rehearsal.truth import expectations
 from tests.studyapp.made_study import pair_plan
 
-NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 SEGMENTS = tuple(
     Segment(name=emotion, wav="a.wav", start=0, end=5, speaker="a", emotion=emotion)
     for emotion in EMOTIONS
 )
 
 
-def simulated(study: PairwiseStudy, population: Population, seed: int) -> pd.DataFrame:
+def simulated(study: PairwiseStudy, population: Population, seed: int) -> AnswerTable:
     """Return what a rehearsal of `study` stores, without the server in between."""
     rows = []
     for other in study.others:
@@ -40,39 +44,43 @@ def simulated(study: PairwiseStudy, population: Population, seed: int) -> pd.Dat
                 )
                 given = judge(study, rater, seen).values
                 left, right = trial.conditions
-                catch = trial.kind == "catch"
                 rows.extend(
                     {
-                        "study_session": rater.name,
-                        "comparison": comparison,
-                        "reference": study.catch_against if catch else study.reference,
-                        "other": study.catch.condition if catch else other,
+                        "participant": rater.name,
                         "segment": trial.segment.name,
-                        "emotion": trial.segment.emotion,
-                        "speaker": trial.segment.speaker,
-                        "kind": trial.kind,
-                        "position": trial.position,
                         "question": question.name,
-                        "left_condition": left,
-                        "right_condition": right,
-                        "value": given[question.name, None],
-                        "expected": {None: "", 1: "left", 2: "right"}[trial.expected],
-                        "seconds": 1.0,
-                        "watched": 1.0,
-                        "answered_at": NOON,
+                        "trial": str(trial.position),
+                        "kind": trial.kind,
+                        "left": left,
+                        "right": right,
+                        "response": str(given[question.name, None] + 3),
+                        "correct_side": {None: "", 1: "left", 2: "right"}[trial.expected],
                     }
                     for question in study.questions
                 )
-    return responses_frame(rows)
+    cells = Cells(
+        path=Path("answers.csv"),
+        rows=pd.DataFrame(rows, dtype=str),
+        numbers=pd.RangeIndex(len(rows)) + 2,
+        ignored=(),
+    )
+    return answers_in(cells, PAIRWISE, Order(conditions=(study.reference, *study.others)))
 
 
-def analysed(
-    study: PairwiseStudy, responses: pd.DataFrame
-) -> tuple[ExclusionResult, list[Preference]]:
-    kept = exclude(responses, [failed_catch_trials(study.catch.max_failed)])
-    pairs = [(comparison_name(study.reference, o), study.reference, o) for o in study.others]
-    questions = [question.name for question in study.questions]
-    return kept, list(compare(kept.analysed, pairs, questions))
+def without_the_excluded(study: PairwiseStudy, table: AnswerTable) -> LeftOut:
+    return leave_out(table, [rule.made() for rule in study.settled_exclusions])
+
+
+def reference_share(
+    study: PairwiseStudy, answers: pd.DataFrame, about: str, question: str
+) -> Estimate:
+    """Return the win share of the reference in the comparison named `about`."""
+    [other] = [o for o in study.others if comparison_name(study.reference, o) == about]
+    own = answers[
+        (answers["question"] == question)
+        & ((answers["left"] == other) | (answers["right"] == other))
+    ]
+    return win_share(sided(own, (own["right"] == study.reference).to_numpy(bool)))
 
 
 @pytest.mark.slow
@@ -82,13 +90,10 @@ def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
     held = []
     for seed in range(30):
         truth = expectations(study, SEGMENTS, population=population, seed=seed)
-        _, found = analysed(study, simulated(study, population, seed))
-        for entry, preference in zip(truth, found, strict=True):
-            assert (entry.about, entry.question) == (
-                preference.comparison,
-                preference.question,
-            )
-            share = preference.win_share
+        assert len(truth) == len(study.others) * len(study.questions)
+        kept = without_the_excluded(study, simulated(study, population, seed)).analysed
+        for entry in truth:
+            share = reference_share(study, kept, entry.about, entry.question)
             held.append(share.low <= entry.value <= share.high)
     assert 0.92 <= np.mean(held) <= 0.99
 
@@ -96,8 +101,7 @@ def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
 def test_catch_trials_tell_inattentive_raters_from_attentive_ones(
     study: PairwiseStudy, population: Population
 ) -> None:
-    kept, _ = analysed(study, simulated(study, population, 1))
-    excluded = {exclusion.study_session for exclusion in kept.exclusions}
+    excluded = set(without_the_excluded(study, simulated(study, population, 1)).exclusions)
     names = [
         f"{comparison_name(study.reference, other)} {number}"
         for other in study.others
