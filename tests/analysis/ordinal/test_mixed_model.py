@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from analysis.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
+from analysis.ordinal.thresholds import Structure
 from motion.errors import InputError
 from tests.analysis.ordinal.made_answers import made_answers
 
@@ -63,6 +64,32 @@ def test_without_random_effects_it_agrees_with_clm(link: str) -> None:
     assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-6)
     for name in covariates:
         assert found.estimates[name] == pytest.approx(expected["beta"][f"method{name}"], abs=1e-5)
+
+
+@with_reference
+@pytest.mark.parametrize(
+    ("structure", "name"),
+    [
+        ("symmetric around zero", "symmetric2"),
+        ("symmetric", "symmetric"),
+        ("flexible", "flexible"),
+    ],
+)
+def test_thresholds_of_graded_preferences_agree_with_clm(structure: Structure, name: str) -> None:
+    answers = pd.read_csv(REFERENCE / "comparisons.csv")
+    expected = json.loads((REFERENCE / "bradley_terry.json").read_text("utf-8"))["graded_clm"][name]
+    covariates = {
+        condition: (answers["left"] == condition).to_numpy(float)
+        - (answers["right"] == condition).to_numpy(float)
+        for condition in expected["beta"]
+    }
+
+    found = fit(answers["pref_left"].to_numpy(int), covariates, structure=structure)
+
+    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-6)
+    assert found.estimates == pytest.approx(expected["beta"], abs=1e-4)
+    if "se" in expected:
+        assert found.standard_errors == pytest.approx(expected["se"], abs=1e-4)
 
 
 def test_it_finds_what_was_put_in() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analysis.ordinal.mixed_model import RandomEffect, fit
-from analysis.ratings.contrasts import contrasts, effects_around_the_average
+from analysis.ratings.contrasts import contrasts, effects_around_the_average, tukey_p
 from tests.analysis.ratings.made_ratings import CONDITIONS, made_ratings
 from tests.analysis.reference import reference_ratings, with_reference
 
@@ -38,13 +38,15 @@ def test_they_agree_with_emmeans_for_r():
 
     found = contrasts(fitted(tidy, order, reference="Ours"), order)
 
-    rows = zip(found, reference["emmeans_pairs_unadjusted"], reference["emmeans_holm"], strict=True)
-    for contrast, plain, holm in rows:
+    names = ("pairs_unadjusted", "holm", "tukey")
+    rows = zip(found, *(reference[f"emmeans_{name}"] for name in names), strict=True)
+    for contrast, plain, holm, tukey in rows:
         assert f"{contrast.a} - {contrast.b}" == plain["contrast"] == holm["contrast"]
         assert contrast.estimate == pytest.approx(plain["estimate"], abs=1e-4)
         assert contrast.standard_error == pytest.approx(plain["SE"], abs=1e-4)
         assert contrast.p_value == pytest.approx(plain["p.value"], rel=2e-2)
         assert contrast.holm_p == pytest.approx(holm["p.value"], rel=2e-2)
+        assert tukey_p(contrast, 4) == pytest.approx(tukey["p.value"], rel=2e-2)
         assert contrast.odds_ratio == pytest.approx(math.exp(plain["estimate"]), rel=1e-3)
 
 
