@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from analysis.preferences.win_share import holm
+from analysis.holm import holm
 from analysis.published.amuse_study import PAIRS, TABLE_A5, Claim, PrintedPreference
 from analysis.published.pooled import pooled_tests
 from analysis.published.rounded import counts_behind

@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 from scipy import stats
 
-from analysis.preferences.win_share import holm
+from analysis.holm import holm
 from analysis.rankings.friedman import Blocks, friedman
 from analysis.robustness.wilcoxon import SignedRank, signed_rank
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.heterogeneity.between import Between, between_groups, between_segments
 from analysis.heterogeneity.cells import Cell, cells
-from analysis.preferences.win_share import holm
+from analysis.holm import holm
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import codes
 from analysis.results.place import ConditionPlace, PairPlace

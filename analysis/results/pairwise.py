@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.preferences.win_share import holm
+from analysis.holm import holm
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name

@@ -10,8 +10,8 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
+from analysis.holm import holm
 from analysis.ordinal.mixed_model import OrdinalFit
-from analysis.preferences.win_share import holm
 from analysis.ratings.cliffs_delta import cliffs_delta
 from analysis.ratings.contrasts import Contrast, contrasts
 from analysis.ratings.differences import RatedCells, mean_differences, rated_cells

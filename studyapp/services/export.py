@@ -8,7 +8,6 @@ import pandas as pd
 from sqlalchemy import ColumnElement, select
 from sqlalchemy.orm import selectinload
 
-from analysis.responses import COLUMNS
 from studyapp.models import FormAnswer, StudySession, Trial, TrialStimulus, Video
 from studyapp.services.database import Database
 from studyapp.services.sitting import state_of
@@ -25,7 +24,9 @@ PAIR_COLUMNS: Final = (
 )
 
 EXPORT_COLUMNS: Final = (
-    *COLUMNS,
+    *("study_session", "comparison", "reference", "other", "segment", "emotion", "speaker"),
+    *("kind", "position", "question", "left_condition", "right_condition", "value"),
+    *("expected", "seconds", "watched", "answered_at", "instructed"),
     "version",
     "arm",
     "part",
@@ -36,7 +37,7 @@ EXPORT_COLUMNS: Final = (
     "right_speech",
     "reasons",
 )
-"""What the analysis reads, and what other protocols have to say beside it."""
+"""What all protocols have to say; where one has nothing to say, its columns are empty."""
 
 STUDY_SESSION_COLUMNS: Final = (
     "study_session",

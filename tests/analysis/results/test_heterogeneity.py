@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.preferences.win_share import holm
+from analysis.holm import holm
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import TABLES
 

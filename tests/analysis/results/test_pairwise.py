@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.holm import holm
 from analysis.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
 from analysis.preferences.clustered import clustered_mean
-from analysis.preferences.win_share import holm
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport, analyse_table
 from tests.analysis.results.made_tables import catch_rows, pairwise_table
