@@ -16,6 +16,7 @@ Floats = NDArray[np.float64]
 
 ITSELF = "it is what the metric measures nearness to"
 NOT_MEASURED = "the metric was not measured"
+NOTHING_RECORDED = "recorded motion, which nearness is measured to, has no score"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,6 +126,8 @@ def metric_sides(
         for place, condition in enumerate(conditions):
             if near and condition == recorded:
                 left_out[place] = ITSELF
+            elif near and math.isnan(known):
+                left_out[place] = NOTHING_RECORDED
             elif math.isnan(whole[place]):
                 its = scores.get((score.name, condition))
                 left_out[place] = (its.reason if its else "") or NOT_MEASURED

@@ -39,6 +39,8 @@ def within_conditions(found: Tallies, metric: MetricSide) -> WithinCorrelation:
     """
     if metric.clips is None:
         return _none("the metric scores whole conditions, not clips")
+    if not len(metric.present):
+        return _none("no condition has a usable score")
     sums, answers = found.cells
     scores = _scores_of_groups(found, metric, metric.clips)
     usable = (answers > 0) & ~np.isnan(scores)

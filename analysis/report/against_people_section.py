@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
+from analysis.against_people.over_conditions import FEWEST_FOR_INTERVAL
 from analysis.against_people.result import (
     AgainstPeople,
     MetricAgainstPeople,
@@ -13,19 +15,38 @@ from analysis.against_people.result import (
     SamplingRange,
     WithinCorrelation,
 )
+from analysis.metrics.paper_tables import PAPER_TABLES
 from analysis.report import wording
 from analysis.report.agreement_figure import MOST, agreement_figure
 from analysis.report.by_question import each_question, question_name
 from analysis.report.content import Cell, Picture, Section, Table
-from analysis.report.headline.dot_figure import Dot, dot_pictures
-from analysis.report.headline.panels import RowName, Scale
+from analysis.report.correlation_figure import (
+    correlation_figure,
+    correlation_words,
+    interval_words,
+    one_word,
+)
 from analysis.report.metric_ranking import ARROWS
+from analysis.report.metric_section import PAPER_OF, is_detail
 from analysis.report.subject import Subject
 from analysis.results.report import TableReport
 from motion.listing import listed
 
-Found = tuple[str, AgainstPeople]
-"""A question, with its set where there are any, and what was found."""
+
+@dataclass(frozen=True, kw_only=True)
+class _Question:
+    """What was found about one question, without metrics that have no score or are details."""
+
+    set: str
+    question: str
+    found: AgainstPeople
+    metrics: tuple[MetricAgainstPeople, ...]
+
+    @property
+    def name(self) -> str:
+        """Question, and set before it where there are any."""
+        return question_name(self.set, self.question)
+
 
 _UPRIGHT: Final = {
     "pairwise": "strength (logits)",
@@ -42,26 +63,31 @@ _READING: Final = tuple(
         "of a comparison, the difference of two scores beside the win share",
     )
 )
-_TAU: Final = "over conditions (τ-b)"
-_WITHIN: Final = "within conditions (r)"
+_FILE: Final = "metrics-against-people.csv"
+_MOST_NAMED: Final = 5
 
 
 def against_people_section(report: TableReport, subject: Subject) -> Section | None:
     """Return how metrics and preferences agree; None where nothing was measured or answered."""
-    found: list[Found] = [
-        (question_name(of, question), one)
+    asked = [
+        _Question(
+            set=of,
+            question=question,
+            found=one,
+            metrics=tuple(
+                metric
+                for metric in one.metrics
+                if metric.conditions and not is_detail(metric.metric, report.protocol)
+            ),
+        )
         for of, question, one in each_question(report.metrics_against_people, report.sets)
     ]
-    if not found:
+    if not asked:
         return None
     heading = "Do the metrics agree with people?"
-    measured = [(question, one) for question, one in found if one.metrics]
+    measured = [one for one in asked if one.metrics]
     if not measured:
-        return Section(
-            anchor="against-people",
-            heading=heading,
-            paragraphs=tuple(dict.fromkeys(f"{_sentence(one.reason)}" for _, one in found)),
-        )
+        return Section(anchor="against-people", heading=heading, paragraphs=(_nothing(asked),))
     return Section(
         anchor="against-people",
         heading=heading,
@@ -75,6 +101,13 @@ def against_people_section(report: TableReport, subject: Subject) -> Section | N
     )
 
 
+def _nothing(asked: Sequence[_Question]) -> str:
+    reasons = dict.fromkeys(one.found.reason for one in asked if one.found.reason)
+    if reasons:
+        return _sentence("; ".join(reasons))
+    return "No metric has a score of the conditions that were judged: there is nothing to compare."
+
+
 def how_little(found: SamplingRange) -> str:
     """Return in a sentence how little so many conditions can say."""
     inside = (
@@ -84,17 +117,17 @@ def how_little(found: SamplingRange) -> str:
     )
     return (
         f"With {found.conditions} conditions, a true Kendall's τ of {wording.share(found.tau)} "
-        f"would show as anything from {wording.share(found.low)} to {_one(found.high)} in 95 of "
-        f"100 studies, even if preferences and scores were known without error{inside}."
+        f"would show as anything from {one_word(found.low)} to {one_word(found.high)} in 95 of 100 "
+        f"studies, even if preferences and scores were known without error{inside}."
     )
 
 
-def _how_little(found: Sequence[Found]) -> Iterator[str]:
+def _how_little(asked: Sequence[_Question]) -> Iterator[str]:
     ranges = {
-        one.sampling_range.conditions: one.sampling_range for _, one in found if one.sampling_range
+        one.found.conditions: one.found.sampling_range for one in asked if one.found.sampling_range
     }
-    for one in ranges.values():
-        yield how_little(one)
+    for found in ranges.values():
+        yield how_little(found)
     if not ranges:
         yield (
             "Two conditions always agree with a metric entirely or not at all, so there is no "
@@ -102,38 +135,54 @@ def _how_little(found: Sequence[Found]) -> Iterator[str]:
         )
 
 
-def _decided(found: Sequence[Found]) -> str:
+def _decided(asked: Sequence[_Question]) -> str:
     """Return which intervals leave out zero."""
-    over = [
-        f"{metric.metric} on {question} ({_estimate(metric.kendall)})"
-        for question, one in found
-        for metric in one.metrics
-        if _excludes_zero(metric.kendall)
+    over = [(one, metric, metric.kendall) for one in asked for metric in one.metrics]
+    within = [(one, metric, metric.within) for one in asked for metric in one.metrics]
+    sentences = [
+        _leaving_out_zero("over conditions", over),
+        _leaving_out_zero("within conditions", within),
     ]
-    within = [
-        f"{metric.metric} on {question} ({_estimate(metric.within)})"
-        for question, one in found
-        for metric in one.metrics
-        if _excludes_zero(metric.within)
-    ]
-    tried = sum(len(one.metrics) for _, one in found)
     return (
-        f"Of {wording.count(tried, 'interval')} over conditions, "
-        f"{f'those of {listed(over)} leave out zero' if over else 'none leaves out zero'}; within "
-        f"conditions, {f'those of {listed(within)} do' if within else 'none does'}. No correction "
-        "for their number is made: about one in twenty would by chance."
+        f"{' '.join(sentences)} No correction for their number is made: about one in twenty would "
+        "leave out zero by chance."
     )
 
 
-def _excludes_zero(found: RankCorrelation | WithinCorrelation) -> bool:
-    return found.low > 0 or found.high < 0
+def _leaving_out_zero(
+    where: str,
+    found: Sequence[tuple[_Question, MetricAgainstPeople, RankCorrelation | WithinCorrelation]],
+) -> str:
+    known = [one for one in found if not math.isnan(one[2].low)]
+    if not known:
+        return f"There is no interval {where}."
+    clear = [
+        f"{metric.metric} on {one.name} ({correlation_words(number)})"
+        for one, metric, number in known
+        if number.low > 0 or number.high < 0
+    ]
+    named = clear[:_MOST_NAMED]
+    if len(clear) > _MOST_NAMED:
+        named.append(f"{len(clear) - _MOST_NAMED} more")
+    verb = f"{len(clear)} leave out zero: {listed(named)}" if clear else "none leaves out zero"
+    if len(clear) == 1:
+        verb = f"that of {clear[0]} leaves out zero"
+    return f"Of {wording.count(len(known), 'interval')} {where}, {verb}."
 
 
-def _scatters(found: Sequence[Found], report: TableReport, subject: Subject) -> Iterator[Picture]:
-    for number, (question, one) in enumerate(found, start=1):
-        drawn = [m for m in one.metrics if any(not math.isnan(p.preference) for p in m.places)]
-        if not drawn or one.conditions < 3:
+def _scatters(
+    asked: Sequence[_Question], report: TableReport, subject: Subject
+) -> Iterator[Picture]:
+    own = [column.metric for column in PAPER_TABLES[PAPER_OF[report.protocol]]]
+    for number, one in enumerate(asked, start=1):
+        drawn = [
+            metric
+            for metric in one.metrics
+            if any(not math.isnan(place.preference) for place in metric.places)
+        ]
+        if not drawn or one.found.conditions < FEWEST_FOR_INTERVAL:
             continue
+        drawn.sort(key=lambda metric: metric.metric not in own)
         names = [place.condition for metric in drawn for place in metric.places]
         order = [name for name in subject.conditions if name in names]
         left = f" The first {MOST} of {len(drawn)} metrics." if len(drawn) > MOST else ""
@@ -142,75 +191,49 @@ def _scatters(found: Sequence[Found], report: TableReport, subject: Subject) -> 
             list(dict.fromkeys([*order, *names])),
             preference=_UPRIGHT[report.protocol],
             name=f"metrics-against-people-{number}",
-            title=f"Metrics against preference: {question}",
-            caption=f"{wording.heading(question)}: each metric against people's preference "
-            f"({one.preference}; lines: 95 % of resamples of {subject.people} and segments). Axes "
-            f"run towards what the metric calls better, so where both agree marks rise.{left}",
-            data="metrics-against-people.csv",
+            title=f"Metrics against preference: {one.name}",
+            caption=f"{wording.heading(one.name)}: each metric against people's preference "
+            f"({one.found.preference}; lines: 95 % of resamples of {subject.people} and "
+            "segments). Axes run towards what the metric calls better, so where both agree marks "
+            f"rise.{left}",
+            data=_FILE,
             mark=subject.mark,
         )
 
 
-def _forests(found: Sequence[Found], subject: Subject) -> tuple[Picture, ...]:
-    names = list(dict.fromkeys(metric.metric for _, one in found for metric in one.metrics))
-    panels: dict[str, list[Dot]] = {}
-    for question, one in found:
-        by_name = {metric.metric: metric for metric in one.metrics}
-        heading = wording.heading(question)
-        panels[f"{heading}, {_TAU}"] = [_dot(by_name, name, "kendall") for name in names]
-        panels[f"{heading}, {_WITHIN}"] = [_dot(by_name, name, "within") for name in names]
-    if all(math.isnan(dot.estimate) for dots in panels.values() for dot in dots):
-        return ()
-    told = {
-        title: f"{title}: "
-        + ", ".join(f"{name} {dot.words}" for name, dot in zip(names, dots, strict=True))
-        + "."
-        for title, dots in panels.items()
-    }
-    return dot_pictures(
-        panels,
-        [RowName(name=name) for name in names],
-        Scale(
-            limits=(-1.05, 1.05),
-            ticks={-1: "−1", -0.5: "−.5", 0: "0", 0.5: ".5", 1: "1"},
-            ends=("disagrees", "agrees"),
-            line=0.0,
-        ),
-        name="metric-correlations",
-        title="Correlations of metrics with preference",
-        told=told,
-        caption="Agreement of each metric with people, with 95 % intervals: over conditions, and "
-        "over clips within conditions.",
-        data="metrics-against-people.csv",
-        mark=subject.mark,
-    )
+def _forests(asked: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
+    for number, of in enumerate(dict.fromkeys(one.set for one in asked), start=1):
+        questions = {one.question: one.metrics for one in asked if one.set == of}
+        known = [
+            found
+            for metrics in questions.values()
+            for metric in metrics
+            for found in (metric.kendall, metric.within)
+        ]
+        if all(math.isnan(found.low) for found in known):
+            continue
+        where = f", set {wording.name(of)}" if of else ""
+        yield from correlation_figure(
+            questions,
+            name=f"metric-correlations-{number}" if of else "metric-correlations",
+            title=f"Correlations of metrics with preference{where}",
+            caption=f"Agreement of each metric with people{where}, with 95 % intervals: over "
+            "conditions, and over clips within conditions. Hollow marks have no interval; the "
+            "notes under the table say why.",
+            data=_FILE,
+            mark=subject.mark,
+        )
 
 
-def _dot(metrics: Mapping[str, MetricAgainstPeople], name: str, which: str) -> Dot:
-    metric = metrics.get(name)
-    if metric is None:
-        return Dot(estimate=math.nan, words="–")
-    found = metric.kendall if which == "kendall" else metric.within
-    return Dot(
-        estimate=found.estimate,
-        low=found.low,
-        high=found.high,
-        words=_one(found.estimate),
-        below=_between(found),
-        hint=f"{name}: {_estimate(found)}",
-        descriptive=math.isnan(found.low),
-    )
-
-
-def _table(found: Sequence[Found], protocol: str) -> Table:
+def _table(asked: Sequence[_Question], protocol: str) -> Table:
     reasons: dict[str, int] = {}
     rows = []
-    for question, one in found:
+    for one in asked:
         for metric in one.metrics:
             arrow = ARROWS[metric.better]
             rows.append(
                 (
-                    Cell(text=question),
+                    Cell(text=one.name),
                     Cell(text=f"{metric.metric}{f' {arrow}' if arrow else ''}"),
                     Cell(text=str(metric.conditions), value=metric.conditions),
                     *_cells(metric.kendall, reasons),
@@ -232,10 +255,10 @@ def _table(found: Sequence[Found], protocol: str) -> Table:
         text_columns=2,
         notes=(
             *(f"({number}) {_sentence(reason)}" for reason, number in reasons.items()),
-            *_left_out(found),
-            *_resampling(found),
+            *_left_out(asked),
+            *_resampling(asked),
         ),
-        name="metrics-against-people",
+        name=_FILE.removesuffix(".csv"),
     )
 
 
@@ -247,28 +270,30 @@ def _cells(
         note = f"({reasons.setdefault(found.reason, len(reasons) + 1)})"
     if math.isnan(found.estimate):
         return Cell(text="–"), Cell(text=f"–{wording.NO_BREAK}{note}")
-    estimate = Cell(text=_one(found.estimate), value=found.estimate)
+    estimate = Cell(text=one_word(found.estimate), value=found.estimate)
     if math.isnan(found.low):
         return estimate, Cell(text=f"–{wording.NO_BREAK}{note}")
-    return estimate, Cell(text=_between(found))
+    return estimate, Cell(text=interval_words(found))
 
 
-def _left_out(found: Sequence[Found]) -> Iterator[str]:
+def _left_out(asked: Sequence[_Question]) -> Iterator[str]:
     """Yield which conditions are not correlated, and why, each reason once."""
     about: dict[tuple[str, str], list[str]] = {}
-    for _, one in found:
+    for one in asked:
         for metric in one.metrics:
-            for condition, reason in metric.left_out.items():
-                metrics = about.setdefault((condition, reason), [])
+            for reason in dict.fromkeys(metric.left_out.values()):
+                names = [name for name, why in metric.left_out.items() if why == reason]
+                words = listed([wording.name(name) for name in names])
+                metrics = about.setdefault((words, reason), [])
                 if metric.metric not in metrics:
                     metrics.append(metric.metric)
-    for (condition, reason), metrics in about.items():
-        yield f"{wording.name(condition)} is left out of {listed(metrics)}: {reason.rstrip('.')}."
+    for (words, reason), metrics in about.items():
+        yield f"Left out of {listed(metrics)}: {words} ({reason.rstrip('.')})."
 
 
-def _resampling(found: Sequence[Found]) -> Iterator[str]:
-    one = found[0][1]
-    most = max((metric.kendall.degenerate for _, own in found for metric in own.metrics), default=0)
+def _resampling(asked: Sequence[_Question]) -> Iterator[str]:
+    one = asked[0].found
+    most = max(metric.kendall.degenerate for own in asked for metric in own.metrics)
     yield (
         f"People's side: {one.preference}. {one.method}; {one.resamples:,} resamples, of which at "
         f"most {most:,} had no correlation and are left out. Scores of whole conditions, such as "
@@ -279,24 +304,6 @@ def _resampling(found: Sequence[Found]) -> Iterator[str]:
         "pair of conditions) is taken off, weighted by answers; the interval leaves out one "
         "segment after the other (jackknife on Fisher's scale, t)."
     )
-
-
-def _estimate(found: RankCorrelation | WithinCorrelation) -> str:
-    inside = _between(found)
-    return f"{_one(found.estimate)}{f' {inside}' if inside else ''}"
-
-
-def _between(found: RankCorrelation | WithinCorrelation) -> str:
-    if math.isnan(found.low):
-        return ""
-    return f"[{_one(found.low)},{wording.NO_BREAK}{_one(found.high)}]"
-
-
-def _one(value: float) -> str:
-    """Return a correlation as a share, '1' and '−1' without decimals."""
-    if not math.isnan(value) and abs(value) > 0.995:
-        return "1" if value > 0 else "−1"
-    return wording.share(value)
 
 
 def _sentence(text: str) -> str:

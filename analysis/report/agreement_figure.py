@@ -22,7 +22,7 @@ from analysis.report.svg import WIDTH, picture
 
 MARKS: Final = "osD^vP<>Xhp*"
 COLUMNS: Final = 3
-MOST: Final = 12
+MOST: Final = 6
 """Panels of one figure: as many as stay readable on a page."""
 
 _LEFT: Final = 0.42

@@ -35,11 +35,13 @@ def first_and_second(
     decimals : int
         As many as are printed.
     """
-    distances = {
-        place: round(_distance(score, better, recorded), decimals)
-        for place, score in enumerate(scores)
-        if not math.isnan(_distance(score, better, recorded))
-    }
+    printed = round(recorded, decimals)
+    distances = {}
+    for place, score in enumerate(scores):
+        distance = _distance(round(score, decimals), better, printed)
+        if not math.isnan(distance):
+            # Rounded once more: differences of decimal numbers are not exact.
+            distances[place] = round(distance, decimals)
     ranks = sorted(set(distances.values()))
     if len(ranks) < 2:
         return frozenset(), frozenset()

@@ -107,6 +107,12 @@ def metric_tables(metrics: StudyMetrics, protocol: str, subject: Subject) -> tup
     return (*found, *_never_measured(never))
 
 
+def is_detail(metric: str, protocol: str) -> bool:
+    """Tell whether a metric only helps to read another one, and is no column of the paper's."""
+    own = PAPER_TABLES[PAPER_OF[protocol]] if protocol in PAPER_OF else ()
+    return metric.startswith(_IN_FULL) and metric not in {column.metric for column in own}
+
+
 def systems_of(metrics: StudyMetrics, subject: Subject) -> Systems:
     """Return the measured conditions: recorded motion first, that of catch trials last."""
     measured = dict.fromkeys(score.condition for score in metrics.conditions)

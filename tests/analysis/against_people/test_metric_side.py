@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.against_people.metric_side import ITSELF, metric_sides
+from analysis.against_people.metric_side import ITSELF, NOTHING_RECORDED, metric_sides
 from analysis.metrics.conditions import ConditionScore, StudyMetrics
 from tests.analysis.against_people.simulated_studies import metrics_of
 
@@ -27,6 +27,12 @@ def test_recorded_motion_is_not_correlated_where_nearness_to_it_counts():
     (found,) = metric_sides(metrics_of(SCORES, better="near the reference"), NAMES, SEGMENTS, "c01")
     assert found.left_out == {1: ITSELF}
     assert found.recorded == 5
+
+
+def test_without_recorded_motion_nothing_is_near_to_it():
+    metrics = metrics_of(SCORES, better="near the reference")
+    (found,) = metric_sides(metrics, NAMES, SEGMENTS, None)
+    assert set(found.left_out.values()) == {NOTHING_RECORDED}
 
 
 def test_scores_of_a_resample_are_means_over_the_segments_drawn():

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -11,8 +11,6 @@ from analysis.metrics.conditions import StudyMetrics
 from analysis.report.against_people_section import against_people_section, how_little
 from analysis.report.content import Section
 from analysis.report.subject import Subject
-from analysis.results.quality import quality
-from analysis.results.report import Participants, Settings, Source, TableReport
 from analysis.tables.layouts import LAYOUTS
 from analysis.tables.reading import read_answers
 from analysis.trial_kinds import ANALYSED_KINDS
@@ -22,33 +20,21 @@ from tests.analysis.results.made_tables import TABLES
 CONDITIONS = ("c00", "c01", "c02", "c03")
 
 
-def report(
+def report(  # What the section looks at, without the models that nothing here needs.
     folder: Path, *, protocol: str = "ranking", conditions: tuple[str, ...] = CONDITIONS
-) -> TableReport:
+) -> SimpleNamespace:
     rows = TABLES[protocol](conditions=conditions, segments=8)
     rows["segment"] = rows["segment"].str.replace("s", "s0")
     rows.to_csv(folder / "answers.csv", index=False)
     table = read_answers(folder / "answers.csv", LAYOUTS[protocol])
     answers = table.shown[table.shown["kind"].isin(ANALYSED_KINDS)].reset_index(drop=True)
-    return TableReport(
+    return SimpleNamespace(
         protocol=protocol,
-        source=Source(file="answers.csv", sha256="", motionjury="0"),
-        settings=Settings(max_catch_failures=None, margin=None),
-        participants=Participants(recruited=12, attentive=12),
-        rules=(),
-        exclusions={},
-        flow=(),
-        conditions_shown=table.conditions,
-        questions=table.questions,
         sets=(),
-        notes=(),
-        remark="",
-        quality=quality(answers),
+        conditions_shown=table.conditions,
         metrics_against_people=metrics_against_people(
             table, answers, metrics(len(conditions)), "c00"
         ),
-        # The section looks at nothing of the protocol's own results.
-        results=None,
     )
 
 
@@ -58,7 +44,7 @@ def metrics(conditions: int) -> StudyMetrics:
     return metrics_of(better)
 
 
-def section(found: TableReport) -> Section | None:
+def section(found: SimpleNamespace) -> Section | None:
     return against_people_section(
         found,
         Subject(
@@ -106,13 +92,21 @@ def test_two_conditions_are_said_to_tell_nothing(tmp_path):
 
 
 def test_without_metrics_there_is_no_section(tmp_path):
-    assert section(replace(report(tmp_path), metrics_against_people={})) is None
+    found = report(tmp_path)
+    found.metrics_against_people = {}
+    assert section(found) is None
 
 
-def test_pairs_of_conditions_that_were_not_measured_say_so_in_place_of_a_figure(tmp_path):
+def test_a_condition_without_a_score_is_named_under_the_table(tmp_path):
+    shown = section(report(tmp_path, protocol="pairwise", conditions=("c00", "c01", "z")))
+    assert shown is not None
+    notes = " ".join(shown.tables[0].notes)
+    assert "Left out of liveliness: z (the metric was not measured)." in notes
+    assert shown.tables[0].header[-1] == "pairs of clips"
+
+
+def test_where_no_condition_has_a_score_a_sentence_says_so(tmp_path):
     shown = section(report(tmp_path, protocol="pairwise", conditions=("x", "y", "z")))
     assert shown is not None
-    assert not shown.pictures
-    notes = " ".join(shown.tables[0].notes)
-    assert "y is left out of liveliness: the metric was not measured." in notes
-    assert shown.tables[0].header[-1] == "pairs of clips"
+    assert shown.paragraphs[0].startswith("No metric has a score")
+    assert not shown.tables

@@ -29,3 +29,8 @@ def test_none_is_best_where_all_are_alike(scores):
 def test_no_direction_and_unknown_recordings_rank_nothing():
     assert first_and_second([1.0, 2.0], "unsaid", 1.0, 2) == (frozenset(), frozenset())
     assert first_and_second([1.0, 2.0], "near the reference", math.nan, 2)[0] == frozenset()
+
+
+def test_nearness_is_that_of_the_printed_numbers():
+    found = first_and_second([30.6, 30.4, 0.0], "near the reference", 49.8, 0)
+    assert found == ({0}, {1})
