@@ -1,4 +1,4 @@
-"""How far the clips of a condition differ from each other, in motion and in expression."""
+"""Distances of all clips of a condition: from each other, and of speeds from recorded ones."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from analysis.metrics.diversity import mean_pair_distance, motion_features
 from analysis.metrics.measured_clips import Bench
 from analysis.metrics.result import MetricResult
 from analysis.metrics.segment_scores import SegmentScores
+from analysis.metrics.speed_histogram import speed_distance
 
 EXPRESSIONS: Final = "mean distance between clips (expressions)"
 
@@ -31,9 +32,20 @@ def distances_between_clips(
             yield whole_condition(condition, _of_bodies(bodies, bench), len(bodies))
     if bench.preset.expression_distance:
         faces = [one.faces[condition] for one in measured if condition in one.faces]
-        clips = len([one for one in measured if any(s.condition == condition for s in one.scores)])
+        clips = sum(condition in one.readable for one in measured)
         if clips:
             yield whole_condition(condition, _of_faces(faces, bench), clips)
+
+
+def distances_of_speeds(
+    condition: str, measured: Sequence[SegmentScores], bench: Bench
+) -> Iterator[ConditionScore]:
+    """Yield how far a condition's speeds are from those of all recordings, if it is asked for."""
+    own = [one.speeds[condition] for one in measured if condition in one.speeds]
+    recorded = [one.recorded_speeds for one in measured if one.recorded_speeds is not None]
+    if own and recorded:
+        result = speed_distance(np.stack(own), np.stack(recorded), frame_rate=bench.frame_rate)
+        yield whole_condition(condition, result, len(own))
 
 
 def _of_bodies(clips: Sequence[NDArray[np.float32]], bench: Bench) -> MetricResult:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.metrics.absolute_error import S2UE_FRAME_RATE, S2UE_JOINTS, absolute_error
+from analysis.metrics.acceleration import acceleration
 from analysis.metrics.acceleration_error import acceleration_error
 from analysis.metrics.beat_alignment import beat_alignment
 from analysis.metrics.correct_motion import CorrectSettings, percent_correct_motion
@@ -71,6 +72,8 @@ def clip_metrics(
     for settings in preset.jerks:
         measured = select(positions, settings.joints)
         yield jerk(measured, frame_rate=frame_rate, settings=settings)
+    if preset.acceleration:
+        yield acceleration(select(positions, UPPER_BODY_JOINTS), frame_rate=frame_rate)
     if preset.mean_pose_deviation:
         yield l1_deviation(select(positions, UPPER_BODY_JOINTS), settings=pose_settings(frame_rate))
     if preset.foot_sliding:

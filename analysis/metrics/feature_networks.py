@@ -134,7 +134,7 @@ def networks(paths: Iterable[Path]) -> tuple[Network, ...]:
                 path=path,
                 sha256=network.sha256,
                 name=f"{name}, {network.sha256[:8]}" if several else name,
-                settings=network.describe(),
+                settings=dict(network.describe()),
                 labels=tuple(network.labels),
                 sees=_SEES[name],
             )

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from analysis.metrics.clip_distances import distances_between_clips
+from analysis.metrics.clip_distances import distances_between_clips, distances_of_speeds
 from analysis.metrics.conditions import (
     ConditionScore,
     StudyMetrics,
@@ -292,9 +292,11 @@ def _condition_scores(
     missing = [name for name in bench.preset.networks if name not in _kinds(given)]
     for condition in conditions:
         own = [score for score in scores if score.condition == condition]
-        clips = len({score.segment for score in own})
+        clips = sum(condition in one.readable for one in measured)
         yield from clip_means(condition, own)
         yield from distances_between_clips(condition, measured, bench)
+        if condition not in recordings:
+            yield from distances_of_speeds(condition, measured, bench)
         for one in seen:
             yield from (score for score in one.conditions if score.condition == condition)
         for name in missing:

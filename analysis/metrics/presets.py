@@ -33,6 +33,8 @@ class Preset:
         Beat alignments; they need speech.
     jerks : tuple of JerkSettings
         Jerks.
+    acceleration : bool
+        Acceleration.
     mean_pose_deviation, pair_distance, expression_distance : bool
         Diversity within clips, between clips, and between their faces.
     foot_sliding : bool
@@ -47,12 +49,15 @@ class Preset:
         The same of face landmarks.
     velocity_errors : tuple of {'L1', 'L2'}
         Velocity errors.
+    speed_histogram : bool
+        Distance of speed histograms.
     networks : tuple of str
         Feature networks (`analysis.metrics.network_names`) whose scores the paper reports.
     """
 
     beats: tuple[BeatSettings, ...] = ()
     jerks: tuple[JerkSettings, ...] = ()
+    acceleration: bool = False
     mean_pose_deviation: bool = False
     pair_distance: bool = False
     expression_distance: bool = False
@@ -64,6 +69,7 @@ class Preset:
     landmark_errors: tuple[PointSettings, ...] = ()
     landmark_accelerations: tuple[PointSettings, ...] = ()
     velocity_errors: tuple[Norm, ...] = ()
+    speed_histogram: bool = False
     networks: tuple[str, ...] = ()
 
     @property
@@ -107,6 +113,7 @@ class Preset:
             landmark_errors=(),
             landmark_accelerations=(),
             velocity_errors=(),
+            speed_histogram=False,
         )
 
 
@@ -142,7 +149,12 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             recalls=(correct_motion.DIFFSHEG,),
             networks=(network_names.WHOLE, network_names.EXPRESSION, network_names.GESTURE),
         ),
-        "genea": Preset(jerks=(GENEA,), networks=(network_names.GESTURE,)),
+        "genea": Preset(
+            jerks=(GENEA,),
+            acceleration=True,
+            speed_histogram=True,
+            networks=(network_names.GESTURE,),
+        ),
         "s2ue": Preset(
             absolute_errors=(MAJE,),
             acceleration_errors=(MACE_POSES,),
@@ -181,6 +193,7 @@ def _both(one: Preset, other: Preset) -> Preset:
     return Preset(
         beats=_once(one.beats + other.beats),
         jerks=_once(one.jerks + other.jerks),
+        acceleration=one.acceleration or other.acceleration,
         mean_pose_deviation=one.mean_pose_deviation or other.mean_pose_deviation,
         pair_distance=one.pair_distance or other.pair_distance,
         expression_distance=one.expression_distance or other.expression_distance,
@@ -192,6 +205,7 @@ def _both(one: Preset, other: Preset) -> Preset:
         landmark_errors=_once(one.landmark_errors + other.landmark_errors),
         landmark_accelerations=_once(one.landmark_accelerations + other.landmark_accelerations),
         velocity_errors=_once(one.velocity_errors + other.velocity_errors),
+        speed_histogram=one.speed_histogram or other.speed_histogram,
         networks=_once(one.networks + other.networks),
     )
 

@@ -10,6 +10,8 @@ from types import MappingProxyType
 from typing import Final
 
 import pandas as pd
+import pyarrow as pa
+from pyarrow import parquet
 
 from analysis.metrics.conditions import ConditionScore, StudyMetrics
 from analysis.metrics.segment_scores import ClipScore
@@ -24,6 +26,8 @@ COLUMNS: Final = (
     "unit",
     "better",
     "spread_between_clips",
+    "low",
+    "high",
     "n",
     "clips_scored",
     "clips",
@@ -31,6 +35,35 @@ COLUMNS: Final = (
     "remark",
     "reason",
 )
+
+
+Row = tuple[object, ...]
+"""Values in the order of `COLUMNS`."""
+
+_NUMBERS: Final = ("value", "spread_between_clips", "low", "high")
+_COUNTS: Final = ("n", "clips_scored", "clips")
+
+_TYPES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        name: "float64" if name in _NUMBERS else "Int64" if name in _COUNTS else "str"
+        for name in COLUMNS
+    }
+)
+
+_SCHEMA: Final = pa.schema(
+    [
+        (
+            name,
+            pa.float64()
+            if name in _NUMBERS
+            else pa.int64()
+            if name in _COUNTS
+            else pa.dictionary(pa.int32(), pa.string()),
+        )
+        for name in COLUMNS
+    ]
+)
+"""Texts repeat a great deal, so that Parquet holds each once."""
 
 
 def score_table(metrics: StudyMetrics) -> pd.DataFrame:
@@ -41,12 +74,66 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
     DataFrame
         Columns as in `COLUMNS`. First the scores of whole conditions, whose `segment` is empty and
         which say how many clips they are a mean over; then those of single clips, whose `n` says
-        how many things they are a mean over. A missing value is empty, with its reason.
+        how many things they are a mean over. ``low`` and ``high`` are the 95 % interval of a score
+        that has one. A missing value is empty, with its reason.
     """
     rows = [_of_condition(score) for score in metrics.conditions]
-    rows += [_of_clip(score) for score in metrics.clips]
-    table = pd.DataFrame.from_records(rows, columns=list(COLUMNS))
-    return table.astype(dict.fromkeys(("n", "clips_scored", "clips"), "Int64"))
+    words = _Words()
+    rows += [_of_clip(score, words) for score in metrics.clips]
+    columns = {name: [row[place] for row in rows] for place, name in enumerate(COLUMNS)}
+    table = pd.DataFrame({name: pd.Series(columns[name], dtype=_TYPES[name]) for name in COLUMNS})
+    return table
+
+
+def metrics_document(metrics: StudyMetrics) -> dict[str, object]:
+    """Return the scores of conditions as plain values, for ``results.json``.
+
+    Returns
+    -------
+    dict
+        ``frame_rate`` (frames per second, None without clips); ``conditions``, a list of
+        ``condition``, ``metric``, ``value``, ``unit``, ``better``, ``spread_between_clips``,
+        ``low``, ``high``, ``clips_scored``, ``clips``, ``settings`` (a mapping), ``remark`` and
+        ``reason``; ``emotions``, a list of ``condition``, ``network``, ``spoken``, ``named`` and
+        ``counts`` (a row for each spoken emotion); ``skipped``, a list of ``file``, ``what`` and
+        ``remedy``; and ``remarks``. A number that does not exist is None, with its reason.
+    """
+    return {
+        "frame_rate": _number(metrics.frame_rate),
+        "conditions": [
+            {
+                "condition": score.condition,
+                "metric": score.name,
+                "value": _number(score.value),
+                "unit": score.unit,
+                "better": score.better,
+                "spread_between_clips": _number(score.spread),
+                "low": None if score.interval is None else _number(score.interval[0]),
+                "high": None if score.interval is None else _number(score.interval[1]),
+                "clips_scored": score.scored,
+                "clips": score.clips,
+                "settings": dict(score.settings),
+                "remark": score.remark,
+                "reason": score.reason,
+            }
+            for score in metrics.conditions
+        ],
+        "emotions": [
+            {
+                "condition": found.condition,
+                "network": found.network,
+                "spoken": list(found.spoken),
+                "named": list(found.named),
+                "counts": [list(row) for row in found.counts],
+            }
+            for found in metrics.confusions
+        ],
+        "skipped": [
+            {"file": file.where, "what": file.what, "remedy": file.remedy}
+            for file in metrics.skipped
+        ],
+        "remarks": list(metrics.remarks),
+    }
 
 
 def write_scores(metrics: StudyMetrics, path: Path) -> None:
@@ -82,21 +169,32 @@ def _write_csv(metrics: StudyMetrics, path: Path) -> None:
 
 
 def _write_parquet(metrics: StudyMetrics, path: Path) -> None:
+    table = pa.Table.from_pandas(score_table(metrics), schema=_SCHEMA, preserve_index=False)
     with replacing(path) as draft:
-        score_table(metrics).to_parquet(draft, engine="pyarrow", index=False)
+        parquet.write_table(table.replace_schema_metadata(_metadata(metrics)), draft)
+
+
+def _metadata(metrics: StudyMetrics) -> dict[str, str]:
+    """Return what a Parquet file says of its metrics: units, directions and settings by name."""
+    units: dict[str, str] = {}
+    better: dict[str, str] = {}
+    for score in metrics.conditions:
+        units.setdefault(score.name, score.unit)
+        better.setdefault(score.name, score.better)
+    return {
+        "frame_rate": f"{metrics.frame_rate:g}",
+        "units": json.dumps(units, ensure_ascii=False),
+        "better": json.dumps(better, ensure_ascii=False),
+    }
 
 
 def _write_json(metrics: StudyMetrics, path: Path) -> None:
-    found = {
-        "frame_rate": _number(metrics.frame_rate),
-        "conditions": [_plain(_of_condition(score)) for score in metrics.conditions],
-        "clips": [_plain(_of_clip(score)) for score in metrics.clips],
-        "skipped": [
-            {"file": file.where, "what": file.what, "remedy": file.remedy}
-            for file in metrics.skipped
-        ],
-    }
-    write_text(path, json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    document = metrics_document(metrics)
+    words = _Words()
+    document["clips"] = [
+        _plain(dict(zip(COLUMNS, _of_clip(score, words), strict=True))) for score in metrics.clips
+    ]
+    write_text(path, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 _WRITERS: Final[Mapping[str, Callable[[StudyMetrics, Path], None]]] = MappingProxyType(
@@ -104,41 +202,47 @@ _WRITERS: Final[Mapping[str, Callable[[StudyMetrics, Path], None]]] = MappingPro
 )
 
 
-def _of_condition(score: ConditionScore) -> dict[str, object]:
-    return {
-        "condition": score.condition,
-        "segment": "",
-        "metric": score.name,
-        "value": score.value,
-        "unit": score.unit,
-        "better": score.better,
-        "spread_between_clips": score.spread,
-        "n": None,
-        "clips_scored": score.scored,
-        "clips": score.clips,
-        "settings": _words(score.settings),
-        "remark": "",
-        "reason": score.reason,
-    }
+def _of_condition(score: ConditionScore) -> Row:
+    low, high = score.interval or (None, None)
+    return (
+        score.condition,
+        "",
+        score.name,
+        score.value,
+        score.unit,
+        score.better,
+        score.spread,
+        low,
+        high,
+        None,
+        score.scored,
+        score.clips,
+        _in_words(score.settings),
+        score.remark,
+        score.reason,
+    )
 
 
-def _of_clip(score: ClipScore) -> dict[str, object]:
+def _of_clip(score: ClipScore, words: _Words) -> Row:
     result = score.result
-    return {
-        "condition": score.condition,
-        "segment": score.segment,
-        "metric": result.name,
-        "value": result.value,
-        "unit": result.unit,
-        "better": result.better,
-        "spread_between_clips": math.nan,
-        "n": result.n,
-        "clips_scored": None,
-        "clips": None,
-        "settings": _words(result.settings),
-        "remark": result.remark,
-        "reason": result.reason,
-    }
+    low, high = result.interval or (None, None)
+    return (
+        score.condition,
+        score.segment,
+        result.name,
+        result.value,
+        result.unit,
+        result.better,
+        None,
+        low,
+        high,
+        result.n,
+        None,
+        None,
+        words.of(result.settings),
+        result.remark,
+        result.reason,
+    )
 
 
 def _plain(row: Mapping[str, object]) -> dict[str, object]:
@@ -155,5 +259,19 @@ def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _words(settings: Mapping[str, str]) -> str:
+def _in_words(settings: Mapping[str, str]) -> str:
     return "; ".join(f"{key}: {value}" for key, value in settings.items())
+
+
+class _Words:
+    """Settings in words, made once for all scores that share the mapping: there are many."""
+
+    def __init__(self) -> None:
+        self._made: dict[int, tuple[Mapping[str, str], str]] = {}
+
+    def of(self, settings: Mapping[str, str]) -> str:
+        """Return what `settings` are, in words."""
+        held = self._made.get(id(settings))
+        if held is None:
+            held = self._made[id(settings)] = (settings, _in_words(settings))
+        return held[1]

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from analysis.metrics.absolute_error import S2UE_JOINTS
 from analysis.metrics.clip_scores import clip_metrics
 from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, select
-from analysis.metrics.measured_clips import Bench, Reader, SkippedFile
+from analysis.metrics.measured_clips import Bench, MeasuredClip, Reader, SkippedFile
 from analysis.metrics.recorded_spread import ClipExtent
 from analysis.metrics.result import MetricResult
+from analysis.metrics.speed_histogram import Counts, speed_counts
 from motion.errors import InputError
 from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
 
@@ -65,6 +66,8 @@ class SegmentScores:
     ----------
     segment : str
         Its name.
+    readable : tuple of str
+        Conditions whose clip could be read.
     scores : tuple of ClipScore
         Every metric of every clip that could be read.
     upper_bodies : mapping of condition to ndarray, shape (T, 8, 3), float32
@@ -72,6 +75,11 @@ class SegmentScores:
     faces : mapping of condition to ndarray, shape (T, 52) or (T, 100), float32
         Faces for distances between clips; empty where no preset asks for them, and for clips
         without a face.
+    speeds : mapping of condition to ndarray, shape (8, 80), int
+        How often each speed occurs (`analysis.metrics.speed_histogram`); empty where no preset
+        asks for it.
+    recorded_speeds : ndarray, shape (8, 80), int, or None
+        The same of the recording.
     skipped : tuple of SkippedFile
         Files that could not be used.
     kept : tuple of Path
@@ -79,9 +87,12 @@ class SegmentScores:
     """
 
     segment: str
+    readable: tuple[str, ...] = ()
     scores: tuple[ClipScore, ...] = ()
     upper_bodies: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
     faces: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
+    speeds: Mapping[str, Counts] = field(default_factory=dict)
+    recorded_speeds: Counts | None = None
     skipped: tuple[SkippedFile, ...] = ()
     kept: tuple[Path, ...] = ()
 
@@ -92,13 +103,16 @@ def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
     onsets = _onsets(files.speech, reader) if bench.preset.beats and files.speech else None
     recorded = reader.clip(files.recorded) if files.recorded is not None else None
     semantics = _semantics(files.semantics, reader) if bench.preset.recalls else None
+    readable: list[str] = []
     scores: list[ClipScore] = []
     upper_bodies: dict[str, NDArray[np.float32]] = {}
     faces: dict[str, NDArray[np.float32]] = {}
+    speeds: dict[str, Counts] = {}
     for condition, path in files.clips.items():
         clip = recorded if path == files.recorded else reader.clip(path)
         if clip is None:
             continue
+        readable.append(condition)
         results = clip_metrics(
             clip,
             frame_rate=bench.frame_rate,
@@ -115,13 +129,20 @@ def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
         if bench.preset.pair_distance:
             upper = select(clip.joints.relative, UPPER_BODY_JOINTS)
             upper_bodies[condition] = upper.astype(np.float32)
+        if bench.preset.speed_histogram:
+            speeds[condition] = _speeds(clip, bench)
         if clip.face is not None:
             faces[condition] = clip.face
     return SegmentScores(
         segment=files.segment,
+        readable=tuple(readable),
         scores=tuple(scores),
         upper_bodies=upper_bodies,
         faces=faces,
+        speeds=speeds,
+        recorded_speeds=_speeds(recorded, bench)
+        if recorded is not None and bench.preset.speed_histogram
+        else None,
         skipped=tuple(reader.skipped),
         kept=tuple(reader.kept),
     )
@@ -136,6 +157,10 @@ def recorded_extent(path: Path, bench: Bench) -> ClipExtent | None:
     return ClipExtent.of(
         clip.rotations, select(clip.joints.relative, S2UE_JOINTS), clip.landmarks.positions
     )
+
+
+def _speeds(clip: MeasuredClip, bench: Bench) -> Counts:
+    return speed_counts(select(clip.joints.relative, UPPER_BODY_JOINTS), bench.frame_rate)
 
 
 def _onsets(speech: Excerpt, reader: Reader) -> FloatArray | None:

@@ -5,11 +5,20 @@ import math
 
 import pandas as pd
 import pytest
+from pyarrow import parquet
 
 from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from analysis.metrics.emotion_accuracy import EmotionConfusion
+from analysis.metrics.measured_clips import SkippedFile
 from analysis.metrics.result import MetricResult
-from analysis.metrics.score_tables import COLUMNS, check_ending, score_table, write_scores
-from analysis.metrics.segment_scores import ClipScore, SkippedFile
+from analysis.metrics.score_tables import (
+    COLUMNS,
+    check_ending,
+    metrics_document,
+    score_table,
+    write_scores,
+)
+from analysis.metrics.segment_scores import ClipScore
 from motion.errors import InputError
 
 
@@ -40,6 +49,15 @@ def metrics():
             ),
         ),
         skipped=(SkippedFile(what="damaged", where="b.npz", remedy="Copy it again"),),
+        confusions=(
+            EmotionConfusion(
+                condition="ours",
+                network="abc",
+                spoken=("anger",),
+                named=("anger", "fear"),
+                counts=((2, 1),),
+            ),
+        ),
     )
 
 
@@ -91,3 +109,23 @@ def test_two_writings_are_the_same_bytes(metrics, tmp_path):
 def test_an_unknown_ending_is_refused_before_anything_is_measured(tmp_path, name):
     with pytest.raises(InputError, match=r"\.csv, \.json, \.parquet"):
         check_ending(tmp_path / name)
+
+
+def test_the_document_for_results_is_plain_and_says_why_a_number_is_missing(metrics):
+    document = metrics_document(metrics)
+    assert json.loads(json.dumps(document, allow_nan=False)) == document
+    score = document["conditions"][0]
+    assert (score["metric"], score["value"], score["spread_between_clips"]) == ("jerk", 1.5, None)
+    assert score["settings"] == {"joints": "left_wrist, right_wrist"}
+    assert document["skipped"] == [{"file": "b.npz", "what": "damaged", "remedy": "Copy it again"}]
+    assert document["emotions"][0]["counts"] == [[2, 1]]
+
+
+def test_parquet_has_types_and_tells_units_and_directions(metrics, tmp_path):
+    write_scores(metrics, tmp_path / "scores.parquet")
+    schema = parquet.read_schema(tmp_path / "scores.parquet")
+    assert [str(schema.field(name).type) for name in ("value", "n")] == ["double", "int64"]
+    assert "string" in str(schema.field("metric").type)
+    assert json.loads(schema.metadata[b"units"]) == {"jerk": "m/s³"}
+    assert json.loads(schema.metadata[b"better"]) == {"jerk": "unsaid"}
+    assert schema.metadata[b"frame_rate"] == b"30"
