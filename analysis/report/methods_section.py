@@ -12,6 +12,7 @@ from analysis.report import wording
 from analysis.report.content import Section
 from analysis.report.subject import Subject
 from analysis.report.verdicts import SIGNIFICANCE, verdicts
+from analysis.results.preference import FEWEST
 from analysis.results.report import TableReport
 from motion.listing import listed
 
@@ -27,14 +28,25 @@ _MODEL: Final = (
     "(±1) and its effect varying between participants and between segments"
 )
 
+_FEW: Final = (
+    f"with fewer than {FEWEST} participants or segments, where it finds too much, those of the win "
+    "share decide."
+)
+
+_STRENGTHS: Final = (
+    "clustered by participant and segment, t with min(participants, segments) − 1 degrees of "
+    f"freedom) hold for all conditions together at {LEVEL:.0%} (Bonferroni)."
+)
+
 TESTS: Final = MappingProxyType(
     {
         "pairwise": (
             "Preferences were analysed as win shares (wins plus half the ties; " + _CLUSTERED + ") "
             "and in a " + _MODEL.format(subject="first condition") + "; p values are those of its "
-            "likelihood ratio, so that side bias is taken out and ties stay the middle answer. "
-            "Strengths over all comparisons are those of a Bradley–Terry model with Davidson's "
-            "ties and a left-side term."
+            "likelihood ratio, so that side bias is taken out and ties stay the middle answer; "
+            + _FEW
+            + " Strengths over all comparisons are those of a Bradley–Terry model with Davidson's "
+            "ties and a left-side term; rank intervals (" + _STRENGTHS
         ),
         "mismatch": (
             "Preferences for a motion with its own speech over the same motion with another "
@@ -42,18 +54,19 @@ TESTS: Final = MappingProxyType(
             + _CLUSTERED
             + ") and in a "
             + _MODEL.format(subject="own speech")
-            + "; p values are those of its likelihood ratio."
+            + "; p values are those of its likelihood ratio; "
+            + _FEW
         ),
         "rating": (
             "Ratings are described by means (" + _CLUSTERED + "). Conditions were contrasted two "
-            "by two, and in a cumulative link mixed model (logit, flexible thresholds, Laplace "
+            "by two in the mean difference of paired ratings, clustered likewise, which decides, "
+            "and in a cumulative link mixed model (logit, flexible thresholds, Laplace "
             "approximation) with crossed random intercepts of participants and segments; Cliff's δ "
             "stands beside as a measure of size."
         ),
         "ranking": (
             "Rankings are described by mean ranks and shares of first places (" + _CLUSTERED + "), "
-            "and by Plackett–Luce worths with ties; rank intervals hold for all conditions "
-            f"together at {LEVEL:.0%} (Bonferroni)."
+            "and by Plackett–Luce worths with ties; rank intervals (" + _STRENGTHS
         ),
     }
 )

@@ -110,7 +110,7 @@ def _comparison(one: Comparison) -> Verdict:
     turned = one.win_share.estimate < 0.5
     better, worse = (one.b, one.a) if turned else (one.a, one.b)
     return Verdict(
-        outcome=_outcome(one.p_holm),
+        outcome=_outcome(one.deciding_p_holm),
         better=better,
         worse=worse,
         question=one.question,
@@ -118,7 +118,7 @@ def _comparison(one: Comparison) -> Verdict:
         numbers=share_with_interval(one.win_share, turned=turned),
         measure="win share",
         size=abs(one.win_share.estimate - 0.5),
-        reason=one.clmm.reason,
+        reason=one.clmm.reason if one.decided_by == "clmm" else one.win_share.reason,
     )
 
 
@@ -130,7 +130,7 @@ def _matched(one: MatchedCondition) -> Verdict:
     )
     better, worse = names[::-1] if turned else names
     return Verdict(
-        outcome=_outcome(one.p_holm),
+        outcome=_outcome(one.deciding_p_holm),
         better=better,
         worse=worse,
         question=one.question,
@@ -138,7 +138,7 @@ def _matched(one: MatchedCondition) -> Verdict:
         numbers=share_with_interval(one.win_share, turned=turned),
         measure="win share",
         size=abs(one.win_share.estimate - 0.5),
-        reason=one.clmm.reason,
+        reason=one.clmm.reason if one.decided_by == "clmm" else one.win_share.reason,
     )
 
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.holm import holm
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
@@ -20,7 +18,7 @@ from analysis.results.heterogeneity import (
 )
 from analysis.results.left_out import LeftOut
 from analysis.results.place import ConditionPlace
-from analysis.results.preference import Preference, left_share, preference
+from analysis.results.preference import Preference, left_share, preference, with_holm
 from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
 from analysis.tables.answers import AnswerTable
@@ -28,15 +26,7 @@ from analysis.tables.answers import AnswerTable
 
 @dataclass(frozen=True, kw_only=True)
 class MatchedCondition(Preference, ConditionPlace):
-    """How far a condition's own speech is preferred; `Preference`'s one is own, its other other.
-
-    Attributes
-    ----------
-    p_holm : float
-        `clmm.p`, corrected over all conditions and questions of the report.
-    """
-
-    p_holm: float = math.nan
+    """How far a condition's own speech is preferred; `Preference`'s one is own, its other other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,9 +81,8 @@ def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
         for place in range(len(table.conditions))
         if not (answers := part[codes(part, "condition") == place]).empty
     ]
-    corrected = holm([one.clmm.p for one in found])
     return MismatchResults(
-        conditions=tuple(replace(one, p_holm=p) for one, p in zip(found, corrected, strict=True)),
+        conditions=with_holm(found),
         side_bias=by_question(table, left_out.analysed, _side_bias),
         agreement=by_question(table, left_out.analysed, _agreement),
         test_retest=by_question(table, left_out.kept, _retest),

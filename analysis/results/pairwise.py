@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.holm import holm
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
@@ -18,7 +16,7 @@ from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, h
 from analysis.results.left_out import LeftOut
 from analysis.results.margin import Equivalent, equivalent
 from analysis.results.place import PairPlace
-from analysis.results.preference import Preference, left_share, preference
+from analysis.results.preference import Preference, left_share, preference, with_holm
 from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
 from analysis.results.strengths import Strengths, strengths_of
@@ -28,15 +26,7 @@ from analysis.trial_kinds import ANALYSED_KINDS
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison(Preference, PairPlace):
-    """What is preferred; `Preference`'s one is a, its other is b.
-
-    Attributes
-    ----------
-    p_holm : float
-        `clmm.p`, corrected over all comparisons and questions of the report.
-    """
-
-    p_holm: float = math.nan
+    """What is preferred; `Preference`'s one is a, its other is b."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,8 +78,7 @@ def pairwise_results(
     """
     analysed = left_out.analysed
     found = _comparisons(table, left_out.exclusions)
-    corrected = holm([one.clmm.p for one in found])
-    comparisons = tuple(replace(one, p_holm=p) for one, p in zip(found, corrected, strict=True))
+    comparisons = with_holm(found)
     return PairwiseResults(
         comparisons=comparisons,
         side_bias=by_question(table, analysed, _side_bias),

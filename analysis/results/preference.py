@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal, TypeVar
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.holm import holm
 from analysis.preferences.clustered import clustered_mean
 from analysis.published.pooled import pooled_tests
 from analysis.results.estimate import Estimate, estimate_of
@@ -21,6 +23,13 @@ from analysis.robustness.participant_means import group_means
 from analysis.robustness.sign_test import sign_test
 from analysis.robustness.wilcoxon import signed_rank
 from analysis.trial_kinds import ANALYSED_KINDS
+
+FEWEST: Final = 20
+"""Participants and segments from which on the mixed model's likelihood ratio decides.
+
+It compares with a normal law what varies like t with one degree of freedom less than there are
+groups: with 20 it finds at most .065 where there is nothing, with fewer more.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +105,11 @@ class Preference:
         What pooled answers would say.
     without_exclusions : Unexcluded
         For comparison.
+    decided_by : {'clmm', 'win_share'}
+        Whose test the report decides by: the mixed model's likelihood ratio, or with fewer than
+        `FEWEST` participants or segments, where that finds too much, the win share's.
+    p_holm, win_share_p_holm : float
+        `clmm.p`, and `win_share.p`, each corrected over all of the report.
     """
 
     n: int
@@ -108,6 +122,32 @@ class Preference:
     robustness: Robustness
     as_published: AsPublished
     without_exclusions: Unexcluded
+    decided_by: Literal["clmm", "win_share"]
+    p_holm: float = math.nan
+    win_share_p_holm: float = math.nan
+
+    @property
+    def deciding_p(self) -> float:
+        """The p value that the report decides by."""
+        return self.clmm.p if self.decided_by == "clmm" else self.win_share.p
+
+    @property
+    def deciding_p_holm(self) -> float:
+        """The same, corrected over all of the report."""
+        return self.p_holm if self.decided_by == "clmm" else self.win_share_p_holm
+
+
+AnyPreference = TypeVar("AnyPreference", bound=Preference)
+
+
+def with_holm(found: Sequence[AnyPreference]) -> tuple[AnyPreference, ...]:
+    """Return the preferences of a report, their tests corrected over all of them."""
+    of_models = holm([one.clmm.p for one in found])
+    of_shares = holm([one.win_share.p for one in found])
+    return tuple(
+        replace(one, p_holm=p, win_share_p_holm=q)
+        for one, p, q in zip(found, of_models, of_shares, strict=True)
+    )
 
 
 def preference(
@@ -133,19 +173,32 @@ def preference(
     kept = ~answers["participant"].isin(list(excluded)).to_numpy(bool)
     of_all = sided(answers[analysed], on_right[analysed])
     of_kept = sided(answers[analysed & kept], on_right[analysed & kept])
+    net, share = net_preference(of_kept), win_share(of_kept)
+    few = min(share.participants, share.segments) < FEWEST
+    if few and not net.reason:
+        net = replace(net, remark=" ".join(filter(None, (net.remark, _too_few(share)))))
     return Preference(
         n=len(of_kept.responses),
         recruited=people(answers),
         attentive=people(answers[kept]),
         counts=_counts(of_kept, names),
         share=_shares(of_kept, names),
-        win_share=win_share(of_kept),
-        clmm=net_preference(of_kept),
+        win_share=share,
+        clmm=net,
         robustness=_robustness(of_kept),
         as_published=_as_published(of_kept),
         without_exclusions=Unexcluded(
             n=len(of_all.responses), share=_shares(of_all, names), win_share=win_share(of_all)
         ),
+        decided_by="win_share" if few else "clmm",
+    )
+
+
+def _too_few(share: Estimate) -> str:
+    return (
+        f"{share.participants} participants and {share.segments} segments: with so few, the "
+        "likelihood ratio finds differences that are not there too often; the win share's p "
+        "decides."
     )
 
 

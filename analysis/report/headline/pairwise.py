@@ -145,7 +145,7 @@ def _matrix(
         found = shares[question] = {}
         for one in comparisons:
             if one.question == question and one.n:
-                share, decided = one.win_share, one.p_holm < SIGNIFICANCE
+                share, decided = one.win_share, one.deciding_p_holm < SIGNIFICANCE
                 words = share_words(share)
                 found[one.a, one.b] = Won(share=share.estimate, words=words, decided=decided)
                 words = share_words(complement(share))

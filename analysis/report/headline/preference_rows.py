@@ -36,8 +36,8 @@ class PreferenceRow:
         Of the one: after exclusions, and when nobody is excluded.
     net : NetPreference
         For the one, in logits.
-    p_holm : float
-        Of `net`, corrected over the report.
+    p, p_holm : float
+        What the report decides by; corrected over the report.
     robustness, as_published
         Further tests, which have no direction.
     """
@@ -53,6 +53,7 @@ class PreferenceRow:
     win_share: Estimate
     everyone: Estimate
     net: NetPreference
+    p: float
     p_holm: float
     robustness: Robustness
     as_published: AsPublished
@@ -180,16 +181,16 @@ def _group(
 
 
 def _from(comparison: Comparison, reference: str | None) -> PreferenceRow:
-    row = _row(comparison, comparison.a, comparison.b, comparison.question, comparison.p_holm)
+    row = _row(comparison, comparison.a, comparison.b, comparison.question)
     return _turned(row) if comparison.b == reference else row
 
 
 def _own(condition: MatchedCondition) -> PreferenceRow:
-    row = _row(condition, "own speech", "other speech", condition.question, condition.p_holm)
+    row = _row(condition, "own speech", "other speech", condition.question)
     return replace(row, label=wording.name(condition.condition))
 
 
-def _row(found: Preference, one: str, other: str, question: str, p_holm: float) -> PreferenceRow:
+def _row(found: Preference, one: str, other: str, question: str) -> PreferenceRow:
     return PreferenceRow(
         label="",
         one=wording.name(one),
@@ -202,7 +203,8 @@ def _row(found: Preference, one: str, other: str, question: str, p_holm: float) 
         win_share=found.win_share,
         everyone=found.without_exclusions.win_share,
         net=found.clmm,
-        p_holm=p_holm,
+        p=found.deciding_p,
+        p_holm=found.deciding_p_holm,
         robustness=found.robustness,
         as_published=found.as_published,
     )

@@ -92,7 +92,8 @@ def win_share_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
         f"{LEVEL:.0%} interval, clustered by participant and segment (CR1, t with "
         "min(participants, segments) − 1 degrees of freedom). Log-odds: net preference in a "
         "cumulative link mixed model with crossed effects of participants and segments; p by its "
-        "likelihood ratio, corrected by Holm over all comparisons and questions of the report. "
+        "likelihood ratio (with few participants or segments, of the win share), corrected by Holm "
+        "over all comparisons and questions of the report. "
         "After exclusions.",
         header=(
             *("question", group.heading, "participants", "answers"),
@@ -168,7 +169,7 @@ def _headline(row: PreferenceRow) -> tuple[Cell, ...]:
         counted(row.n, str(row.n)),
         counted(row.win_share.estimate, share_words(row.win_share, why=False)),
         counted(net.estimate, plus_minus(net.estimate, net.se)),
-        counted(net.p, wording.p_value(net.p)),
+        counted(row.p, wording.p_value(row.p)),
         counted(row.p_holm, wording.p_value(row.p_holm)),
     )
 

@@ -17,7 +17,13 @@ Change = Callable[[pd.DataFrame], pd.DataFrame]
 OF_STUDIES_ALONE = "flow"
 """Of a table it holds nothing that only a study knows."""
 
-SAID_BESIDE = {"p_holm": "clmm", "share": "win_share", "set": None, "settings": None}
+SAID_BESIDE = {
+    "p_holm": "clmm",
+    "win_share_p_holm": "win_share",
+    "share": "win_share",
+    "set": None,
+    "settings": None,
+}
 """Numbers whose neighbour says why they are missing; None: what may always be missing."""
 
 

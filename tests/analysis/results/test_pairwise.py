@@ -136,3 +136,18 @@ def test_strengths_add_up_to_zero_and_follow_the_truth(found: PairwiseResults) -
     assert sum(strengths.values()) == pytest.approx(0, abs=1e-9)
     assert strengths["ours"] > strengths["other"] > strengths["static"]
     assert set(fitted.ranks) == set(strengths)  # type: ignore[union-attr]
+
+
+def test_with_few_segments_the_win_share_decides_and_the_model_says_why(tmp_path: Path) -> None:
+    few = results(tmp_path, pairwise_table(("x", "y"), effects=(0.6, 0.0), segments=6))
+    [one] = few.comparisons
+    assert one.decided_by == "win_share"
+    assert one.deciding_p == one.win_share.p
+    assert one.deciding_p_holm == one.win_share_p_holm
+    assert "12 participants and 6 segments" in one.clmm.remark
+
+    many = pairwise_table(("x", "y"), effects=(0.6, 0.0), participants=20, segments=20)
+    [other] = results(tmp_path, many).comparisons
+    assert other.decided_by == "clmm"
+    assert other.deciding_p_holm == other.p_holm == other.clmm.p
+    assert "too often" not in other.clmm.remark
