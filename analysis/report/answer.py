@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
+from analysis.report.by_question import each_question
 from analysis.report.flow_words import is_half_finished, places_words
 from analysis.report.subject import Subject
 from analysis.report.verdicts import (
@@ -16,8 +18,11 @@ from analysis.report.verdicts import (
     share_with_interval,
     verdicts,
 )
+from analysis.results.pairwise import PairwiseResults
 from analysis.results.ranking import RankedCondition, RankingResults
-from analysis.results.report import TableReport
+from analysis.results.rating import RatingResults
+from analysis.results.report import Results, TableReport
+from analysis.results.strength_errors import RankInterval
 from motion.listing import listed
 
 MOST: Final = 4
@@ -34,13 +39,17 @@ def answer(report: TableReport, subject: Subject) -> tuple[str, ...]:
     if report.remark:
         return (report.remark, *_unfinished(report, subject))
     if isinstance(report.results, RankingResults):
-        effect, certainty = _ranked(report.results, subject), ""
+        effect, certainty = _ranked(report, report.results, subject), ""
     else:
         found = verdicts(report)
         effect, certainty = _effect(found, subject), _certainty(found)
     return (
         effect,
-        " ".join(part for part in (certainty, _basis(report, subject)) if part),
+        " ".join(
+            part
+            for part in (certainty, _equivalent(report.results), _basis(report, subject))
+            if part
+        ),
         " ".join([_not_shown(report, subject), *_unfinished(report, subject)]),
     )
 
@@ -53,7 +62,11 @@ def _effect(found: tuple[Verdict, ...], subject: Subject) -> str:
     if not tested:
         reasons = list(dict.fromkeys(one.reason for one in found if one.reason))
         why = f": {reasons[0]}" if len(reasons) == 1 else "; the tables say why"
-        return f"No test could be made{why}."
+        seen = [one for one in largest_first(found) if one.size > 0]
+        widest = (
+            f"; the largest difference is that of {_named(seen[0], measured=True)}" if seen else ""
+        )
+        return f"No test could be made{why}{widest}."
     family = wording.count(len(found), "test")
     if not decided:
         first = largest_first(tested)[0]
@@ -101,15 +114,21 @@ def _open(undecided: list[Verdict], tests: int) -> str:
     return f"the answers do not decide between {'; '.join(pairs)}"
 
 
-def _ranked(results: RankingResults, subject: Subject) -> str:
+def _ranked(report: TableReport, results: RankingResults, subject: Subject) -> str:
     """Name the best mean rank of each question."""
+    ranks = {
+        (of, question, name): found
+        for of, question, worths in each_question(results.plackett_luce, report.sets)
+        for name, found in worths.ranks.items()
+    }
     firsts = []
-    for place, ordered in enumerate(leaders(results)):
-        best = ordered[0]
-        firsts.append(
-            f"{wording.name(best.condition)} {about(best.question, best.set or '')} "
-            f"({_rank_numbers(best, first=place == 0)})"
-        )
+    for ordered in leaders(results):
+        best, of = ordered[0], ordered[0].set or ""
+        if best.mean_rank == ordered[-1].mean_rank:
+            firsts.append(f"none before the others {about(best.question, of)}")
+            continue
+        numbers = _rank_numbers(best, ranks.get((of, best.question, best.condition)))
+        firsts.append(f"{wording.name(best.condition)} {about(best.question, of)} ({numbers})")
     rest = f", and so on for {len(firsts) - MOST} more" if len(firsts) > MOST else ""
     return (
         f"{subject.people.capitalize()} placed best, by mean rank, {listed(firsts[:MOST])}{rest}; "
@@ -117,10 +136,28 @@ def _ranked(results: RankingResults, subject: Subject) -> str:
     )
 
 
-def _rank_numbers(best: RankedCondition, *, first: bool) -> str:
+def _rank_numbers(best: RankedCondition, ranks: RankInterval | None) -> str:
     share = share_with_interval(best.first_share_interval, turned=False)
-    of = "first places " if first else ""
-    return f"mean rank {wording.fixed(best.mean_rank, 2)}; {of}{share}"
+    words = f"mean rank {wording.fixed(best.mean_rank, 2)}; first places {share}"
+    if ranks is None:
+        return words
+    span = f"{ranks.best}" if ranks.best == ranks.worst else f"{ranks.best}–{ranks.worst}"
+    return f"{words}; its rank may be {span} at {LEVEL:.0%}"
+
+
+def _equivalent(results: Results) -> str:
+    """Name what is equivalent within the margin that was stated."""
+    if not isinstance(results, PairwiseResults | RatingResults):
+        return ""
+    alike = [one for one in results.equivalence if one.verdict.startswith("equivalent")]
+    if not alike:
+        return ""
+    pairs = [
+        f"{wording.name(one.a)} and {wording.name(one.b)} {about(one.question, one.set or '')}"
+        for one in alike[:MOST]
+    ]
+    more = f", and {len(alike) - MOST} more" if len(alike) > MOST else ""
+    return f"Equivalent within {alike[0].margin:g} are {'; '.join(pairs)}{more}."
 
 
 def _basis(report: TableReport, subject: Subject) -> str:
