@@ -33,7 +33,7 @@ serve: setup  ## Serve a study (STUDY=demo-study) to take part in it oneself.
 
 test: setup-browser setup-database  ## Run all tests, the ones in a real browser included.
 	$(BIN)/pytest -n 2 -m "not slow and not browser"
-	$(BIN)/pytest -n 2 -m "slow or browser"
+	$(BIN)/pytest -n 2 --dist loadfile -m "slow or browser"
 
 check: $(VENV)/.installed  ## Check format, lint, types and layers.
 	$(BIN)/ruff format --check .
