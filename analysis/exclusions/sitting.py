@@ -18,14 +18,15 @@ class KnownSitting:
     trials, settled : int
         Trials of the whole study session, and how many of them the participant is done with:
         answered, or said that a video does not play.
-    failed_catch, failed_attention : int
-        Catch trials and attention checks that were failed, as the study's protocol judges them.
+    failed_catch, failed_attention : int or None
+        Catch trials and attention checks that were failed, as the study's protocol judges them;
+        None where the study has none.
     """
 
     trials: int
     settled: int
-    failed_catch: int
-    failed_attention: int
+    failed_catch: int | None
+    failed_attention: int | None
 
 
 @dataclass(frozen=True, kw_only=True)

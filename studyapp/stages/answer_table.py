@@ -192,8 +192,10 @@ def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownSitting]:
         str(session): KnownSitting(
             trials=int(trials),
             settled=int(settled),
-            failed_catch=failed.get((session, "catch"), 0),
-            failed_attention=failed.get((session, "attention"), 0),
+            failed_catch=failed.get((session, "catch"), 0) if study.catch.trials else None,
+            failed_attention=(
+                failed.get((session, "attention"), 0) if study.attention.trials else None
+            ),
         )
         for session, trials, settled in zip(
             *(sessions[name].tolist() for name in ("study_session", "trials", "settled")),
