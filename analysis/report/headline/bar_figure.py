@@ -15,13 +15,13 @@ from analysis.report import wording
 from analysis.report.content import Picture
 from analysis.report.headline.legend import Entries, draw_legend, legend_entries
 from analysis.report.headline.panels import (
-    SMALL_SIZE,
     Place,
     RowName,
     Scale,
     dress,
     numbered,
     plans,
+    write_beside,
     write_names,
     write_title,
 )
@@ -29,10 +29,10 @@ from analysis.report.ink import INK, STYLE, on
 from analysis.report.sheet import Sheet
 from analysis.report.svg import picture
 
-_ESTIMATE_SHARE: Final = 0.24
+_ESTIMATE_SHARE: Final = 0.22
 """Share of a panel in which estimates stand."""
 
-_WORDS: Final = 0.66
+_WORDS: Final = 0.76
 """Room for an estimate in words, in inches."""
 
 _GAP: Final = 0.14
@@ -182,17 +182,7 @@ def _estimate(axes: Axes, row: int, bar: Bar) -> None:
         axes.plot([bar.low, bar.high], [row, row], color=INK, linewidth=1.3, solid_capstyle="butt")
     if not math.isnan(bar.estimate):
         axes.plot([bar.estimate], [row], marker="o", markersize=4.2, color=INK, clip_on=False)
-    beside = axes.get_yaxis_transform()
-    axes.text(
-        1.12,
-        row - (0.17 if bar.below else 0),
-        bar.words,
-        transform=beside,
-        va="center",
-        fontsize=8.5,
-        fontweight="bold",
-    )
-    axes.text(1.12, row + 0.2, bar.below, transform=beside, va="center", fontsize=SMALL_SIZE - 0.5)
+    write_beside(axes, row, bar.words, bar.below, bold=True)
 
 
 def _legend(sheet: Sheet, colours: Sequence[str], entries: Entries) -> None:

@@ -13,17 +13,17 @@ from matplotlib.axes import Axes
 from analysis.report import wording
 from analysis.report.content import Picture
 from analysis.report.headline.panels import (
-    SMALL_SIZE,
     Place,
     RowName,
     Scale,
     dress,
     numbered,
     plans,
+    write_beside,
     write_names,
     write_title,
 )
-from analysis.report.ink import BLUE, INK, LINE, PAPER, STYLE
+from analysis.report.ink import BLUE, LINE, PAPER, STYLE
 from analysis.report.sheet import Sheet
 from analysis.report.svg import picture
 
@@ -174,7 +174,4 @@ def _dot(axes: Axes, row: int, dot: Dot, gid: str) -> None:
             clip_on=False,
             gid=gid,
         )
-    beside = axes.get_yaxis_transform()
-    shift = 0.17 if dot.below else 0.0
-    axes.text(1.04, row - shift, dot.words, transform=beside, va="center", fontsize=8, color=INK)
-    axes.text(1.04, row + 0.2, dot.below, transform=beside, va="center", fontsize=SMALL_SIZE - 0.5)
+    write_beside(axes, row, dot.words, dot.below)

@@ -199,6 +199,24 @@ def dress(axes: Axes, rows: int, scale: Scale) -> None:
         axes.axvline(scale.line, color=SOFT, linewidth=0.7, zorder=0)
 
 
+def write_beside(axes: Axes, row: int, words: str, below: str, *, bold: bool = False) -> None:
+    """Write words, and smaller ones under them, at the right of a row of a panel."""
+    sizes = (8.5 if bold else 8.0, SMALL_SIZE - 0.5)
+    heights = (4.4, -5.2) if below else (0.0, 0.0)
+    for text, size, height in zip((words, below), sizes, heights, strict=True):
+        axes.annotate(
+            text,
+            (1, row),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(8, height),
+            textcoords="offset points",
+            va="center",
+            fontsize=size,
+            fontweight="bold" if bold and text == words else "normal",
+            annotation_clip=False,
+        )
+
+
 def _write_ends(axes: Axes, ends: tuple[str, str]) -> None:
     room = axes.get_position().width * WIDTH / 2 - 0.15
     left, right = (fitted(text, room, size=SMALL_SIZE + 0.5) for text in ends)

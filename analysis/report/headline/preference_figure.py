@@ -10,7 +10,7 @@ from analysis.report.content import Picture
 from analysis.report.headline.bar_figure import Bar, BarFigure, Part, bar_pictures
 from analysis.report.headline.panels import RowName, Scale
 from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow
-from analysis.report.headline.words import interval, share_words
+from analysis.report.headline.words import interval, of_set, share_words
 from analysis.report.ink import FIVE
 
 SHARES = Scale(limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share", line=0.5)
@@ -98,6 +98,7 @@ def _people(group: PreferenceGroup, label: str) -> int:
 
 def _caption(group: PreferenceGroup) -> str:
     return (
+        f"{of_set(group.set)}"
         f"Answers in %, around “no difference”: {group.one} to the left, {group.other} to the "
         "right; after exclusions; n: participants analysed. Right: win share of "
         f"{group.one} (preferences plus half of “no difference”) with its {LEVEL:.0%} interval, "

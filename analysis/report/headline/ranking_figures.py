@@ -10,7 +10,7 @@ from analysis.report.content import Picture
 from analysis.report.headline.bar_figure import Bar, BarFigure, Part, bar_pictures
 from analysis.report.headline.dot_figure import Dot, dot_pictures
 from analysis.report.headline.panels import RowName, Scale
-from analysis.report.headline.words import between, interval, number, share_words
+from analysis.report.headline.words import between, interval, number, of_set, share_words
 from analysis.report.ink import place_colours
 from analysis.results.ranking import RankedCondition
 
@@ -50,7 +50,8 @@ def place_pictures(
         figure,
         name=name,
         title="How often each condition came to each place",
-        caption="How often each condition came to each place, in % of its n rankings, the first "
+        caption=f"{of_set(conditions[0].set)}"
+        "How often each condition came to each place, in % of its n rankings, the first "
         "place on the left; tied conditions share their places; after exclusions. Right: mean "
         f"rank (1 is best) with its {LEVEL:.0%} interval, clustered by participant and segment "
         "(CR1).",
@@ -84,7 +85,8 @@ def first_share_pictures(
             question: _told(question, found, lambda c: share_words(c.first_share_interval))
             for question, found in _by_question(conditions).items()
         },
-        caption=f"Share of rankings in which each condition came first, with its {LEVEL:.0%} "
+        caption=f"{of_set(conditions[0].set)}"
+        f"Share of rankings in which each condition came first, with its {LEVEL:.0%} "
         "interval, clustered by participant and segment (CR1); conditions tied for the first "
         f"place share it. The line is what chance gives, {wording.share(chance)}.",
         data=data,

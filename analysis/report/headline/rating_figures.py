@@ -15,7 +15,7 @@ from analysis.report.headline.bar_figure import Bar, BarFigure, Part, bar_pictur
 from analysis.report.headline.dot_figure import Dot, dot_pictures, round_ticks, spread
 from analysis.report.headline.legend import draw_legend, legend_entries
 from analysis.report.headline.panels import RowName, Scale, dress, numbered, plans, write_title
-from analysis.report.headline.words import between, number
+from analysis.report.headline.words import between, number, of_set
 from analysis.report.ink import LINE, SERIES, STYLE, scale_colours
 from analysis.report.sheet import Sheet
 from analysis.report.svg import picture
@@ -74,7 +74,8 @@ def distribution_pictures(
         figure,
         name=name,
         title="How often each score was given",
-        caption="How often each score was given, in % of a condition's n ratings, worst on the "
+        caption=f"{of_set(conditions[0].set)}"
+        "How often each score was given, in % of a condition's n ratings, worst on the "
         "left; after exclusions. Right: mean with its "
         f"{LEVEL:.0%} interval, clustered by participant and segment (CR1).",
         data=data,
@@ -136,7 +137,8 @@ def cumulative_pictures(
                     name=own_name,
                     title="How many ratings reach each score",
                     alt=" ".join(_reached(conditions, questions[p.number]) for p in plan.places),
-                    caption="How many of a condition's ratings are a score or a higher one, in %, "
+                    caption=f"{of_set(conditions[0].set)}"
+                    "How many of a condition's ratings are a score or a higher one, in %, "
                     "after exclusions (cumulative lower bound). A line that stays above another "
                     "belongs to better ratings; the figure is no test.",
                     data=data,
@@ -172,7 +174,8 @@ def contrast_pictures(
             + "."
             for question in questions
         },
-        caption="How much better the first condition is rated than the second, in scores: mean "
+        caption=f"{of_set(contrasts[0].set)}"
+        "How much better the first condition is rated than the second, in scores: mean "
         f"difference of paired ratings with its {LEVEL:.0%} interval, clustered by participant "
         "and segment (CR1), after exclusions; p by Holm over the report.",
         data=data,
