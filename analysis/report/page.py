@@ -20,6 +20,7 @@ from analysis.report.limits_section import limits_section
 from analysis.report.methods_section import methods_section
 from analysis.report.metric_section import metric_section
 from analysis.report.sensitivity_section import sensitivity_section
+from analysis.report.strip_section import strip_section
 from analysis.report.subject import Subject
 from analysis.report.truth_section import truth_section
 from analysis.results.report import TableReport
@@ -66,6 +67,7 @@ def _sections(
         further = sensitivity_section(task, subject)
         yield further and _of_task(task, further)
     yield metric_section(report, subject)
+    yield strip_section(subject)
     yield against_people_section(report, subject)
     yield diagnostics_section(report, subject)
     yield truth_section((report, *more), subject)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -15,24 +14,14 @@ from motion.source_version import imported_sources, source_version
 from renderer.figures.glance import glance_at
 from renderer.figures.sheet import Sheet, SheetCell, sheet_page, sheet_pictures
 from renderer.figures.sheet_cell import Cell, draw_cell
-from studyapp.definition.finished_videos import finished_video
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
 from studyapp.definition.study import Study
-from studyapp.design.stimulus import Stimulus
 from studyapp.stages.digest import digest
+from studyapp.stages.shown_videos import ShownVideo, shown_videos
 
 _VERSION: Final = source_version(imported_sources(["renderer.figures.sheet_cell"]))
 
 _UNSHOWN: Final = SheetCell(cell=None, remark="is not shown to participants", video="")
-
-
-@dataclass(frozen=True)
-class _ShownVideo:
-    """A video, rendered or brought, and what tells it from every other."""
-
-    file: Path
-    key: str
 
 
 def write_contact_sheet(
@@ -62,7 +51,7 @@ def write_contact_sheet(
     named = {name for _, name in shown}
     conditions = tuple(name for name in everything if name in named)
     wanted = [(segment.name, name) for segment in segments for name in conditions]
-    clips = _shown_videos(folder, study, shown)
+    clips = shown_videos(folder, study, shown)
     place = folder.videos / "sheet"
     entries: dict[tuple[str, str], SheetCell] = {}
     with ThreadPoolExecutor(threads) as pool:
@@ -95,25 +84,7 @@ def write_contact_sheet(
     return page
 
 
-def _shown_videos(
-    folder: StudyFolder, study: Study, shown: Iterable[tuple[str, str]]
-) -> dict[tuple[str, str], _ShownVideo]:
-    """Return the videos that are there of each (segment, condition), with its own speech."""
-    rendered = () if study.only_finished else read_stimuli(folder.stimuli).clips
-    videos = {
-        (clip.segment, clip.condition): _ShownVideo(folder.root / clip.file, clip.key)
-        for clip in rendered
-        if clip.speech is None
-    }
-    for segment, condition in shown:
-        if study.is_finished(condition):
-            file = finished_video(folder.videos, Stimulus.own(condition, segment))
-            if file.is_file():
-                videos[segment, condition] = _ShownVideo(file, digest(file))
-    return {key: video for key, video in videos.items() if video.file.is_file()}
-
-
-def _entry(place: Path, clip: _ShownVideo | None) -> SheetCell:
+def _entry(place: Path, clip: ShownVideo | None) -> SheetCell:
     """Return the cell of a clip, drawn where it is not kept."""
     if clip is None:
         return SheetCell(cell=None, remark="there is no video: run 'motionjury render'", video="")
@@ -131,7 +102,7 @@ def _entry(place: Path, clip: _ShownVideo | None) -> SheetCell:
     return SheetCell(cell=cell, remark="; ".join(cell.remarks), video=video)
 
 
-def _kept(place: Path, clip: _ShownVideo) -> Path:
+def _kept(place: Path, clip: ShownVideo) -> Path:
     """Return where the cell of a clip is kept."""
     return place / ".cells" / f"{digest(_VERSION, clip.key)}.webp"
 

@@ -19,6 +19,7 @@ from studyapp.definition.study import GROUND_TRUTH, Study
 from studyapp.rehearsal.record import read_truth
 from studyapp.stages.measuring import measure_study
 from studyapp.stages.preflight import study_notes
+from studyapp.stages.report_strips import study_stills
 
 
 def study_subject(
@@ -29,7 +30,8 @@ def study_subject(
     origin: Origin,
     notes: Sequence[str] = (),
 ) -> Subject:
-    """Return what is known of a study beside its answers, metrics of its motions included."""
+    """Return what is known of a study beside its answers, metrics and stills included."""
+    shown = study_stills(folder, study, segments)
     return Subject(
         title=study.title,
         origin=origin,
@@ -55,6 +57,8 @@ def study_subject(
         seed=study.seed,
         truth=_truth(folder) if origin == "rehearsal" else (),
         metrics=_metrics(folder, study, segments),
+        stills=shown.stills,
+        no_stills=shown.reason,
     )
 
 
