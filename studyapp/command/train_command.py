@@ -56,7 +56,8 @@ def command() -> None:
     type=click.Choice(["full", "tiny"]),
     default="full",
     show_default=True,
-    help="The papers' sizes, or small ones that a processor trains in a minute or two.",
+    help="The papers' sizes, which ask for a graphics processor and hours of recordings, or small "
+    "ones that a processor trains in a minute or two.",
 )
 @click.option(
     "--out",

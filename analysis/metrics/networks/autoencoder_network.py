@@ -67,14 +67,14 @@ class AutoencoderNetwork(nn.Module):
     def __init__(self, config: AutoencoderConfig, channels: int) -> None:
         super().__init__()
         size = config.features
-        halved = (config.window - 4) // 2  # after two convolutions of three, at every second frame
+        left = (config.window - 8) // 2 - 1  # frames after four convolutions: 12 of 34
         self.encoder = nn.Sequential(
             *_convolved(channels, size),
             *_convolved(size, 2 * size),
-            *_convolved(2 * size, 2 * size, kernel=4, stride=2, padding=1),
+            *_convolved(2 * size, 2 * size, kernel=4, stride=2),
             nn.Conv1d(2 * size, size, 3),
             nn.Flatten(),
-            *_connected((halved - 2) * size, 4 * size),
+            *_connected(left * size, 4 * size),
             *_connected(4 * size, 2 * size),
             nn.Linear(2 * size, size),
         )
