@@ -85,8 +85,15 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
     return table
 
 
-def metrics_document(metrics: StudyMetrics) -> dict[str, object]:
+def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[str, object]:
     """Return the scores of conditions as plain values, for ``results.json``.
+
+    Parameters
+    ----------
+    metrics : StudyMetrics
+        The scores.
+    root : Path, optional
+        Files are named from this folder, so that the document does not tell where it lies.
 
     Returns
     -------
@@ -129,7 +136,11 @@ def metrics_document(metrics: StudyMetrics) -> dict[str, object]:
             for found in metrics.confusions
         ],
         "skipped": [
-            {"file": file.where, "what": file.what, "remedy": file.remedy}
+            {
+                "file": file.where if root is None else file.where.removeprefix(f"{root}/"),
+                "what": file.what,
+                "remedy": file.remedy,
+            }
             for file in metrics.skipped
         ],
         "remarks": list(metrics.remarks),

@@ -12,6 +12,7 @@ import pandas as pd
 
 from analysis.exclusions.rules import ExclusionRule
 from analysis.exclusions.sitting import KnownSitting
+from analysis.metrics.score_tables import metrics_document
 from analysis.report import Subject, write_report
 from analysis.report.page import TASKS
 from analysis.results.left_out import LeftOut, leave_out
@@ -118,7 +119,7 @@ def report(
         main.report,
         subject,
         folder.report,
-        beside={"study": _of_study(study, subject, answers)},
+        beside={"study": _of_study(study, subject, answers)} | _metrics(subject, folder),
         more=tuple(task.report for task in tasks[1:]),
     )
     for task in tasks:
@@ -126,6 +127,13 @@ def report(
         with replacing(folder.report / "tables" / f"{own}{ANSWERS}") as draft:
             draft.write_bytes(task.written)
     return page
+
+
+def _metrics(subject: Subject, folder: StudyFolder) -> dict[str, object]:
+    """Return what `results.json` says of automatic metrics; nothing where there are none."""
+    if subject.metrics is None:
+        return {}
+    return {"metrics": metrics_document(subject.metrics, folder.root)}
 
 
 def report_table(

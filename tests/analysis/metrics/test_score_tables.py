@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import pandas as pd
 import pytest
@@ -129,3 +130,9 @@ def test_parquet_has_types_and_tells_units_and_directions(metrics, tmp_path):
     assert json.loads(schema.metadata[b"units"]) == {"jerk": "m/s³"}
     assert json.loads(schema.metadata[b"better"]) == {"jerk": "unsaid"}
     assert schema.metadata[b"frame_rate"] == b"30"
+
+
+def test_the_document_names_files_from_the_study_s_folder(metrics, tmp_path):
+    skipped = SkippedFile(what="damaged", where=str(tmp_path / "motion" / "b.npz"), remedy="-")
+    document = metrics_document(replace(metrics, skipped=(skipped,)), tmp_path)
+    assert document["skipped"][0]["file"] == "motion/b.npz"
