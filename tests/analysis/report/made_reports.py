@@ -1,0 +1,33 @@
+"""Reports of tables made by chance, and what they are about."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from analysis.report.subject import Excerpt, Subject
+from analysis.results.report import TableReport, analyse_table
+
+
+def report_of(table: pd.DataFrame, protocol: str, folder: Path, **settings: Any) -> TableReport:
+    """Analyse a table as the command line does."""
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    return analyse_table(path, protocol, **settings)
+
+
+def subject_of(report: TableReport, **changes: Any) -> Subject:
+    """Return what a report of a finished study with participants would be about."""
+    known: dict[str, Any] = {
+        "title": "Which motion?",
+        "origin": "participants",
+        "protocol": report.protocol,
+        "conditions": report.conditions_shown,
+        "questions": dict.fromkeys(report.questions, "Which fits {emotion} better?"),
+        "excerpts": {"s0": Excerpt(emotion="anger", speaker="scott", seconds=4.0)},
+        "study_sha256": "abc",
+        "seed": 7,
+    }
+    return Subject(**(known | changes))

@@ -1,0 +1,108 @@
+"""The page in a real browser: it fits, follows light and dark, and its tables can be sorted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from analysis.report import ink, write_report
+from tests.analysis.report.made_reports import report_of, subject_of
+from tests.analysis.results.made_tables import pairwise_table
+from tests.functional.browsing import IN_A_BROWSER
+
+pytestmark = IN_A_BROWSER
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    report = report_of(pairwise_table(participants=6, segments=5), "pairwise", folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(ink.STYLE, "pdf.fonttype", 3)
+        return write_report(report, subject_of(report, origin="rehearsal"), folder)
+
+
+@pytest.fixture
+def page(browser: Browser, written: Path) -> Iterator[Page]:
+    page = browser.new_page(viewport={"width": 1280, "height": 800})
+    page.goto(written.as_uri())
+    yield page
+    page.close()
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_the_page_asks_for_nothing_complains_of_nothing_and_fits(
+    browser: Browser, written: Path, width: int
+) -> None:
+    page = browser.new_page(viewport={"width": width, "height": 800})
+    asked: list[str] = []
+    complaints: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("console", lambda message: complaints.append(message.text))
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+
+    page.goto(written.as_uri())
+
+    assert asked == [written.as_uri()]
+    assert complaints == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    page.close()
+
+
+def test_a_table_is_sorted_by_click_and_by_keyboard_and_back_again(page: Page) -> None:
+    table = page.locator("#flow ~ section table.sortable").first
+    column = table.locator("thead tr").last.locator("th").nth(1)
+
+    def cells() -> list[str]:
+        return table.locator("tbody tr > :nth-child(2)").all_inner_texts()
+
+    given = cells()
+    column.locator("button").click()
+    assert column.get_attribute("aria-sort") == "ascending"
+    ascending = cells()
+    column.locator("button").press("Enter")
+    assert column.get_attribute("aria-sort") == "descending"
+    assert cells() == ascending[::-1] or len(set(given)) < len(given)
+    column.locator("button").press("Enter")
+    assert column.get_attribute("aria-sort") is None
+    assert cells() == given
+    assert sorted(ascending) == sorted(given)
+
+
+def test_numbers_are_sorted_as_numbers(page: Page) -> None:
+    found = page.evaluate(
+        """() => {
+          for (const table of document.querySelectorAll("table.sortable")) {
+            const row = table.tBodies[0].rows[0];
+            const column = [...row.cells].findIndex((cell) => cell.dataset.value !== undefined);
+            if (column < 0) continue;
+            const heads = table.tHead.rows[table.tHead.rows.length - 1].cells;
+            heads[column].querySelector("button").click();
+            return [...table.tBodies[0].rows].map((r) => Number(r.cells[column].dataset.value));
+          }
+        }"""
+    )
+    assert len(found) > 1
+    assert found == sorted(found)
+
+
+def test_the_page_follows_light_and_dark(page: Page) -> None:
+    seen = []
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+        seen.append(page.evaluate("getComputedStyle(document.body).backgroundColor"))
+
+    assert seen[0] != seen[1]
+
+
+def test_a_rehearsal_is_called_one_on_every_screen(page: Page) -> None:
+    height = page.evaluate("document.documentElement.scrollHeight")
+    assert height > 2000
+    for top in range(0, height, 700):
+        page.evaluate(f"window.scrollTo(0, {top})")
+        box = page.locator(".banner").bounding_box()
+        assert box is not None
+        assert box["y"] == pytest.approx(0, abs=1)

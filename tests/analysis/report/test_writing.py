@@ -1,0 +1,204 @@
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from bs4 import BeautifulSoup
+
+from analysis.report import ink, write_report
+from analysis.report.content import Cell, Page, Section, Table
+from analysis.report.table_files import as_frame, write_page_files
+from tests.analysis.report.made_reports import report_of, subject_of
+from tests.analysis.results.made_tables import TABLES, pairwise_table
+
+HOSTILE = '<script>alert("x")</script> & $\\frac{1}{2}$ #_%'
+
+
+@pytest.fixture(autouse=True)
+def quick_fonts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spare the parts of fonts that only those need who print figures."""
+    monkeypatch.setitem(ink.STYLE, "pdf.fonttype", 3)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Return the page of a report of each protocol."""
+    pages = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(ink.STYLE, "pdf.fonttype", 3)
+        for protocol, table in TABLES.items():
+            folder = tmp_path_factory.mktemp(protocol)
+            report = report_of(table(participants=5, segments=4), protocol, folder)
+            pages[protocol] = write_report(report, subject_of(report), folder)
+    return pages
+
+
+Open = Callable[[Path], BeautifulSoup]
+
+
+@pytest.mark.parametrize("protocol", TABLES)
+def test_the_page_needs_nothing_from_outside(
+    written: dict[str, Path], open_page: Open, protocol: str
+) -> None:
+    page = open_page(written[protocol])
+
+    assert not page.find_all(["link", "iframe", "object"])
+    for element in page.find_all(True):
+        for name, value in element.attrs.items():
+            if name in {"href", "xlink:href", "src", "action"}:
+                assert re.match(r"#|data:image/|tables/[\w.-]+$", value), f"{name}={value}"
+            assert not name.startswith("on")
+    style = " ".join(element.get_text() for element in page("style"))
+    assert "@import" not in style
+    assert not re.search(r"url\((?!#)", str(page))
+    for name in {a["href"] for a in page.find_all("a", class_="data")}:
+        assert (written[protocol].parent / name).exists(), name
+
+
+@pytest.mark.parametrize("protocol", TABLES)
+def test_every_id_is_one_of_a_kind_and_every_reference_finds_its_own(
+    written: dict[str, Path], open_page: Open, protocol: str
+) -> None:
+    page = open_page(written[protocol])
+
+    ids = [element["id"] for element in page.find_all(id=True)]
+    assert len(ids) == len(set(ids))
+    wanted = {e["href"][1:] for e in page.find_all(href=re.compile("^#"))}
+    wanted |= {e["xlink:href"][1:] for e in page.find_all(attrs={"xlink:href": True})}
+    for name in ("aria-labelledby", "aria-describedby"):
+        wanted |= {e[name] for e in page.find_all(attrs={name: True})}
+    wanted |= set(re.findall(r"url\(#([^)]+)\)", str(page)))
+    assert wanted <= set(ids)
+
+
+@pytest.mark.parametrize("protocol", TABLES)
+def test_tables_and_figures_speak_to_those_who_cannot_see_them(
+    written: dict[str, Path], open_page: Open, protocol: str
+) -> None:
+    page = open_page(written[protocol])
+
+    assert page.html["lang"] == "en"
+    assert {header["scope"] for header in page.find_all("th")} <= {"row", "col", "colgroup"}
+    pictures = page.find_all("svg")
+    assert pictures
+    for picture in pictures:
+        assert picture["role"] == "img"
+        assert picture.find("title") or picture["aria-label"]
+    for figure in page.find_all("figure"):
+        assert len(figure.figcaption.get_text()) > 30
+
+
+@pytest.mark.parametrize("protocol", TABLES)
+def test_every_figure_is_a_file_too_and_every_named_table_is_latex(
+    written: dict[str, Path], open_page: Open, protocol: str
+) -> None:
+    folder = written[protocol].parent
+
+    figures = list((folder / "figures").glob("*.pdf"))
+    assert len(figures) == len(open_page(written[protocol]).find_all("svg"))
+    assert all(file.read_bytes().startswith(b"%PDF") for file in figures)
+    latex = list((folder / "tables").glob("*.tex"))
+    assert latex
+    for file in latex:
+        assert r"\toprule" in file.read_text("utf-8")
+
+
+def test_hostile_names_are_text_and_nothing_else(tmp_path: Path, open_page: Open) -> None:
+    table = pairwise_table((HOSTILE, "other"), effects=(1.0, 0.0), participants=4, segments=4)
+    report = report_of(table, "pairwise", tmp_path)
+
+    page = open_page(write_report(report, subject_of(report, title=HOSTILE), tmp_path))
+
+    assert HOSTILE.replace("_", " ") in page.find(class_="answer").get_text()
+    assert len(page.find_all("script")) == 1
+    assert "alert" not in page.find("script").get_text()
+
+
+def test_the_policy_lets_the_pages_own_script_run_and_no_other(
+    written: dict[str, Path], open_page: Open
+) -> None:
+    policy = open_page(written["rating"]).find("meta", attrs={"http-equiv": True})["content"]
+
+    assert "default-src 'none'" in policy
+    assert re.search(r"script-src 'sha256-[\w+/=]+';", policy)
+
+
+def test_results_keep_what_stands_beside_the_protocols_own_keys(tmp_path: Path) -> None:
+    report = report_of(pairwise_table(participants=4, segments=4), "pairwise", tmp_path)
+
+    write_report(report, subject_of(report), tmp_path / "out", beside={"study": {"seed": 3}})
+
+    found = json.loads((tmp_path / "out" / "results.json").read_text("utf-8"))
+    assert found["study"] == {"seed": 3}
+    assert found["flow"] == [
+        {
+            **dict.fromkeys(("places", "opened", "withdrawn", "earlier", "completed")),
+            "arm": "",
+            "answered": 4,
+            "removed": [],
+            "analysed": 4,
+        }
+    ]
+
+
+def test_a_tables_file_holds_numbers_in_full_and_words_as_they_are(tmp_path: Path) -> None:
+    table = Table(
+        caption="A table.",
+        header=("name", "share"),
+        groups=(("", 1), ("all", 1)),
+        rows=((Cell(text="ours"), Cell(text=".33", value=1 / 3)),),
+        name="shares",
+    )
+    page = Page(
+        title="t",
+        mark="",
+        mark_short="rehearsal",
+        answer=(),
+        picture=None,
+        flow="",
+        sections=(Section(anchor="a", heading="A", tables=(table,)),),
+    )
+
+    write_page_files(page, tmp_path)
+
+    assert as_frame(table).columns.tolist() == ["name", "all share"]
+    assert pd.read_csv(tmp_path / "tables" / "shares.csv").iloc[0].tolist() == [
+        "ours",
+        0.3333333333,
+    ]
+    assert "[rehearsal] A table." in (tmp_path / "tables" / "shares.tex").read_text(
+        "utf-8"
+    ).replace("{[}", "[").replace("{]}", "]")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("protocol", ["pairwise"])
+def test_two_processes_with_different_hash_seeds_write_the_same_bytes(
+    protocol: str, tmp_path: Path
+) -> None:
+    TABLES[protocol](participants=4, segments=4).to_csv(tmp_path / "answers.csv", index=False)
+    code = (
+        "import sys; from pathlib import Path;"
+        "from studyapp.stages.reporting import report_table;"
+        "report_table(Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3]),"
+        " max_catch_failures=1, margin=0.1)"
+    )
+    runs = []
+    for seed in ("1", "2"):
+        out = tmp_path / seed
+        subprocess.run(
+            [sys.executable, "-c", code, str(tmp_path / "answers.csv"), protocol, str(out)],
+            check=True,
+            env={**os.environ, "PYTHONHASHSEED": seed},
+        )
+        files = sorted(path for path in out.rglob("*") if path.is_file())
+        runs.append({str(path.relative_to(out)): path.read_bytes() for path in files})
+
+    assert runs[0] == runs[1]
