@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -158,3 +159,20 @@ def test_how_votes_are_counted_changes_nothing(monkeypatch: pytest.MonkeyPatch) 
     assert single.strengths == pytest.approx(counted.strengths)
     assert single.errors == pytest.approx(counted.errors)
     assert (single.answers, single.participants) == (counted.answers, counted.participants)
+
+
+@pytest.mark.parametrize("fit", [bradley_terry, rao_kupper])
+def test_one_participant_has_strengths_but_no_clustered_errors_and_says_so(
+    fit: Callable[[Votes], BradleyTerry],
+) -> None:
+    votes = made_votes()
+    alone = fit(replace(votes, participant=np.zeros_like(votes.left), segment=votes.left))
+
+    assert not alone.reason
+    assert "one participant" in alone.remark
+    assert np.isfinite(alone.strengths).all()
+    assert np.isfinite(alone.errors_by_model).all()
+    assert np.isnan(alone.errors).all()
+    assert np.isnan(alone.errors_two_way).all()
+    assert np.isnan(alone.tie_error)
+    assert not fit(votes).remark
