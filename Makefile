@@ -55,8 +55,9 @@ bench: setup  ## Measure rendering speed and the validity of the statistics.
 bench-adaptive: setup  ## Simulate how much sooner adaptive pairs find an order, and draw it.
 	$(BIN)/python -m studyapp.bench.adaptive_pairs docs/adaptive.png
 
-bench-metrics: setup  ## Time the Fréchet distance beside a matrix square root.
+bench-metrics: setup  ## Time the Fréchet distance beside a matrix square root, and all metrics of 10,000 clips.
 	$(BIN)/python -m analysis.metrics.benchmark
+	$(BIN)/python -m studyapp.bench.metrics_benchmark
 
 bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
 	$(BIN)/python -m renderer.benchmark

@@ -3,8 +3,8 @@
 Makes a folder of recordings and of generated motion for them, measures it as ``motionjury metrics``
 does, with nothing kept from before and then with what the first run kept, and prints
 ``name: value`` lines: seconds, and processor seconds, which other work of the machine does not add
-to. The motion is the rule-based generator's to a few made sounds, each shifted
-in time and scaled anew for every clip, so that no two clips are equal.
+to. The motion is the rule-based generator's to a few made sounds, each shifted in time and scaled
+anew for every clip, and the sounds are shifted for every segment, so that no two are equal.
 """
 
 from __future__ import annotations
@@ -88,13 +88,14 @@ def make_folders(root: Path, segments: int, seconds: float, patterns: int) -> No
         )
         for segment, audio in zip(spoken, speech, strict=True)
     ]
-    for number, audio in enumerate(speech):
-        write_wav(root / "speech" / f"sound{number}.wav", audio)
     table = []
     for number in range(segments):
         pattern = number % patterns
         name = f"s{number:05d}"
-        table.append(replace(spoken[pattern], name=name, wav=f"sound{pattern}.wav"))
+        sound = speech[pattern]
+        shifted = np.roll(sound.samples, int(chance.integers(len(sound.samples))))
+        write_wav(root / "speech" / f"{name}.wav", Audio(shifted, sound.sample_rate))
+        table.append(replace(spoken[pattern], name=name, wav=f"{name}.wav"))
         _write(root / "recorded" / f"{name}.npz", _varied(motions[pattern], chance, 0.0))
         for place, condition in enumerate(CONDITIONS, start=1):
             other = motions[int(chance.integers(patterns))]
