@@ -88,5 +88,5 @@ def test_what_is_missing_is_said(arguments: list[str], said: str) -> None:
 
 def test_a_study_and_a_table_at_once_are_refused(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text("", "utf-8")
-    with pytest.raises(InputError, match="--margin cannot be given with a study folder"):
-        CliRunner().invoke(command, [str(tmp_path), "--margin", "0.1"], catch_exceptions=False)
+    with pytest.raises(InputError, match="--out cannot be given with a study folder"):
+        CliRunner().invoke(command, [str(tmp_path), "--out", "o"], catch_exceptions=False)
