@@ -21,11 +21,15 @@ class Condition(Section):
         The condition whose clips the generator starts from, for generators that need one.
     videos : bool
         Finished videos are brought, ``videos/<condition>/<segment>.mp4``, and no motion.
+    generative : bool or None
+        Whether it can move differently to one speech, which DiffSHEG's table of metrics marks;
+        None where that is not stated. Nothing but the report looks at it.
     """
 
     generator: str | None = None
     source: Name | None = None
     videos: bool = False
+    generative: bool | None = None
 
 
 class Catch(Section):

@@ -22,7 +22,11 @@ OPERATION: Final[dict[str, Any]] = {
 }
 """Keys that may change while the study runs."""
 
-ANALYSIS: Final[dict[str, Any]] = {"exclusions": True, "margin": True}
+ANALYSIS: Final[dict[str, Any]] = {
+    "exclusions": True,
+    "margin": True,
+    "conditions": {"__all__": {"generative"}},
+}
 """Keys that say what is done with the answers. They may change too, but then the report says that
 they did. All keys that are neither these nor of the operation are the study's design."""
 

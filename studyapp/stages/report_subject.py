@@ -40,6 +40,11 @@ def study_subject(
         questions={question.name: question.text for question in study.questions},
         reference=_reference(study),
         recorded=GROUND_TRUTH if study.has_recording else None,
+        generative={
+            name: condition.generative
+            for name, condition in study.conditions.items()
+            if condition.generative is not None
+        },
         broken=study.catch.condition if study.catch.trials else None,
         scale_labels=_scale_labels(study),
         excerpts={
