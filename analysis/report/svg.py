@@ -7,6 +7,7 @@ import re
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Final
 
 import matplotlib as mpl
@@ -23,6 +24,14 @@ _ID: Final = re.compile(r'(id="|href="#|url\(#)')
 _COLOUR: Final = re.compile("|".join(FOLLOWS_THE_PAGE))
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawing:
+    """A figure, and what is shown on hover by the gid of the artist that it belongs to."""
+
+    figure: Figure
+    hints: Mapping[str, str]
+
+
 def picture(
     figure: Figure,
     *,
@@ -32,6 +41,7 @@ def picture(
     caption: str,
     data: str = "",
     hints: Mapping[str, str] | None = None,
+    narrow: Drawing | None = None,
 ) -> Picture:
     """Return a figure for the page and for the folder of figures.
 
@@ -51,9 +61,17 @@ def picture(
         File in the report's ``tables`` folder with its numbers.
     hints : mapping of str to str, optional
         Text shown on hover, by the gid of the artist it belongs to.
+    narrow : Drawing, optional
+        The same once more, for the page on a narrow screen.
     """
+    svg = inline_svg(figure, name=name, title=title, alt=alt, hints=hints)
+    if narrow is not None:
+        small = inline_svg(
+            narrow.figure, name=f"{name}-narrow", title=title, alt=alt, hints=narrow.hints
+        )
+        svg = _of_class(svg, "wide") + _of_class(small, "narrow")
     return Picture(
-        svg=inline_svg(figure, name=name, title=title, alt=alt, hints=hints),
+        svg=svg,
         caption=caption,
         data=data,
         name=name,
@@ -97,6 +115,10 @@ def as_pdf(figure: Figure) -> bytes:
     with mpl.rc_context(STYLE), _any_letters():
         figure.savefig(stream, format="pdf", metadata={"CreationDate": None, "Producer": None})
     return stream.getvalue()
+
+
+def _of_class(svg: Markup, name: str) -> Markup:
+    return Markup(str(svg).replace("<svg", f'<svg class="{name}"', 1))  # noqa: S704 - as it was
 
 
 @contextmanager

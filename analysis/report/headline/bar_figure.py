@@ -7,27 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from analysis.report import wording
 from analysis.report.content import Picture
-from analysis.report.headline.legend import Entries, draw_legend, legend_entries
-from analysis.report.headline.panels import (
-    Place,
-    RowName,
-    Scale,
-    dress,
-    numbered,
-    plans,
-    write_beside,
-    write_names,
-    write_title,
-)
-from analysis.report.ink import INK, STYLE, on
+from analysis.report.headline.panel_figure import PanelFigure, panel_pictures
+from analysis.report.headline.panels import Place, RowName, Scale, dress, write_beside
+from analysis.report.ink import INK, on
 from analysis.report.sheet import Sheet
-from analysis.report.svg import picture
 
 _ESTIMATE_SHARE: Final = 0.22
 """Share of a panel in which estimates stand."""
@@ -106,32 +93,26 @@ def bar_pictures(
     figure: BarFigure, *, name: str, title: str, caption: str, data: str, mark: str
 ) -> tuple[Picture, ...]:
     """Draw a figure on as many sheets as it needs; see `analysis.report.svg.picture`."""
-    questions = tuple(figure.panels)
-    titles = [wording.heading(question) for question in questions]
-    legend = legend_entries(figure.legend)
-    sheets = plans(titles, figure.rows, foot=legend.height)
-    found = []
-    for plan, own_name in zip(sheets, numbered(name, len(sheets)), strict=True):
-        hints: dict[str, str] = {}
-        with mpl.rc_context(STYLE):
-            sheet = Sheet(plan.height, mark=mark)
-            for place in plan.places:
-                write_title(sheet, place, titles[place.number])
-                write_names(sheet, place, figure.rows)
-                hints |= _panel(sheet, place, figure, figure.panels[questions[place.number]])
-            _legend(sheet, figure.colours, legend)
-            found.append(
-                picture(
-                    sheet.figure,
-                    name=own_name,
-                    title=title,
-                    alt=" ".join(figure.told[questions[p.number]] for p in plan.places),
-                    caption=caption,
-                    data=data,
-                    hints=hints,
-                )
-            )
-    return tuple(found)
+
+    def signs(words: Sequence[str]) -> list[Patch]:
+        return [Patch(color=c, label=word) for c, word in zip(figure.colours, words, strict=True)]
+
+    return panel_pictures(
+        PanelFigure(
+            told=figure.told,
+            rows=figure.rows,
+            draw=lambda sheet, place, question: _panel(
+                sheet, place, figure, figure.panels[question]
+            ),
+            legend=figure.legend,
+            signs=signs,
+        ),
+        name=name,
+        title=title,
+        caption=caption,
+        data=data,
+        mark=mark,
+    )
 
 
 def _panel(sheet: Sheet, place: Place, figure: BarFigure, bars: Sequence[Bar]) -> dict[str, str]:
@@ -183,11 +164,3 @@ def _estimate(axes: Axes, row: int, bar: Bar) -> None:
     if not math.isnan(bar.estimate):
         axes.plot([bar.estimate], [row], marker="o", markersize=4.2, color=INK, clip_on=False)
     write_beside(axes, row, bar.words, bar.below, bold=True)
-
-
-def _legend(sheet: Sheet, colours: Sequence[str], entries: Entries) -> None:
-    draw_legend(
-        sheet,
-        [Patch(color=c, label=word) for c, word in zip(colours, entries.words, strict=True)],
-        entries,
-    )

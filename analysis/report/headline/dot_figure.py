@@ -7,25 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 
-from analysis.report import wording
 from analysis.report.content import Picture
-from analysis.report.headline.panels import (
-    Place,
-    RowName,
-    Scale,
-    dress,
-    numbered,
-    plans,
-    write_beside,
-    write_names,
-    write_title,
-)
-from analysis.report.ink import BLUE, LINE, PAPER, STYLE
+from analysis.report.headline.panel_figure import PanelFigure, panel_pictures
+from analysis.report.headline.panels import Place, RowName, Scale, dress, write_beside
+from analysis.report.ink import BLUE, LINE, PAPER
 from analysis.report.sheet import Sheet
-from analysis.report.svg import picture
 
 _WORDS: Final = 0.8
 """Room for an estimate in words, in inches."""
@@ -89,30 +77,18 @@ def dot_pictures(
     mark : str
         Written on top; empty for none.
     """
-    questions = tuple(panels)
-    titles = [wording.heading(question) for question in questions]
-    sheets = plans(titles, rows)
-    found = []
-    for plan, own_name in zip(sheets, numbered(name, len(sheets)), strict=True):
-        hints: dict[str, str] = {}
-        with mpl.rc_context(STYLE):
-            sheet = Sheet(plan.height, mark=mark)
-            for place in plan.places:
-                write_title(sheet, place, titles[place.number])
-                write_names(sheet, place, rows)
-                hints |= _panel(sheet, place, panels[questions[place.number]], scale)
-            found.append(
-                picture(
-                    sheet.figure,
-                    name=own_name,
-                    title=title,
-                    alt=" ".join(told[questions[p.number]] for p in plan.places),
-                    caption=caption,
-                    data=data,
-                    hints=hints,
-                )
-            )
-    return tuple(found)
+    return panel_pictures(
+        PanelFigure(
+            told=told,
+            rows=tuple(rows),
+            draw=lambda sheet, place, question: _panel(sheet, place, panels[question], scale),
+        ),
+        name=name,
+        title=title,
+        caption=caption,
+        data=data,
+        mark=mark,
+    )
 
 
 def spread(dots: Sequence[Dot], *, around: float | None = None) -> tuple[float, float]:

@@ -13,7 +13,9 @@ from analysis.report.sheet import Sheet, fitted
 from analysis.report.svg import WIDTH
 
 _SIZE: Final = 7.5
-_MOST_COLUMNS: Final = 5
+_COLUMN: Final = 1.4
+"""Inches that a column needs at least."""
+
 _SIGN: Final = 0.38
 """Inches that a sign and the space around it take."""
 
@@ -27,11 +29,11 @@ class Entries:
     height: float
 
 
-def legend_entries(words: Sequence[str]) -> Entries:
-    """Return a legend's words, shared out to as few lines as they need."""
-    lines = -(-len(words) // _MOST_COLUMNS)
+def legend_entries(words: Sequence[str], width: float = WIDTH) -> Entries:
+    """Return a legend's words, shared out to as few lines as a sheet of that width allows."""
+    lines = -(-len(words) // int(width / _COLUMN))
     columns = -(-len(words) // lines)
-    room = WIDTH / columns - _SIGN
+    room = width / columns - _SIGN
     found = tuple(fitted(word, room, size=_SIZE, lines=2) for word in words)
     tallest = max(word.count("\n") + 1 for word in found)
     return Entries(words=found, columns=columns, height=0.1 + lines * (0.13 * tallest + 0.05))

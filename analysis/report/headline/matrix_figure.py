@@ -7,25 +7,27 @@ from dataclasses import dataclass
 from typing import Final
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from analysis.report import wording
 from analysis.report.content import Picture
 from analysis.report.headline.panels import (
     LABEL_SIZE,
-    LABELS,
-    SMALL_SIZE,
-    TALLEST,
+    NARROW,
     TITLE_SIZE,
+    WIDE,
+    Format,
     numbered,
 )
 from analysis.report.ink import PAPER, STYLE, between_sides, on
-from analysis.report.sheet import Sheet, fitted
-from analysis.report.svg import WIDTH, picture
+from analysis.report.sheet import POINTS, Sheet, fitted
+from analysis.report.svg import Drawing, picture
 
 _LARGEST_CELL: Final = 0.5
 _HEAD: Final = 0.42
 _BELOW: Final = 0.16
+_BESIDE: Final = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,79 +62,116 @@ def matrix_pictures(
     mark : str
         Written on top; empty for none.
     """
-    count = len(conditions)
-    cell = min(_LARGEST_CELL, (WIDTH - LABELS) / count)
-    columns = max(1, min(2, len(questions), int((WIDTH - LABELS + 0.3) // (cell * count + 0.3))))
-    line = _HEAD + cell * count + _BELOW
-    per_sheet = max(1, int(TALLEST // line)) * columns
+    grid = _Grid.of(WIDE, conditions, len(questions))
+    per_sheet = max(1, int(WIDE.tallest // grid.line)) * grid.columns
     asked = list(questions)
     pages = [asked[start : start + per_sheet] for start in range(0, len(asked), per_sheet)]
     found = []
     for page, own_name in zip(pages, numbered(name, len(pages)), strict=True):
-        hints: dict[str, str] = {}
+        shown = {question: questions[question] for question in page}
         with mpl.rc_context(STYLE):
-            sheet = Sheet(line * -(-len(page) // columns), mark=mark)
-            for number, question in enumerate(page):
-                row, column = divmod(number, columns)
-                left = LABELS + column * (cell * count + 0.3)
-                hints |= _matrix(
-                    sheet, question, questions[question], conditions, left, row * line, cell
-                )
+            wide = _drawn(shown, conditions, grid, mark)
             found.append(
                 picture(
-                    sheet.figure,
+                    wide.figure,
+                    hints=wide.hints,
+                    narrow=_drawn(shown, conditions, _Grid.of(NARROW, conditions, 1), mark),
                     name=own_name,
                     title=title,
-                    alt=_alt({q: questions[q] for q in page}, conditions),
+                    alt=_alt(shown, conditions),
                     caption=caption,
                     data=data,
-                    hints=hints,
                 )
             )
     return tuple(found)
 
 
-def _matrix(
-    sheet: Sheet,
-    question: str,
-    shares: Mapping[tuple[str, str], Won],
+@dataclass(frozen=True, kw_only=True)
+class _Grid:
+    """Where matrices stand: the size of a cell and of a matrix with its title, in inches."""
+
+    room: Format
+    cell: float
+    wide: float
+    line: float
+    columns: int
+
+    @classmethod
+    def of(cls, room: Format, conditions: Sequence[str], matrices: int) -> _Grid:
+        count, free = len(conditions), room.width - room.labels
+        cell = min(_LARGEST_CELL, free / count)
+        beside = int((free + _BESIDE) // (cell * count + _BESIDE))
+        return cls(
+            room=room,
+            cell=cell,
+            wide=cell * count,
+            line=_HEAD + cell * count + _BELOW,
+            columns=max(1, min(room.columns, matrices, beside)),
+        )
+
+
+def _drawn(
+    questions: Mapping[str, Mapping[tuple[str, str], Won]],
     conditions: Sequence[str],
-    left: float,
-    top: float,
-    cell: float,
-) -> dict[str, str]:
-    count = len(conditions)
-    room = fitted(wording.heading(question), cell * count, size=TITLE_SIZE, bold=True)
-    sheet.write(left, top + 0.12, room, fontsize=TITLE_SIZE, fontweight="bold", va="baseline")
-    axes = sheet.panel(left, top + _HEAD, cell * count, cell * count)
-    axes.set_axis_off()
-    axes.set_xlim(0, count)
-    axes.set_ylim(count, 0)
+    grid: _Grid,
+    mark: str,
+) -> Drawing:
+    sheet = Sheet(grid.line * -(-len(questions) // grid.columns), mark=mark, width=grid.room.width)
     hints: dict[str, str] = {}
+    for number, (question, shares) in enumerate(questions.items()):
+        row, column = divmod(number, grid.columns)
+        left, top = grid.room.labels + column * (grid.wide + _BESIDE), row * grid.line
+        title = fitted(wording.heading(question), grid.wide, size=TITLE_SIZE, bold=True)
+        sheet.write(left, top + 0.12, title, fontsize=TITLE_SIZE, fontweight="bold", va="baseline")
+        _write_names(sheet, conditions, grid, left, top, named=not column)
+        axes = sheet.panel(left, top + _HEAD, grid.wide, grid.wide)
+        hints |= _matrix(axes, shares, conditions, grid.cell, f"cell{number}")
+    return Drawing(figure=sheet.figure, hints=hints)
+
+
+def _write_names(
+    sheet: Sheet, conditions: Sequence[str], grid: _Grid, left: float, top: float, *, named: bool
+) -> None:
+    """Write numbers over the columns; at the left of the first matrix, the rows' names too."""
     for row, one in enumerate(conditions):
-        middle = top + _HEAD + (row + 0.5) * cell
-        if left == LABELS:
-            name = fitted(f"{wording.name(one)}", LABELS - 0.35, size=LABEL_SIZE, lines=3)
-            sheet.write(LABELS - 0.3, middle, name, ha="right", va="center", fontsize=LABEL_SIZE)
-            sheet.write(
-                LABELS - 0.08, middle, f"{row + 1}", ha="right", va="center", fontsize=LABEL_SIZE
-            )
+        number = str(row + 1)
         sheet.write(
-            left + (row + 0.5) * cell,
+            left + (row + 0.5) * grid.cell,
             top + _HEAD - 0.05,
-            f"{row + 1}",
+            number,
             ha="center",
             va="baseline",
             fontsize=LABEL_SIZE,
         )
+        if not named:
+            continue
+        middle = top + _HEAD + (row + 0.5) * grid.cell
+        size = min(LABEL_SIZE, 24 * grid.cell)
+        lines = max(1, int(grid.cell * POINTS / (1.2 * size)))
+        name = fitted(wording.name(one), left - 0.35, size=size, lines=min(lines, 3))
+        sheet.write(left - 0.3, middle, name, ha="right", va="center", fontsize=size)
+        sheet.write(left - 0.08, middle, number, ha="right", va="center", fontsize=size)
+
+
+def _matrix(
+    axes: Axes,
+    shares: Mapping[tuple[str, str], Won],
+    conditions: Sequence[str],
+    cell: float,
+    prefix: str,
+) -> dict[str, str]:
+    axes.set_axis_off()
+    axes.set_xlim(0, len(conditions))
+    axes.set_ylim(len(conditions), 0)
+    size = min(LABEL_SIZE, 24 * cell)
+    hints: dict[str, str] = {}
+    for row, one in enumerate(conditions):
+        axes.text(row + 0.5, row + 0.5, "–", ha="center", va="center", fontsize=size)
         for column, other in enumerate(conditions):
             won = shares.get((one, other))
             if won is None:
-                if one == other:
-                    axes.text(column + 0.5, row + 0.5, "–", ha="center", va="center", fontsize=8)
                 continue
-            colour = between_sides(1 - won.share)
-            gid = f"cell-{asked_name(question)}-{row}-{column}"
+            colour, gid = between_sides(1 - won.share), f"{prefix}-{row}-{column}"
             axes.add_patch(
                 Rectangle((column, row), 1, 1, facecolor=colour, edgecolor=PAPER, gid=gid)
             )
@@ -143,18 +182,11 @@ def _matrix(
                 wording.share(won.share),
                 ha="center",
                 va="center_baseline",
-                fontsize=LABEL_SIZE if cell > 0.4 else SMALL_SIZE,
+                fontsize=size,
                 fontweight="bold" if won.decided else "normal",
                 color=on(colour),
             )
     return hints
-
-
-def asked_name(question: str) -> str:
-    """Return a question's name as a part of an id."""
-    return "".join(
-        sign if sign.isascii() and sign.isalnum() else f"u{ord(sign)}" for sign in question
-    )
 
 
 def _alt(questions: Mapping[str, Mapping[tuple[str, str], Won]], conditions: Sequence[str]) -> str:

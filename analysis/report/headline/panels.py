@@ -18,9 +18,6 @@ from analysis.report.svg import WIDTH
 TALLEST: Final = 9.0
 """Height in inches that a figure may have on a page of A4."""
 
-LABELS: Final = 1.3
-"""Room for the rows' names, in inches."""
-
 TITLE_SIZE: Final = 9.0
 LABEL_SIZE: Final = 8.0
 SMALL_SIZE: Final = 7.0
@@ -33,16 +30,45 @@ _BETWEEN: Final = 0.12
 
 
 @dataclass(frozen=True, kw_only=True)
+class Format:
+    """How much room there is, in inches.
+
+    Attributes
+    ----------
+    width, tallest : float
+        Of a sheet.
+    labels : float
+        For the rows' names, at the left.
+    columns : int
+        Panels beside each other, at most.
+    lines : int
+        Of a row's name, at most.
+    """
+
+    width: float
+    tallest: float
+    labels: float
+    columns: int
+    lines: int
+
+
+WIDE: Final = Format(width=WIDTH, tallest=TALLEST, labels=1.3, columns=2, lines=2)
+"""A page of A4, and the screen of a computer."""
+
+NARROW: Final = Format(width=3.6, tallest=1000.0, labels=0.95, columns=1, lines=3)
+"""The screen of a telephone, which scrolls."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class RowName:
     """What stands at the left of a row: its name, and a word below it such as 'n = 23'."""
 
     name: str
     below: str = ""
 
-    @property
-    def text(self) -> str:
-        """Both, broken into lines that fit."""
-        lines = [fitted(self.name, LABELS - 0.1, size=LABEL_SIZE, lines=2)]
+    def text(self, room: Format) -> str:
+        """Return both, broken into lines that leave a margin."""
+        lines = [fitted(self.name, room.labels - 0.1, size=LABEL_SIZE, lines=room.lines)]
         return "\n".join([*lines, self.below] if self.below else lines)
 
 
@@ -79,7 +105,13 @@ class Plan:
     places: tuple[Place, ...]
 
 
-def plans(titles: Sequence[str], names: Sequence[RowName], *, foot: float = 0.0) -> list[Plan]:
+def plans(
+    titles: Sequence[str],
+    names: Sequence[RowName],
+    *,
+    foot: float = 0.0,
+    room: Format = WIDE,
+) -> list[Plan]:
     """Share panels out to as many sheets as they need.
 
     Parameters
@@ -90,21 +122,23 @@ def plans(titles: Sequence[str], names: Sequence[RowName], *, foot: float = 0.0)
         Of the rows.
     foot : float, optional
         Room at the bottom of each sheet, in inches, such as for a legend.
+    room : Format, optional
+        Of a sheet.
     """
-    columns = min(len(titles), 2)
-    width = (WIDTH - LABELS - (columns - 1) * _GAP) / columns
+    columns = min(len(titles), room.columns)
+    width = (room.width - room.labels - (columns - 1) * _GAP) / columns
     head = _title_lines(titles, width) * _TITLE_LINE + 0.06
-    rows = row_height(names) * len(names)
+    rows = row_height(names, room) * len(names)
     line = head + rows + _AXIS + _BETWEEN
     lines = -(-len(titles) // columns)
-    per_sheet = max(1, int((TALLEST - foot) // line))
+    per_sheet = int(min(max(1, (room.tallest - foot) // line), lines))
     found = []
     for start in range(0, lines, per_sheet):
         inside = min(per_sheet, lines - start)
         places = [
             Place(
                 number=number,
-                left=LABELS + (number % columns) * (width + _GAP),
+                left=room.labels + (number % columns) * (width + _GAP),
                 top=(number // columns - start) * line + head,
                 width=width,
                 height=rows,
@@ -117,9 +151,9 @@ def plans(titles: Sequence[str], names: Sequence[RowName], *, foot: float = 0.0)
     return found
 
 
-def row_height(names: Sequence[RowName]) -> float:
+def row_height(names: Sequence[RowName], room: Format = WIDE) -> float:
     """Return the height that every row needs, in inches."""
-    lines = max(name.text.count("\n") + 1 for name in names)
+    lines = max(name.text(room).count("\n") + 1 for name in names)
     return max(lines * _ROW_LINE + 0.08, 0.26)
 
 
@@ -136,19 +170,20 @@ def write_title(sheet: Sheet, place: Place, title: str) -> None:
     )
 
 
-def write_names(sheet: Sheet, place: Place, names: Sequence[RowName]) -> None:
+def write_names(sheet: Sheet, place: Place, names: Sequence[RowName], room: Format) -> None:
     """Write the rows' names at the left of a panel that is the first of its line."""
     if not place.first:
         return
     height = place.height / len(names)
     for row, name in enumerate(names):
+        text = name.text(room)
         sheet.write(
-            LABELS - 0.08,
+            place.left - 0.08,
             place.top + (row + 0.5) * height,
-            name.text,
+            text,
             fontsize=LABEL_SIZE,
             ha="right",
-            va="center_baseline" if "\n" not in name.text else "center",
+            va="center" if "\n" in text else "center_baseline",
             linespacing=1.1,
         )
 
@@ -218,7 +253,9 @@ def write_beside(axes: Axes, row: int, words: str, below: str, *, bold: bool = F
 
 
 def _write_ends(axes: Axes, ends: tuple[str, str]) -> None:
-    room = axes.get_position().width * WIDTH / 2 - 0.15
+    figure = axes.get_figure(root=True)
+    wide = WIDTH if figure is None else figure.get_figwidth()
+    room = axes.get_position().width * wide / 2 - 0.15
     left, right = (fitted(text, room, size=SMALL_SIZE + 0.5) for text in ends)
     for where, side, text in ((0.0, "left", f"← {left}"), (1.0, "right", f"{right} →")):
         axes.annotate(

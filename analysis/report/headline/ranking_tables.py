@@ -9,7 +9,8 @@ from analysis.report import wording
 from analysis.report.content import Table, cells
 from analysis.report.headline.ranking_figures import ordinal
 from analysis.report.headline.words import between, counted, gathered, interval, number, of_set
-from analysis.results.ranking import Concordance, Friedman, RankedCondition
+from analysis.results.rank_tests import Concordance, Friedman
+from analysis.results.ranking import RankedCondition
 
 
 def place_table(conditions: Sequence[RankedCondition], *, name: str, data: str) -> Table:

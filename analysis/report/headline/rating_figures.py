@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Final, Literal
 
-import matplotlib as mpl
 from matplotlib.lines import Line2D
 
 from analysis.preferences.clustered import LEVEL
@@ -13,17 +13,16 @@ from analysis.report import wording
 from analysis.report.content import Picture
 from analysis.report.headline.bar_figure import Bar, BarFigure, Part, bar_pictures
 from analysis.report.headline.dot_figure import Dot, dot_pictures, round_ticks, spread
-from analysis.report.headline.legend import draw_legend, legend_entries
-from analysis.report.headline.panels import RowName, Scale, dress, numbered, plans, write_title
+from analysis.report.headline.panel_figure import PanelFigure, panel_pictures
+from analysis.report.headline.panels import SMALL_SIZE, Place, RowName, Scale, dress
 from analysis.report.headline.words import between, number, of_set
-from analysis.report.ink import LINE, SERIES, STYLE, scale_colours
+from analysis.report.ink import LINE, SERIES, scale_colours
 from analysis.report.sheet import Sheet
-from analysis.report.svg import picture
 from analysis.results.rating import RatedCondition
 from analysis.results.rating_contrasts import RatingContrast
 
-_MARKERS = "osD^vP*X<>hd"
-_LINES = ("-", "--", "-.", ":")
+_MARKERS: Final = "osD^vP*X<>hd"
+_LINES: Final[tuple[Literal["-", "--", "-.", ":"], ...]] = ("-", "--", "-.", ":")
 
 
 def distribution_pictures(
@@ -90,61 +89,62 @@ def cumulative_pictures(
     questions, names = _questions(conditions), _names(conditions)
     scores = tuple(conditions[0].counts)
     by_place = {(c.condition, c.question): c for c in conditions}
-    titles = [wording.heading(question) for question in questions]
-    entries = legend_entries([wording.name(one) for one in names])
-    # Rows that nobody sees give the panels their height.
-    sheets = plans(titles, [RowName(name="")] * 7, foot=entries.height)
-    found = []
-    for plan, own_name in zip(sheets, numbered(name, len(sheets)), strict=True):
-        with mpl.rc_context(STYLE):
-            sheet = Sheet(plan.height, mark=mark)
-            lines: list[Line2D] = []
-            for place in plan.places:
-                write_title(sheet, place, titles[place.number])
-                axes = sheet.panel(place.left, place.top, place.width, place.height)
-                dress(
-                    axes,
-                    1,
-                    Scale(
-                        limits=(scores[0] - 0.1, scores[-1] + 0.1),
-                        ticks={score: str(score) for score in _few(scores)},
-                        label="score or higher",
-                    ),
-                )
-                axes.set_ylim(0, 104)
-                ticks = ["0", "50", "100 %"] if place.first else [""] * 3
-                axes.set_yticks([0, 50, 100], labels=ticks)
-                axes.tick_params(axis="y", length=0, labelsize=7)
-                axes.grid(axis="y", color=LINE, linewidth=0.5)
-                lines = []
-                for number_, one in enumerate(names):
-                    rated = by_place.get((one, questions[place.number]))
-                    reached = rated.at_least if rated else {}
-                    lines += axes.plot(
-                        list(scores),
-                        [reached.get(score, math.nan) for score in scores],
-                        color=SERIES[number_ % len(SERIES)],
-                        linestyle=_LINES[number_ // 3 % len(_LINES)],
-                        marker=_MARKERS[number_ % len(_MARKERS)],
-                        markersize=4,
-                        linewidth=1.3,
-                        label=entries.words[number_],
-                    )
-            draw_legend(sheet, lines, entries)
-            found.append(
-                picture(
-                    sheet.figure,
-                    name=own_name,
-                    title="How many ratings reach each score",
-                    alt=" ".join(_reached(conditions, questions[p.number]) for p in plan.places),
-                    caption=f"{of_set(conditions[0].set)}"
-                    "How many of a condition's ratings are a score or a higher one, in %, "
-                    "after exclusions (cumulative lower bound). A line that stays above another "
-                    "belongs to better ratings; the figure is no test.",
-                    data=data,
-                )
-            )
-    return tuple(found)
+    scale = Scale(
+        limits=(scores[0] - 0.1, scores[-1] + 0.1),
+        ticks={score: str(score) for score in _few(scores)},
+        label="score or higher",
+    )
+
+    def draw(sheet: Sheet, place: Place, question: str) -> dict[str, str]:
+        axes = sheet.panel(place.left, place.top, place.width, place.height)
+        dress(axes, 1, scale)
+        axes.set_ylim(0, 104)
+        axes.set_yticks([0, 50, 100], labels=["0", "50", "100 %"] if place.first else [""] * 3)
+        axes.tick_params(axis="y", length=0, labelsize=SMALL_SIZE)
+        axes.grid(axis="y", color=LINE, linewidth=0.5)
+        for place_number, one in enumerate(names):
+            rated = by_place.get((one, question))
+            reached = rated.at_least if rated else {}
+            axes.add_line(_curve(place_number, scores, [reached.get(s, math.nan) for s in scores]))
+        return {}
+
+    def signs(words: Sequence[str]) -> list[Line2D]:
+        return [_curve(place_number, (), (), label=word) for place_number, word in enumerate(words)]
+
+    return panel_pictures(
+        PanelFigure(
+            told={question: _reached(conditions, question) for question in questions},
+            # Rows that nobody sees give the panels their height.
+            rows=(RowName(name=""),) * 7,
+            draw=draw,
+            legend=tuple(wording.name(one) for one in names),
+            signs=signs,
+        ),
+        name=name,
+        title="How many ratings reach each score",
+        caption=f"{of_set(conditions[0].set)}"
+        "How many of a condition's ratings are a score or a higher one, in %, "
+        "after exclusions (cumulative lower bound). A line that stays above another "
+        "belongs to better ratings; the figure is no test.",
+        data=data,
+        mark=mark,
+    )
+
+
+def _curve(
+    place_number: int, scores: Sequence[float], percents: Sequence[float], label: str = ""
+) -> Line2D:
+    """Return the line of one condition: a colour, a style and a mark of its own."""
+    return Line2D(
+        list(scores),
+        list(percents),
+        color=SERIES[place_number % len(SERIES)],
+        linestyle=_LINES[place_number // 3 % len(_LINES)],
+        marker=_MARKERS[place_number % len(_MARKERS)],
+        markersize=4,
+        linewidth=1.3,
+        label=label,
+    )
 
 
 def contrast_pictures(

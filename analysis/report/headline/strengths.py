@@ -10,8 +10,8 @@ from analysis.report import wording
 from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.strength_figure import Standing
 from analysis.report.headline.words import between, counted, notes, number, ranks
-from analysis.results.ranking import Worths
 from analysis.results.strengths import Strengths
+from analysis.results.worths import Worths
 
 Fitted = Strengths | Worths
 

@@ -12,10 +12,10 @@ from analysis.report.content import Picture, Section, Table
 SCALE = ("very unnatural", "not realistic", "looks OK", "looks good", "looks great")
 
 
-def drawn(picture: Picture) -> Tag:
-    """Return a figure's element."""
-    found = BeautifulSoup(picture.svg, "html.parser").svg
-    assert found is not None
+def drawn(picture: Picture, place: int = 0) -> Tag:
+    """Return a figure's element: the wide one, or the narrow one at place 1."""
+    found = BeautifulSoup(picture.svg, "html.parser")("svg")[place]
+    assert isinstance(found, Tag)
     return found
 
 

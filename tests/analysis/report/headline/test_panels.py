@@ -5,26 +5,36 @@ from itertools import combinations
 import pytest
 
 from analysis.report.headline.dot_figure import Dot, dot_pictures, round_ticks, spread
-from analysis.report.headline.panels import LABELS, TALLEST, RowName, Scale, plans, row_height
-from analysis.report.svg import WIDTH
+from analysis.report.headline.panels import (
+    NARROW,
+    WIDE,
+    Format,
+    RowName,
+    Scale,
+    plans,
+    row_height,
+)
 from tests.analysis.report.headline.reading import drawn
 
 LONG = "a condition with a name of so many words that no figure has room for all of them"
 
 
+@pytest.mark.parametrize("room", [WIDE, NARROW], ids=["wide", "narrow"])
 @pytest.mark.parametrize("questions", [1, 2, 3, 8])
 @pytest.mark.parametrize("rows", [1, 2, 12])
 @pytest.mark.parametrize("name", ["ours", LONG])
-def test_panels_never_overlap_and_sheets_fit_a_page(questions: int, rows: int, name: str) -> None:
+def test_panels_never_overlap_and_sheets_fit_a_page(
+    room: Format, questions: int, rows: int, name: str
+) -> None:
     titles = [f"Question {k} {name}" for k in range(questions)]
     names = [RowName(name=f"{k} {name}", below="n = 23") for k in range(rows)]
-    sheets = plans(titles, names, foot=0.4)
+    sheets = plans(titles, names, foot=0.4, room=room)
     assert [place.number for sheet in sheets for place in sheet.places] == list(range(questions))
     for sheet in sheets:
-        assert sheet.height <= TALLEST
+        assert sheet.height <= room.tallest
         for place in sheet.places:
-            assert place.left >= LABELS
-            assert place.left + place.width <= WIDTH + 1e-9
+            assert place.left >= room.labels
+            assert place.left + place.width <= room.width + 1e-9
             assert place.top - place.head >= -1e-9
             assert place.top + place.height <= sheet.height - 0.4
         for one, other in combinations(sheet.places, 2):
@@ -35,8 +45,8 @@ def test_panels_never_overlap_and_sheets_fit_a_page(questions: int, rows: int, n
 
 def test_rows_are_as_high_as_their_longest_name_needs() -> None:
     short, long = RowName(name="ours"), RowName(name=LONG, below="n = 23")
-    assert long.text.count("\n") == 2
-    assert "…" in long.text
+    assert long.text(WIDE).count("\n") == 2
+    assert "…" in long.text(WIDE)
     assert row_height([short, long]) > row_height([short])
 
 
@@ -83,3 +93,27 @@ def test_marks_tell_what_is_descriptive_and_what_is_the_whole() -> None:
     assert {"anger", "all emotions", "Rehearsal", "win share"} <= {
         t.get_text() for t in svg("text")
     }
+
+
+def test_a_narrow_screen_gets_the_same_panels_one_below_the_other() -> None:
+    dots = [Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint="ours: .40")]
+    (picture,) = dot_pictures(
+        {"emotion": dots, "rhythm": dots},
+        [RowName(name="ours")],
+        Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share"),
+        name="forest",
+        title="A forest",
+        told={"emotion": "Emotion.", "rhythm": "Rhythm."},
+        caption="",
+        data="",
+        mark="",
+    )
+    wide, narrow = (drawn(picture, place) for place in (0, 1))
+    assert (wide["class"], narrow["class"]) == (["wide"], ["narrow"])
+    sizes = [list(map(float, str(svg["viewbox"]).split()))[2:] for svg in (wide, narrow)]
+    assert sizes[0][0] > 1.5 * sizes[1][0]
+    assert sizes[0][1] < sizes[1][1]
+    said = [sorted({text.get_text() for text in svg("text")}) for svg in (wide, narrow)]
+    assert said[0] == said[1]
+    ids = [{tag["id"] for tag in svg(id=True)} for svg in (wide, narrow)]
+    assert not ids[0] & ids[1]

@@ -15,13 +15,14 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from analysis.report.content import Picture
-from analysis.report.headline import bar_figure, dot_figure, matrix_figure, rating_figures
+from analysis.report.headline import matrix_figure, panel_figure
 from analysis.report.headline.bar_figure import Bar, BarFigure, Part, bar_pictures
 from analysis.report.headline.dot_figure import Dot, dot_pictures
 from analysis.report.headline.matrix_figure import Won, matrix_pictures
 from analysis.report.headline.panels import RowName, Scale
 from analysis.report.headline.rating_figures import cumulative_pictures
 from analysis.report.ink import FIVE, STYLE
+from analysis.report.svg import Drawing
 from analysis.results.rating import RatedCondition
 
 Drawn = Callable[[ModuleType], list[Figure]]
@@ -37,8 +38,8 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> Drawn:
     def keep(module: ModuleType) -> list[Figure]:
         figures: list[Figure] = []
 
-        def picture(figure: Figure, **_: object) -> Picture:
-            figures.append(figure)
+        def picture(figure: Figure, *, narrow: Drawing, **_: object) -> Picture:
+            figures.extend([figure, narrow.figure])
             return Picture(svg=Markup(""), caption="")
 
         monkeypatch.setattr(module, "picture", picture)
@@ -81,7 +82,7 @@ def rows(count: int) -> tuple[RowName, ...]:
 
 @pytest.mark.parametrize(("panels", "count"), [(1, 1), (2, 12), (3, 2)])
 def test_bars(drawn: Drawn, panels: int, count: int) -> None:
-    figures = drawn(bar_figure)
+    figures = drawn(panel_figure)
     bar = Bar(
         start=-60,
         parts=tuple(Part(percent=20.0, hint="") for _ in FIVE),
@@ -111,7 +112,7 @@ def test_bars(drawn: Drawn, panels: int, count: int) -> None:
 
 @pytest.mark.parametrize(("panels", "count"), [(1, 3), (4, 12)])
 def test_dots(drawn: Drawn, panels: int, count: int) -> None:
-    figures = drawn(dot_figure)
+    figures = drawn(panel_figure)
     questions = [f"question {k} {LONG}" for k in range(panels)]
     dot = Dot(estimate=-1.5, low=-2.0, high=2.0, words="−12.34", below="rank 10–12")
     dot_pictures(
@@ -139,7 +140,7 @@ def test_matrices(drawn: Drawn, count: int) -> None:
 
 
 def test_curves(drawn: Drawn) -> None:
-    figures = drawn(rating_figures)
+    figures = drawn(panel_figure)
     conditions = [
         RatedCondition(
             set=None,
