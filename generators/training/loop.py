@@ -90,6 +90,8 @@ def train(
         After Ctrl-C, or a request to end: the state is saved.
     """
     check_device(task.device)
+    # Now rather than at the first save: a place that cannot be written costs no training.
+    folder.root.mkdir(parents=True, exist_ok=True)
     with torch.random.fork_rng(), _repeatable():
         torch.manual_seed(config.seed)
         return _Run(task, config, folder, show or (lambda done, total, detail: None)).finish()

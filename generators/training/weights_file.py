@@ -46,11 +46,24 @@ class WeightsFile:
 
 
 def write_weights(path: Path, tensors: Mapping[str, Tensor], facts: Mapping[str, Any]) -> None:
-    """Write tensors and facts to `path` in one step; equal content makes equal bytes."""
+    """Write tensors and facts to `path` in one step; equal content makes equal bytes.
+
+    Raises
+    ------
+    InputError
+        If they cannot be stored there, as on a full disk.
+    """
     plain = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
     text = json.dumps(facts, sort_keys=True, allow_nan=False)
     with replacing(path) as draft:
-        save_file(plain, draft, metadata={_KEY: text})
+        try:
+            save_file(plain, draft, metadata={_KEY: text})
+        except SafetensorError as error:
+            raise InputError(
+                f"the weights cannot be stored: {error}",
+                where=path,
+                remedy="Make room on the disk, or name another place",
+            ) from error
 
 
 def read_weights(path: Path) -> WeightsFile:

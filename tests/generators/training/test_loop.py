@@ -170,3 +170,9 @@ def test_a_missing_graphics_processor_is_named(tmp_path: Path) -> None:
 def test_an_unknown_device_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="unknown device 'tpu'"):
         train(Line(device="tpu"), CONFIG, RunFolder(tmp_path))
+
+
+def test_a_place_that_cannot_be_written_costs_no_training(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("no folder")
+    with pytest.raises(OSError, match="file"):
+        train(Line(), CONFIG, RunFolder(tmp_path / "file" / "run"), show=pytest.fail)

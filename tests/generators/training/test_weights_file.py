@@ -6,6 +6,7 @@ import pytest
 import torch
 from safetensors.torch import save_file
 
+from generators.training import weights_file
 from generators.training.weights_file import read_weights, write_weights
 from motion.errors import InputError
 
@@ -42,3 +43,19 @@ def test_a_file_that_cannot_be_used_is_named_with_a_remedy(tmp_path: Path) -> No
         save_file({"b": TENSORS["b"]}, foreign, metadata={"motionjury": text})
         with pytest.raises(InputError, match="does not say what its weights are"):
             read_weights(foreign)
+
+
+def test_what_cannot_be_stored_is_named_and_leaves_the_old_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, elsewhere = tmp_path / "w.safetensors", tmp_path / "gone" / "w"
+    write_weights(path, TENSORS, {})
+    before = path.read_bytes()
+    save = weights_file.save_file
+    monkeypatch.setattr(
+        weights_file, "save_file", lambda tensors, draft, **rest: save(tensors, elsewhere, **rest)
+    )
+    with pytest.raises(InputError, match=r"w\.safetensors: .*cannot be stored.*Make room"):
+        write_weights(path, TENSORS, {"new": 1})
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
