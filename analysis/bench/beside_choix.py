@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 
 from analysis.bench.clock import timed
-from analysis.strengths.bradley_terry import Votes, bradley_terry
+from analysis.strengths.bradley_terry import bradley_terry
+from analysis.strengths.votes import Votes
 
 CONDITIONS: Final = 10
 PARTICIPANTS: Final = 1000

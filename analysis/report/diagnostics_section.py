@@ -11,7 +11,8 @@ from analysis.results.grouping import ByQuestion
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.quality import Quality
-from analysis.results.ranking import Concordance, RankingResults
+from analysis.results.rank_tests import Concordance
+from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
 from analysis.results.retest import TestRetest
 

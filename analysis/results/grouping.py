@@ -58,3 +58,9 @@ def codes(answers: pd.DataFrame, column: str) -> NDArray[np.intp]:
 def people(answers: pd.DataFrame) -> int:
     """Return how many participants gave the answers."""
     return len(np.unique(codes(answers, "participant")))
+
+
+def shown_conditions(answers: pd.DataFrame) -> tuple[str, ...]:
+    """Return the conditions that the answers are about, in the order of the table."""
+    names = answers["condition"].cat.categories
+    return tuple(str(names[place]) for place in np.unique(codes(answers, "condition")))

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from analysis.results.grouping import codes
 from analysis.results.strength_errors import ONE_SEGMENT, RankInterval, strength_errors
-from analysis.strengths.bradley_terry import Votes, bradley_terry
+from analysis.strengths.bradley_terry import bradley_terry
+from analysis.strengths.votes import Votes
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,10 +8,11 @@ from scipy.optimize import minimize
 
 from analysis.curvature import second_derivatives
 from analysis.ordinal.links import interval
-from analysis.strengths.bradley_terry import BradleyTerry, Votes, centred, unknown
+from analysis.strengths.bradley_terry import BradleyTerry, centred, unknown
 from analysis.strengths.choices import ChoiceFit
 from analysis.strengths.identified import why_not_identified
 from analysis.strengths.sandwich import sandwiches
+from analysis.strengths.votes import Votes
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from analysis.strengths.bradley_terry import Votes, bradley_terry
+from analysis.strengths.bradley_terry import bradley_terry
+from analysis.strengths.votes import Votes
 from analysis.validity.conclusions.conclusion import (
     RANKS_HOLD,
     Conclusion,

@@ -10,8 +10,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.strengths.bradley_terry import BradleyTerry, Votes, bradley_terry, votes_of
+from analysis.strengths.bradley_terry import BradleyTerry, bradley_terry
 from analysis.strengths.rao_kupper import rao_kupper
+from analysis.strengths.votes import Votes, votes_of
 from motion.errors import InputError
 
 REFERENCE = Path(__file__).parents[4] / "shared" / "reference" / "stats"

@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.strengths.bradley_terry import bradley_terry, votes_of
+from analysis.strengths.bradley_terry import bradley_terry
 from analysis.strengths.plackett_luce import plackett_luce
+from analysis.strengths.votes import votes_of
 from motion.errors import InputError
 
 

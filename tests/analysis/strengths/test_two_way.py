@@ -9,11 +9,12 @@ from statsmodels.discrete.discrete_model import Logit
 from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
 from analysis.clustered_variance import TWO_WAY
-from analysis.strengths.bradley_terry import Votes, bradley_terry
+from analysis.strengths.bradley_terry import bradley_terry
 from analysis.strengths.plackett_luce import plackett_luce
 from analysis.strengths.rank_intervals import errors_of_differences
 from analysis.strengths.rao_kupper import rao_kupper
 from analysis.strengths.two_way import MIXED
+from analysis.strengths.votes import Votes
 
 
 def made_votes(taste: float = 1.0, luck: float = 1.0) -> Votes:
