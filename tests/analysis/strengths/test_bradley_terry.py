@@ -154,7 +154,7 @@ def test_how_votes_are_counted_changes_nothing(monkeypatch: pytest.MonkeyPatch) 
 
     for module in ("bradley_terry", "sandwich"):
         monkeypatch.setattr(f"analysis.strengths.{module}.ROOM", 0)
-    monkeypatch.setattr("analysis.strengths.bradley_terry.PART", 7)
+    monkeypatch.setattr("analysis.strengths.votes.PART", 7)
     single = bradley_terry(replace(votes))
 
     assert single.strengths == pytest.approx(counted.strengths)
