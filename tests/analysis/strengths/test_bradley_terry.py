@@ -152,7 +152,7 @@ def test_how_votes_are_counted_changes_nothing(monkeypatch: pytest.MonkeyPatch) 
     votes = made_votes()
     counted = bradley_terry(votes)
 
-    for module in ("bradley_terry", "sandwich"):
+    for module in ("votes", "sandwich"):
         monkeypatch.setattr(f"analysis.strengths.{module}.ROOM", 0)
     monkeypatch.setattr("analysis.strengths.votes.PART", 7)
     single = bradley_terry(replace(votes))
