@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-metrics bench-render bench-serve bench-statistics bench-validity soak soak-render pictures screens worked-examples clean
+.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -69,6 +69,9 @@ bench-statistics: setup  ## Measure the statistics beside R's ordinal and choix,
 
 bench-validity: setup  ## Simulate studies with known truth: false positives, coverage and power of every headline.
 	$(BIN)/python -m analysis.validity
+
+bench-report: setup  ## Measure reports of a million answers, from tables and from a study's database.
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m studyapp.bench.report_benchmark
 
 bench-serve: setup setup-database  ## Measure the study's server under simulated participants.
 	$(BIN)/python -m studyapp.bench.serve_benchmark
