@@ -13,11 +13,13 @@ from analysis.metrics.clip_scores import pose_settings
 from analysis.metrics.conditions import ConditionScore, whole_condition
 from analysis.metrics.diversity import mean_pair_distance, motion_features
 from analysis.metrics.measured_clips import Bench
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import Better, MetricResult
 from analysis.metrics.segment_scores import SegmentScores
 from analysis.metrics.speed_histogram import speed_distance
 
 EXPRESSIONS: Final = "mean distance between clips (expressions)"
+
+_BETTER: Final[Better] = "near the reference"
 
 _FACES: Final = {52: "ARKit weights", 100: "SMPL-X expression coefficients"}
 
@@ -67,7 +69,7 @@ def _of_faces(clips: Sequence[NDArray[np.float32]], bench: Bench) -> MetricResul
         reason = "some clips have ARKit weights and others SMPL-X coefficients"
     if reason:
         return MetricResult(
-            name=EXPRESSIONS, value=math.nan, unit="", n=0, reason=reason, better="higher"
+            name=EXPRESSIONS, value=math.nan, unit="", n=0, reason=reason, better=_BETTER
         )
     found = mean_pair_distance(
         motion_features([clip[..., None].astype(np.float64) for clip in clips]),
@@ -85,5 +87,5 @@ def _of_faces(clips: Sequence[NDArray[np.float32]], bench: Bench) -> MetricResul
         n=found.n,
         settings=found.settings,
         reason=found.reason,
-        better=found.better,
+        better=_BETTER,
     )
