@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -35,7 +35,8 @@ A number is a **headline** where false positives are at most {MOST_FALSE:g} and 
 {CONSERVATIVE:g} it is called conservative. Equivalence is simulated with conditions that differ by
 just the margin: there, finding them equivalent is the false positive. Of heterogeneity, the effect
 is that every second emotion is liked by so much more and every other by so much less. Ranks are
-right where those of all conditions are.
+right where those of all conditions are. No study has a side bias, so that the power of the left
+side's share is a share of false positives too.
 """
 
 _COLUMNS: Final = ("number", "people × segments, SDs", "false +", "covered", "power", "none")
@@ -61,9 +62,16 @@ def write_sections(path: Path, name: str, rows: Sequence[Row], *, studies: int, 
         for part in re.split(r"^## ", there, flags=re.MULTILINE)[1:]
     }
     sections[_heading(name)] = _section(name, rows, studies, seed)
-    order = [_heading(experiment.name) for experiment in EXPERIMENTS]
-    found = [sections[heading] for heading in order if heading in sections]
-    write_text(path, "\n".join([HEAD, *found]))
+    write_text(path, document(sections))
+
+
+def document(sections: Mapping[str, str]) -> str:
+    """Return the document of sections by heading; it says which kinds of studies are missing."""
+    names = [experiment.name for experiment in EXPERIMENTS]
+    missing = [name for name in names if _heading(name) not in sections]
+    found = [sections[_heading(name)] for name in names if name not in missing]
+    gap = f"Not here yet: {'; '.join(missing)}.\n"
+    return "\n".join([HEAD, *([gap] if missing else []), *found])
 
 
 def _heading(name: str) -> str:

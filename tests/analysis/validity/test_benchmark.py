@@ -101,6 +101,7 @@ def test_the_command_ends_with_names_and_values_and_writes_each_kind_of_study_on
     assert text.index("## Mismatch") < text.index("## Votes")
     assert text.count("## Votes") == 1
     assert "seed 1" in text
+    assert "Not here yet: pairs; " in text
 
 
 def test_a_number_fails_over_all_where_it_fails_in_one_design() -> None:
