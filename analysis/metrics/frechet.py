@@ -34,6 +34,11 @@ FEWEST_PER_DIMENSION: Final = 2
 RESAMPLES: Final = 200
 """Bootstrap samples behind an interval; its standard error is then known to 5 %."""
 
+RESAMPLES_OF_MANY: Final = 60
+"""The same of samples of more than `MANY` rows, which take seconds each; known to 9 %."""
+
+MANY: Final = 2000
+
 _FEWEST_CLIPS: Final = 5
 """Fewer clips than this say nothing about how scores differ between samples of clips."""
 
@@ -83,7 +88,7 @@ def frechet(
     *,
     name: str = "Fréchet distance",
     settings: Mapping[str, str] | None = None,
-    resamples: int = RESAMPLES,
+    resamples: int | None = None,
 ) -> MetricResult:
     """Return how far the embeddings of generated motion lie from those of recorded motion.
 
@@ -96,8 +101,9 @@ def frechet(
         landmarks).
     settings : mapping, optional
         The feature network and its hash, representation, frame rate, window and stride.
-    resamples : int
-        Bootstrap samples for the interval; 0 for none.
+    resamples : int, optional
+        Bootstrap samples for the interval; 0 for none. By default `RESAMPLES`, or
+        `RESAMPLES_OF_MANY`.
 
     Returns
     -------
@@ -126,6 +132,8 @@ def frechet(
         )
     value = frechet_of_samples(one.values, other.values)
     interval = None
+    if resamples is None:
+        resamples = RESAMPLES if count <= MANY else RESAMPLES_OF_MANY
     if resamples and min(_clip_count(one), _clip_count(other)) >= _FEWEST_CLIPS:
         described["interval"] = f"± 1.96 SD over {resamples} bootstrap samples of clips"
         reach = 1.96 * _spread(one, other, resamples)
