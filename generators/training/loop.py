@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Generic
 
 import torch
-from torch import nn
+from torch import Tensor, nn
 from torch.optim import Adam, AdamW, Optimizer
 
 from generators.training.batch_order import rows_of_step
@@ -69,7 +69,8 @@ def train(
     """Train a network, or go on training it where an earlier call stopped.
 
     However often a run is stopped and continued, weights, log and curves come out the same bytes
-    on one machine with one number of threads.
+    on the processor of one machine with one number of threads; a graphics processor may differ in
+    the last digits.
 
     Parameters
     ----------
@@ -92,7 +93,7 @@ def train(
     check_device(task.device)
     # Now rather than at the first save: a place that cannot be written costs no training.
     folder.root.mkdir(parents=True, exist_ok=True)
-    with torch.random.fork_rng(), _repeatable():
+    with torch.random.fork_rng(), _repeatable(task.device):
         torch.manual_seed(config.seed)
         return _Run(task, config, folder, show or (lambda done, total, detail: None)).finish()
 
@@ -111,6 +112,7 @@ class _Run(Generic[Network]):
         self._optimizer = _optimizer(self._network, config)
         self._step = 0
         self._best: Best | None = None
+        self._best_weights: dict[str, Tensor] | None = None
         if folder.checkpoint.exists():
             self._step, self._best = restore_checkpoint(
                 folder.checkpoint, task, config, self._network, self._optimizer
@@ -176,12 +178,17 @@ class _Run(Generic[Network]):
         self._log[-1] = {**self._log[-1], "held_out": measured}
         if self._best is None or measured["loss"] < self._best.measured["loss"]:
             self._best = Best(step=self._step, measured=measured)
-            weights = {f"network.{name}": x for name, x in self._network.state_dict().items()}
-            write_weights(self._folder.best, weights, {"step": self._step, "measured": measured})
+            self._best_weights = {
+                f"network.{name}": tensor.clone()
+                for name, tensor in self._network.state_dict().items()
+            }
         return self._best
 
     def _save(self) -> None:
-        """Save the state, the log and the curves."""
+        """Save the state, the best weights, the log and the curves."""
+        if self._best is not None and self._best_weights is not None:
+            write_weights(self._folder.best, self._best_weights, asdict(self._best))
+            self._best_weights = None
         write_checkpoint(
             self._folder.checkpoint,
             self._task,
@@ -227,10 +234,14 @@ def check_device(device: str) -> None:
 
 
 @contextmanager
-def _repeatable() -> Iterator[None]:
-    """Let torch use only algorithms that give the same result each time."""
+def _repeatable(device: str) -> Iterator[None]:
+    """Let torch use only algorithms that give the same result each time.
+
+    A graphics processor has none for some layers, and is left as it is.
+    """
     before = torch.get_deterministic_debug_mode()
-    torch.set_deterministic_debug_mode("error")
+    if device == "cpu":
+        torch.set_deterministic_debug_mode("error")
     try:
         yield
     finally:

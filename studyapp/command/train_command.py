@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from analysis.metrics.networks.clip_views import Channels
     from analysis.metrics.networks.design import Kind, Size
-    from analysis.metrics.networks.training import EvaluatorRequest, TrainedEvaluator
+    from analysis.metrics.networks.evaluator_request import EvaluatorRequest
+    from analysis.metrics.networks.training import TrainedEvaluator
     from analysis.metrics.networks.training_clips import ClipSource
 
 _NAMED: Final = 10
@@ -103,7 +104,7 @@ def evaluator(
     """
     # Imported here: torch takes seconds to load, which --help need not wait for.
     from analysis.metrics.networks.design import CHANNELS_OF_KIND
-    from analysis.metrics.networks.training import TRAINING, EvaluatorRequest
+    from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
     from motion.face_landmarks import FaceLandmarks
     from studyapp.stages.training import recordings_of
 

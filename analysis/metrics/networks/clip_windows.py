@@ -35,7 +35,7 @@ def long_enough(frames: FloatArray, window: int, frame_rate: float) -> FloatArra
         raise InputError(
             f"the clip lasts {len(frames) / frame_rate:.2f} s and the network looks at windows of "
             f"{window / frame_rate:.2f} s",
-            remedy="Use longer clips, or train a network of shorter windows",
+            remedy="Use longer clips, or a network of shorter windows (--config tiny has them)",
         )
     return np.concatenate([frames, np.repeat(frames[-1:], missing, axis=0)])
 

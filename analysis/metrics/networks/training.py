@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -15,12 +14,11 @@ from numpy.typing import NDArray
 from analysis.metrics.networks.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
 from analysis.metrics.networks.clip_views import (
     JOINTS_OF_CHANNELS,
-    Channels,
     Face,
     face_of,
     view_of,
 )
-from analysis.metrics.networks.design import SIZES, Design, Kind, Size
+from analysis.metrics.networks.design import SIZES, Design, Kind
 from analysis.metrics.networks.emotion_network import EmotionConfig, EmotionNetwork
 from analysis.metrics.networks.emotion_task import EmotionTask
 from analysis.metrics.networks.evaluator_file import (
@@ -30,6 +28,7 @@ from analysis.metrics.networks.evaluator_file import (
     TrainingFacts,
     write_evaluator,
 )
+from analysis.metrics.networks.evaluator_request import EvaluatorRequest
 from analysis.metrics.networks.examples import Split, split
 from analysis.metrics.networks.reconstruction_task import ReconstructionTask
 from analysis.metrics.networks.training_clips import (
@@ -38,12 +37,10 @@ from analysis.metrics.networks.training_clips import (
     labels_in_order,
     read_training_clips,
 )
-from generators.training.config import TrainingConfig
 from generators.training.loop import Show, Trained, check_device, train
 from generators.training.run_folder import RunFolder
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 from motion.freeze import freeze
 from motion.resample import resample
 from motion.segment import EMOTIONS
@@ -54,67 +51,7 @@ FEWEST_WINDOWS: Final = 32
 FEWEST_HELD_OUT: Final = 8
 """Fewer windows than this do not tell which weights are best."""
 
-TRAINING: Final = MappingProxyType[tuple[Kind, Size], TrainingConfig](
-    {
-        ("emotion", "full"): TrainingConfig(
-            steps=20_000, batch_size=32, learning_rate=1e-4, weight_decay=0.01, validate_every=200
-        ),
-        ("emotion", "tiny"): TrainingConfig(
-            steps=600, batch_size=32, learning_rate=1e-3, weight_decay=0.01, validate_every=25
-        ),
-        ("motion", "full"): TrainingConfig(
-            steps=20_000, batch_size=128, learning_rate=5e-4, optimizer="adam", validate_every=200
-        ),
-        ("motion", "tiny"): TrainingConfig(
-            steps=1_000, batch_size=64, learning_rate=1e-3, optimizer="adam", validate_every=50
-        ),
-        ("face", "full"): TrainingConfig(
-            steps=20_000, batch_size=128, learning_rate=5e-4, optimizer="adam", validate_every=200
-        ),
-        ("face", "tiny"): TrainingConfig(
-            steps=1_000, batch_size=64, learning_rate=1e-3, optimizer="adam", validate_every=50
-        ),
-    }
-)
-"""How each kind is trained unless the researcher says otherwise."""
-
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
-
-
-@dataclass(frozen=True, kw_only=True)
-class EvaluatorRequest:
-    """Which network to train.
-
-    Attributes
-    ----------
-    kind, size : str
-        As in `analysis.metrics.networks.design`.
-    channels : str
-        One of `analysis.metrics.networks.design.CHANNELS_OF_KIND` of its kind.
-    training : TrainingConfig
-        How it is trained.
-    frozen : tuple of str
-        Channels held still in every clip, here and whenever the network looks at one.
-    landmarks : FaceLandmarks or None
-        Needed by the kind ``face``.
-    device : str
-        ``cpu`` or ``cuda``.
-    """
-
-    kind: Kind
-    size: Size
-    channels: Channels
-    training: TrainingConfig
-    frozen: tuple[str, ...] = ()
-    landmarks: FaceLandmarks | None = None
-    device: str = "cpu"
-
-    def __post_init__(self) -> None:
-        if "face" in self.frozen and self.channels in ("expression", "both", "landmarks"):
-            raise InputError(
-                "the face is held still, and the network is to look at it",
-                remedy="Remove 'face' from freeze in study.toml, or train on gestures",
-            )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -261,7 +198,8 @@ def _check_clips(clips: TrainingClips, labels: tuple[str, ...], kind: Kind) -> N
         )
     if kind == "emotion" and len(labels) < 2:
         raise InputError(
-            f"all {len(clips.sources)} clips show one emotion, {labels[0]!r}{_left_out(clips)}",
+            f"the clips that can be used, {len(clips.sources)}, show one emotion, {labels[0]!r}"
+            f"{_left_out(clips)}",
             remedy="Give recordings of two emotions or more, or train a network of another kind",
         )
 
@@ -318,7 +256,7 @@ def _trained(
             training=parts.training,
             held_out=parts.held_out,
             settings=settings,
-            data_sha256=clips.sha256,
+            data_sha256=clips.seen_sha256,
             device=request.device,
         )
         return train(emotion, request.training, folder, show=show)
@@ -327,7 +265,7 @@ def _trained(
         training=parts.training,
         held_out=parts.held_out,
         settings=settings,
-        data_sha256=clips.sha256,
+        data_sha256=clips.seen_sha256,
         device=request.device,
     )
     return train(reconstruction, request.training, folder, show=show)

@@ -68,6 +68,14 @@ class TrainingClips:
             digest.update(repr(facts).encode())
         return digest.hexdigest()
 
+    @property
+    def seen_sha256(self) -> str:
+        """Hash of the same and of what the network sees: files may be read in several ways."""
+        digest = hashlib.sha256(self.sha256.encode())
+        for frames in self.frames:
+            digest.update(np.ascontiguousarray(frames).data)
+        return digest.hexdigest()
+
 
 def read_training_clips(
     sources: Iterable[ClipSource],

@@ -8,7 +8,8 @@ import pytest
 import torch
 
 from analysis.metrics.networks import Evaluator, load_evaluator
-from analysis.metrics.networks.training import TRAINING, EvaluatorRequest, train_evaluator
+from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
+from analysis.metrics.networks.training import train_evaluator
 from generators.training.run_folder import RunFolder
 from motion.body import read_body
 from motion.face_landmarks import FaceLandmarks

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from analysis.metrics.networks import load_evaluator
-from analysis.metrics.networks.training import TRAINING, EvaluatorRequest, train_evaluator
+from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
+from analysis.metrics.networks.training import train_evaluator
 from generators.training.run_folder import RunFolder
 from motion.errors import InputError
 from tests.analysis.metrics.networks.conftest import trained
@@ -67,7 +68,11 @@ def test_the_face_of_the_first_clip_decides_and_others_are_left_out(tmp_path: Pa
         ),
         (request(), (), "no clip to learn from"),
         (request(), (source("anger", 0), source("anger", 1)), "9 windows of 2.267 s to learn from"),
-        (request("emotion", "body"), sources(1)[:1], "all 1 clips show one emotion, 'anger'"),
+        (
+            request("emotion", "body"),
+            sources(1)[:1],
+            "the clips that can be used, 1, show one emotion, 'anger'",
+        ),
         (
             request("emotion", "body"),
             (replace(source("anger", 0), emotion=""),),
@@ -94,7 +99,8 @@ def test_other_recordings_do_not_continue_a_run(tmp_path: Path) -> None:
     out, folder = tmp_path / "m.safetensors", RunFolder(tmp_path / "run")
     train_evaluator(request(), sources(), out, folder)
     before = out.read_bytes()
-    others = (*sources()[1:], source("anger", 60))
-    with pytest.raises(InputError, match="data sha256 was"):
-        train_evaluator(request(), others, out, folder)
+    read_otherwise = replace(sources()[0], read=lambda: swinging("anger", 0, frame_rate=24))
+    for other in (source("anger", 60), read_otherwise):
+        with pytest.raises(InputError, match="data sha256 was"):
+            train_evaluator(request(), (*sources()[1:], other), out, folder)
     assert out.read_bytes() == before
