@@ -63,7 +63,7 @@ _READING: Final = tuple(
         "of a comparison, the difference of two scores beside the win share",
     )
 )
-_FILE: Final = "metrics-against-people.csv"
+_FILE: Final = "metrics_against_people.csv"
 _MOST_NAMED: Final = 5
 
 
@@ -258,7 +258,8 @@ def _table(asked: Sequence[_Question], protocol: str) -> Table:
             *_left_out(asked),
             *_resampling(asked),
         ),
-        name=_FILE.removesuffix(".csv"),
+        name="metrics-against-people",
+        data=_FILE,
     )
 
 

@@ -22,6 +22,8 @@ def csv_tables(report: TableReport) -> dict[str, pd.DataFrame]:
     rows = {"exclusions": excluded}
     for name in (*_PER_REPORT, *vars(report.results)):
         rows[name] = _rows(results[name], with_sets=bool(report.sets))
+    beside = _rows(results["metrics_against_people"], with_sets=bool(report.sets))
+    rows["metrics_against_people"] = [row for one in beside for row in _metrics(one)]
     rows["heterogeneity"] = [row for one in rows["heterogeneity"] for row in _levels(one)]
     for flow in rows["flow"]:
         counts = zip(rules, flow.pop("removed"), strict=True)
@@ -58,6 +60,16 @@ def _levels(entry: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return a row for each level of an effect that was taken apart, its test in all of them."""
     shared = {name: value for name, value in entry.items() if name != "levels"}
     return [shared | {"level": level["level"]} | level for level in entry["levels"]]
+
+
+def _metrics(entry: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return a row for each metric that was set beside the answers to a question."""
+    place = {name: entry[name] for name in ("set", "question") if name in entry}
+    nested = ("left_out", "places")
+    return [
+        place | {key: value for key, value in metric.items() if key not in nested}
+        for metric in entry["metrics"]
+    ]
 
 
 def _flat(entry: Mapping[str, Any]) -> dict[str, Any]:

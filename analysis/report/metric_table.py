@@ -17,6 +17,9 @@ from analysis.report.content import Cell, Table
 from analysis.report.metric_ranking import ARROWS, first_and_second
 from motion.listing import listed
 
+SCORES: Final = "metrics.csv"
+"""File in the report's ``tables`` folder with all scores of conditions, settings and reasons."""
+
 YES: Final = "✓"
 NO: Final = "✗"
 
@@ -104,6 +107,7 @@ def metric_table(
             *settings_notes(columns, scores),
         ),
         name=name,
+        data=SCORES,
     )
 
 
@@ -123,12 +127,12 @@ class _Footnotes:
     def texts(self) -> Iterator[str]:
         """Yield the footnotes."""
         for number, (reason, about) in enumerate(self._subjects.items()):
-            whole = [label for label, names in about.items() if len(names) == self._rows]
-            parts = [listed(whole)] if whole else []
-            parts += [
-                f"{label} of {listed(names)}"
-                for label, names in about.items()
-                if label not in whole
+            alike: dict[tuple[str, ...], list[str]] = {}
+            for label, names in about.items():
+                alike.setdefault(tuple(names), []).append(label)
+            parts = [
+                listed(labels) + ("" if len(names) == self._rows else f" of {listed(list(names))}")
+                for names, labels in alike.items()
             ]
             yield f"({_letter(number)}) {'; '.join(parts)}: {reason.rstrip('.')}."
 
@@ -160,7 +164,8 @@ def _column(
     best, second = first_and_second(ranked, column.better, recorded, decimals)
     return [
         Cell(
-            text=_text(score, decimals) + _mark(score, column, name, footnotes),
+            text=_text(score, decimals)
+            + _mark(score, column, name, footnotes, _absent(name, systems, found)),
             value=None if math.isnan(value) else value,
             best=place in best,
             second=place in second,
@@ -182,13 +187,24 @@ def _text(score: ConditionScore | None, decimals: int) -> str:
 
 
 def _mark(
-    score: ConditionScore | None, column: TableColumn, condition: str, footnotes: _Footnotes
+    score: ConditionScore | None,
+    column: TableColumn,
+    condition: str,
+    footnotes: _Footnotes,
+    absent: str,
 ) -> str:
     """Return the letters of what must be known of a score, or of why there is none."""
-    reasons = ["not measured"] if score is None else [score.reason, score.remark]
+    reasons = [absent] if score is None else [score.reason, score.remark]
     label = f"{column.block.lower()} {column.label}".strip()
     letters = [footnotes.letter(reason, label, condition) for reason in reasons if reason]
     return f"{wording.NO_BREAK}({', '.join(letters)})" if letters else ""
+
+
+def _absent(condition: str, systems: Systems, found: Sequence[ConditionScore | None]) -> str:
+    """Return why a condition has no score at all."""
+    if condition == systems.recorded and any(score is not None for score in found):
+        return "recorded motion is not compared with itself"
+    return "not measured"
 
 
 def _decimals(scores: Sequence[ConditionScore]) -> int:

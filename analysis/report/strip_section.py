@@ -32,7 +32,9 @@ def strip_section(subject: Subject) -> Section | None:
     ]
     if missing:
         names = listed([wording.name(name) for name in missing])
-        paragraphs.append(f"There is no video that can be read of {names}.")
+        paragraphs.append(
+            f"There is no video of this segment, or none that can be read, of {names}."
+        )
     return Section(
         anchor=ANCHOR,
         heading=HEADING,

@@ -6,14 +6,17 @@ import base64
 import hashlib
 import shutil
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from analysis.metrics.score_tables import score_table
 from analysis.report.content import Page
 from analysis.report.csv_tables import csv_tables
+from analysis.report.metric_table import SCORES
 from analysis.report.page import TASKS, build_page
 from analysis.report.subject import Subject
 from analysis.report.table_files import write_frame, write_page_files
@@ -56,6 +59,10 @@ def write_report(
     for task in more:
         for name, table in csv_tables(task).items():
             write_frame(folder / "tables" / f"{TASKS[task.protocol]}_{name}", table)
+    if subject.metrics is not None:
+        # Those of single clips are many; 'motionjury metrics' writes them.
+        scores = score_table(replace(subject.metrics, clips=()))
+        write_frame(folder / "tables" / SCORES, scores)
     write_page_files(page, folder)
     keys = report.keys() | {TASKS[task.protocol]: task.keys() for task in more} | dict(beside or {})
     write_text(folder / "results.json", as_json(keys))

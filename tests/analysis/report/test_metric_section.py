@@ -115,6 +115,13 @@ def test_a_missing_score_is_a_dash_with_its_reason_in_a_footnote_and_no_number()
     assert any("gesture PCM" in note and "not measured" in note for note in table.notes)
 
 
+def test_an_error_of_recorded_motion_against_itself_is_none():
+    found = scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0])[1:]
+    (table,) = tables(found, scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95]))
+    note = "(a) holistic FMD of ground truth: recorded motion is not compared with itself."
+    assert note in table.notes
+
+
 def test_what_limits_a_score_is_a_footnote_too():
     (table,) = tables(scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0], remark="n < 2d"))
     assert all("(a)" in text for text in column(table, "FMD ↓"))

@@ -36,7 +36,9 @@ def test_each_condition_is_a_row_and_each_moment_a_column_with_words_for_every_p
 def test_a_condition_without_video_is_named():
     section = strip_section(subject("ours"))
     assert section is not None
-    assert section.paragraphs[1] == "There is no video that can be read of theirs."
+    assert section.paragraphs[1] == (
+        "There is no video of this segment, or none that can be read, of theirs."
+    )
 
 
 def test_where_there_are_none_the_reason_stands_in_their_place():
