@@ -72,7 +72,10 @@ def panel_pictures(
     questions = tuple(figure.told)
     sheets = _plans(figure, questions, WIDE)
     found = []
-    for plan, own_name in zip(sheets, numbered(name, len(sheets)), strict=True):
+    for number, (plan, own_name) in enumerate(
+        zip(sheets, numbered(name, len(sheets)), strict=True), start=1
+    ):
+        which = f" ({number} of {len(sheets)})" if len(sheets) > 1 else ""
         shown = [questions[place.number] for place in plan.places]
         (narrow,) = _plans(figure, shown, NARROW)
         with mpl.rc_context(STYLE):
@@ -85,7 +88,7 @@ def panel_pictures(
                     name=own_name,
                     title=title,
                     alt=" ".join(figure.told[question] for question in shown),
-                    caption=caption,
+                    caption=f"{caption}{which}",
                     data=data,
                 )
             )

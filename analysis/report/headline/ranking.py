@@ -9,7 +9,7 @@ from analysis.report.content import Picture, Section
 from analysis.report.headline.by_set import of
 from analysis.report.headline.degenerate import why_no_figure
 from analysis.report.headline.ranking_figures import first_share_pictures, place_pictures
-from analysis.report.headline.ranking_tables import place_table, rank_table
+from analysis.report.headline.ranking_tables import place_table, posthoc_table, rank_table
 from analysis.report.headline.strength_figure import strength_pictures
 from analysis.report.headline.strengths import standings, standings_table
 from analysis.report.headline.words import in_set, of_set, suffix
@@ -36,6 +36,7 @@ def _section(results: RankingResults, name: str | None, mark: str, end: str) -> 
         participants=max(c.mean_rank_interval.participants for c in conditions),
         tied=_all_tied(conditions),
     )
+    contrasts = [c for c in results.posthoc if c.set == name]
     caption = (
         f"{of_set(name)}Plackett–Luce worths of the rankings after exclusions (ties included), on "
         "a log scale on which they add up to zero, and the ranks that each condition may have at "
@@ -61,6 +62,11 @@ def _section(results: RankingResults, name: str | None, mark: str, end: str) -> 
                 caption=caption,
                 name=f"worths{end}",
                 data="plackett_luce.csv",
+            ),
+            *(
+                (posthoc_table(contrasts, name=f"posthoc{end}", data="posthoc.csv"),)
+                if contrasts
+                else ()
             ),
         ),
     )

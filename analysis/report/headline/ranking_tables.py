@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from analysis.preferences.clustered import LEVEL
@@ -9,7 +10,7 @@ from analysis.report import wording
 from analysis.report.content import Table, cells
 from analysis.report.headline.ranking_figures import ordinal
 from analysis.report.headline.words import between, counted, gathered, interval, number, of_set
-from analysis.results.rank_tests import Concordance, Friedman
+from analysis.results.rank_tests import Concordance, Friedman, RankContrast
 from analysis.results.ranking import RankedCondition
 
 
@@ -111,12 +112,50 @@ def rank_table(
     )
 
 
+def posthoc_table(contrasts: Sequence[RankContrast], *, name: str, data: str) -> Table:
+    """Return every two conditions after Friedman's test, secondary."""
+    return Table(
+        caption=f"{of_set(contrasts[0].set)}Every two conditions after Friedman's test, secondary: "
+        "difference of participants' mean ranks, below zero where the first is better. Nemenyi "
+        "corrects for all pairs of its question; Conover's and Wilcoxon's p are corrected by Holm "
+        "over them. These tests take the segments as the only ones of interest. n: participants "
+        "who ranked all conditions.",
+        header=(
+            *("question", "first", "second", "n", "difference"),
+            *("p (Nemenyi)", "p (Conover)", "p (Wilcoxon)"),
+        ),
+        rows=tuple(
+            (
+                *cells(wording.heading(c.question), wording.name(c.a), wording.name(c.b)),
+                counted(c.n, str(c.n)),
+                counted(c.difference, number(c.difference)),
+                counted(c.nemenyi_p, wording.p_value(c.nemenyi_p)),
+                counted(c.conover_holm, wording.p_value(c.conover_holm)),
+                counted(c.wilcoxon_holm, wording.p_value(c.wilcoxon_holm)),
+            )
+            for c in contrasts
+        ),
+        text_columns=3,
+        notes=gathered(
+            (
+                f"{wording.heading(c.question)}, {wording.name(c.a)} against {wording.name(c.b)}",
+                c.reason,
+            )
+            for c in contrasts
+        ),
+        name=name,
+        data=data,
+    )
+
+
 def _concordance(found: Concordance) -> str:
     if found.reason:
         return f"Kendall's W: {found.reason}"
+    low, high = wording.share(found.low), wording.share(found.high)
+    inside = "" if math.isnan(found.low) else f" {between(low, high)}"
     return (
-        f"Kendall's W, the mean over segments, is {wording.share(found.mean)}; of participants' "
-        f"mean ranks {wording.share(found.overall)}"
+        f"Kendall's W, the mean over segments, is {wording.share(found.mean)}{inside}; of "
+        f"participants' mean ranks {wording.share(found.overall)}"
     )
 
 

@@ -76,7 +76,8 @@ def distribution_pictures(
         caption=f"{of_set(conditions[0].set)}"
         "How often each score was given, in % of a condition's n ratings, worst on the "
         "left; after exclusions. Right: mean with its "
-        f"{LEVEL:.0%} interval, clustered by participant and segment (CR1).",
+        f"{LEVEL:.0%} interval, clustered by participant and segment (CR1)."
+        f"{_scales(scores, labels, questions)}",
         data=data,
         mark=mark,
     )
@@ -244,6 +245,22 @@ def _legend(scores: Sequence[int], labels: Sequence[tuple[str, ...]]) -> tuple[s
     words = [str(score) for score in scores]
     words[0], words[-1] = f"{words[0]} (worst)", f"{words[-1]} (best)"
     return tuple(words)
+
+
+def _scales(
+    scores: Sequence[int], labels: Mapping[str, Sequence[str]], questions: Sequence[str]
+) -> str:
+    """Return what each question calls its scores, where the legend cannot say it for all."""
+    called = {question: tuple(labels.get(question, ())) for question in questions}
+    if len(set(called.values())) == 1:
+        return ""
+    return "".join(
+        f" {wording.heading(question)}: "
+        + ", ".join(f"{score} {label}" for score, label in zip(scores, words, strict=True))
+        + "."
+        for question, words in called.items()
+        if len(words) == len(scores)
+    )
 
 
 def _given(conditions: Sequence[RatedCondition], question: str) -> str:

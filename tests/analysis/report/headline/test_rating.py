@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import pytest
 
 from analysis.report.content import Section
+from analysis.report.headline.rating_figures import distribution_pictures
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
 from tests.analysis.report.headline.reading import (
@@ -84,3 +86,14 @@ def test_contrasts_lead_with_paired_differences_corrected_by_holm(
         [c.difference.estimate, c.difference.p_holm] for c in found
     ]
     assert named_picture(sections["rating"][0], "contrasts-set-1")
+
+
+def test_scales_that_differ_are_said_under_the_figure(
+    results: RatingResults,
+) -> None:
+    conditions = [c for c in results.conditions if c.set == "1"]
+    twice = [*conditions, *(replace(c, question="sync") for c in conditions)]
+    labels = {"match": SCALE, "sync": tuple("abcde")}
+    (picture,) = distribution_pictures(twice, labels, name="r", data="", mark="")
+    assert "Sync: 1 a, 2 b, 3 c, 4 d, 5 e." in picture.caption
+    assert "1 (worst)" in words(picture)
