@@ -85,6 +85,9 @@ def _agreement(found: ByQuestion[Agreement], sets: tuple[str, ...]) -> Table:
             Cell(text=question_name(of, question)),
             Cell(text=wording.share(one.alpha), value=one.alpha),
             Cell(text=_interval(one.low, one.high, one.reason)),
+            Cell(text=wording.share(one.icc.single), value=one.icc.single),
+            Cell(text=_interval(one.icc.single_low, one.icc.single_high, one.icc.reason)),
+            Cell(text=wording.share(one.icc.average), value=one.icc.average),
             Cell(text=str(one.n), value=one.n),
             Cell(text=str(one.items), value=one.items),
             Cell(text=str(one.participants), value=one.participants),
@@ -93,8 +96,13 @@ def _agreement(found: ByQuestion[Agreement], sets: tuple[str, ...]) -> Table:
     )
     return Table(
         caption="Agreement between participants about the same item: Krippendorff's α for ordered "
-        "answers (1 is full agreement, 0 what chance gives), its interval over items.",
-        header=("question", "α", "95 % interval", "answers", "items", "participants"),
+        "answers (1 is full agreement, 0 what chance gives), its interval over items; intraclass "
+        "correlation of one participant's answers, ICC(A,1), and of the means over an item's "
+        "participants, ICC(A,k).",
+        header=(
+            *("question", "α", "95 % interval", "ICC(A,1)", "95 % interval", "ICC(A,k)"),
+            *("answers", "items", "participants"),
+        ),
         rows=rows,
         name="agreement_table",
         data="agreement.csv",
