@@ -18,9 +18,9 @@ def draw_curves(lines: Sequence[LogLine], path: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7, 4), dpi=120, layout="constrained")
+    figure = Figure(figsize=(7, 4), dpi=100)
     FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
+    axes = figure.add_axes((0.13, 0.13, 0.85, 0.84))
     axes.plot(
         [line["step"] for line in lines],
         [line["loss"] for line in lines],

@@ -50,7 +50,7 @@ def task() -> ReconstructionTask:
 def test_windows_that_were_never_seen_are_rebuilt_better_than_by_the_mean(
     task: ReconstructionTask, tmp_path: Path
 ) -> None:
-    config = TrainingConfig(steps=150, batch_size=32, learning_rate=0.01, validate_every=50)
+    config = TrainingConfig(steps=80, batch_size=32, learning_rate=0.01, validate_every=50)
     trained = train(task, config, RunFolder(tmp_path))
     assert trained.best.measured["error"] < 0.5 * trained.best.measured["error_of_mean"]
 
