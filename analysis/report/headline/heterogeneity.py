@@ -24,7 +24,7 @@ from analysis.results.report import TableReport
 MOST_PANELS: Final = 24
 """Effects up to which forest plots are drawn; more of them stand in the tables alone."""
 
-MOST_ROWS: Final = 30
+MOST_ROWS: Final = 26
 """Levels up to which a forest plot fits a page."""
 
 _ALL: Final = {"emotion": "all emotions", "speaker": "all speakers", "segment": "all segments"}

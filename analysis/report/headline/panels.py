@@ -154,7 +154,7 @@ def plans(
 def row_height(names: Sequence[RowName], room: Format = WIDE) -> float:
     """Return the height that every row needs, in inches."""
     lines = max(name.text(room).count("\n") + 1 for name in names)
-    return max(lines * _ROW_LINE + 0.08, 0.26)
+    return max(lines * _ROW_LINE + 0.08, 0.29)
 
 
 def write_title(sheet: Sheet, place: Place, title: str) -> None:
