@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page
 from analysis.report import ink, write_report
 from tests.analysis.report.made_reports import report_of, subject_of
 from tests.analysis.results.made_tables import pairwise_table
-from tests.functional.browsing import IN_A_BROWSER
+from tests.functional.browsing import IN_A_BROWSER, launched
 
 pytestmark = IN_A_BROWSER
 
@@ -23,6 +23,12 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(ink.STYLE, "pdf.fonttype", 3)
         return write_report(report, subject_of(report, origin="rehearsal"), folder)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with launched() as chromium:
+        yield chromium
 
 
 @pytest.fixture
