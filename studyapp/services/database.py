@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final, Self
 
@@ -253,7 +253,9 @@ def _head() -> str | None:
     return _schemas().get_current_head()
 
 
+@cache
 def _schemas() -> ScriptDirectory:
+    """Return all schemas there are; reading them takes longer than opening a database."""
     return ScriptDirectory.from_config(_config())
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Literal
 from uuid import uuid4
@@ -22,10 +23,27 @@ from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
+from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.emptying import empty
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 DatabaseKind = Literal["sqlite", "postgresql"]
+
+
+@pytest.fixture(scope="session")
+def finished_study(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Return a function that writes the finished study of a protocol once; tests take copies."""
+    root = tmp_path_factory.mktemp("finished-studies")
+    write_short_video(root / "short.mp4")
+
+    @cache
+    def write(protocol: str) -> Path:
+        folder = root / protocol
+        folder.mkdir()
+        write_finished_study(folder, protocol, root / "short.mp4")
+        return folder
+
+    return write
 
 
 @pytest.fixture

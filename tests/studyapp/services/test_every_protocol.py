@@ -21,28 +21,18 @@ from studyapp.services.showing import content_of
 from studyapp.services.taking_part import ShownTrial
 from studyapp.services.versions import open_study
 from studyapp.services.watching import record_watched
-from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
+from tests.finished_study import PROTOCOLS
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 Arrive = Callable[[str], Participant]
 
 
-@pytest.fixture(scope="module")
-def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("video") / "short.mp4"
-    write_short_video(path)
-    return path
-
-
 @pytest.fixture
-def arrive(tmp_path: Path, video: Path, database: Database, clock: SetClock) -> Arrive:
+def arrive(finished_study: Callable[[str], Path], database: Database, clock: SetClock) -> Arrive:
     """Return a function that brings a participant to the first trial of a protocol's study."""
 
     def make(protocol: str) -> Participant:
-        folder = tmp_path / protocol
-        folder.mkdir()
-        write_finished_study(folder, protocol, video)
-        served = ServedStudy.read(folder)
+        served = ServedStudy.read(finished_study(protocol))
         open_study(database, served, clock)
         return Participant(database, served, clock).enrol().begin()
 

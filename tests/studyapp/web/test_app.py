@@ -16,6 +16,7 @@ def test_a_clock_that_does_not_run_is_refused(tiny_study: Path, speed: float) ->
 
 
 def test_a_study_that_cannot_be_served_leaves_no_database(tiny_study: Path) -> None:
+    (tiny_study / "responses.db").unlink()
     (tiny_study / "stimuli.json").write_text("{", "utf-8")
 
     with pytest.raises(InputError, match=r"stimuli\.json"):

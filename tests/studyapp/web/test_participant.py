@@ -244,6 +244,7 @@ def test_more_watched_than_time_has_passed_is_refused(visitor: Visitor) -> None:
 
 
 def test_a_rehearsals_clock_may_run_faster(tiny_study: Path) -> None:
+    (tiny_study / "responses.db").unlink()
     app = create_app(tiny_study, rehearsal_speed=1e6)
     client = app.test_client()
     visitor = Visitor(app, SetClock()).enrol().begin()

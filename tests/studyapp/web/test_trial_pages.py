@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -15,7 +16,6 @@ from sqlalchemy import select
 from studyapp.models import Response, Trial, Video
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
-from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor
@@ -23,22 +23,16 @@ from tests.studyapp.web.visitor import Visitor
 Arrive = Callable[..., Visitor]
 
 
-@pytest.fixture(scope="module")
-def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("video") / "short.mp4"
-    write_short_video(path)
-    return path
-
-
 @pytest.fixture
-def arrive(tmp_path: Path, video: Path, clock: SetClock) -> Iterator[Arrive]:
+def arrive(
+    tmp_path: Path, finished_study: Callable[[str], Path], empty_sqlite: Path, clock: SetClock
+) -> Iterator[Arrive]:
     """Return a function that brings a participant to the first trial of a protocol's study."""
     with ExitStack() as closing:
 
         def make(protocol: str, scale: str = "mean_opinion") -> Visitor:
-            folder = tmp_path / protocol
-            folder.mkdir()
-            write_finished_study(folder, protocol, video)
+            folder = Path(shutil.copytree(finished_study(protocol), tmp_path / protocol))
+            shutil.copyfile(empty_sqlite, folder / "responses.db")
             if scale != "slider":
                 path = folder / "study.toml"
                 text = path.read_text("utf-8")
