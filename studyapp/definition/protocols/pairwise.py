@@ -26,7 +26,6 @@ from typing import Final, Literal
 import numpy as np
 from pydantic import Field
 
-from motion.errors import InputError
 from motion.listing import listed
 from motion.segment import EMOTIONS, Segment
 from studyapp.definition.conditions import Condition, with_sources
@@ -286,27 +285,6 @@ class PairwiseStudy(Study):
             replace(trial, instructed=int(chance.choice(INSTRUCTED)))
             for trial in self._pairs("attention", list(zip(heard, pairs, strict=True)), chance)
         ]
-
-
-def pairwise(study: Study, where: object) -> PairwiseStudy:
-    """Return `study` if it is a pairwise one with comparisons to a reference.
-
-    Raises
-    ------
-    InputError
-        If it is of another protocol.
-    """
-    if isinstance(study, PairwiseStudy):
-        if study.has_reference_arms:
-            return study
-        other = f"compares pairs with comparisons = {study.comparisons!r}"
-    else:
-        other = f"is a {study.protocol} study"
-    raise InputError(
-        f"the report covers pairwise comparisons with a reference, and this {other}",
-        where=where,
-        remedy="Take its answers out with 'motionjury export'",
-    )
 
 
 def comparison_name(reference: str, other: str) -> str:

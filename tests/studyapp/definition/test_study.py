@@ -9,7 +9,7 @@ import tomlkit
 from motion.errors import InputError
 from renderer.avatars import AVATARS
 from studyapp.definition.creation import new_study
-from studyapp.definition.protocols.pairwise import PairwiseStudy, pairwise
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.reading import read_study
 from studyapp.definition.study import Video
 
@@ -119,7 +119,9 @@ def test_a_question_may_name_the_emotion_and_nothing_else(study_file: Path) -> N
 
 
 def with_ground_truth(path: Path) -> PairwiseStudy:
-    return pairwise(read_study(changed(path, conditions__ground_truth=tomlkit.table())), path)
+    study = read_study(changed(path, conditions__ground_truth=tomlkit.table()))
+    assert isinstance(study, PairwiseStudy)
+    return study
 
 
 def test_catch_trials_show_the_ground_truth_where_there_is_one(study_file: Path) -> None:
