@@ -60,9 +60,10 @@ class PointSettings:
 
     def described(self, frame_rate: float, scale: float) -> dict[str, str]:
         """Return the settings in words, for a footnote."""
+        known = math.isfinite(scale)
         return {
             "points": self.points,
-            "scale": f"{scale:.4g}, the same for all clips",
+            "scale": f"{scale:.4g}, the same for all clips" if known else "none: no points",
             "frame rate": f"{frame_rate:g} fps",
             "left out": f"the first {self.seed_frames} frames" if self.seed_frames else "nothing",
         }

@@ -119,3 +119,7 @@ def test_reasons_are_given():
         motion(shape=(20, 2, 3)), motion(shape=(40, 2, 3)), frame_rate=15, settings=MAJE
     )
     assert "20 frames and the recording 40" in apart.reason
+
+
+def test_without_points_the_settings_say_that_nothing_was_scaled() -> None:
+    assert MAJE.described(15.0, math.nan)["scale"] == "none: no points"
