@@ -1,0 +1,108 @@
+"""Speech that is heard while it is spoken, and the same speech heard as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from generators.diffsheg.estimates import SpeechFrames
+from generators.diffsheg.hubert import stand_in
+from generators.diffsheg.listening import HearingWindow, hear_stream, hear_whole
+from motion.audio import Audio
+from motion.errors import InputError
+
+HUBERT = stand_in()
+WINDOW = HearingWindow(past=1, ahead=0.5)
+
+
+def speech(seconds: float) -> np.ndarray:
+    rng = np.random.default_rng(6)
+    return (0.1 * rng.standard_normal(round(seconds * 16000))).astype(np.float32)
+
+
+def streamed(
+    pieces: list[np.ndarray], window: HearingWindow = WINDOW, rate: int = 15
+) -> SpeechFrames:
+    first, *others = hear_stream(pieces, rate, HUBERT, window)
+    for frames in others:
+        first = first.then(frames)
+    return first
+
+
+SPEECH = speech(3.3)
+AT_ONCE = streamed([SPEECH])
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.lists(st.integers(0, len(SPEECH)), max_size=6))
+def test_how_speech_comes_in_changes_no_bit(cuts: list[int]) -> None:
+    found = streamed(np.split(SPEECH, sorted(cuts)))
+    assert torch.equal(found.mel, AT_ONCE.mel)
+    assert torch.equal(found.hubert, AT_ONCE.hubert)
+
+
+def test_mel_bands_are_those_of_the_whole_speech() -> None:
+    whole = hear_whole(Audio(SPEECH, 16000), 15, HUBERT)
+    torch.testing.assert_close(AT_ONCE.mel, whole.mel, rtol=1e-4, atol=1e-6)
+
+
+def test_a_window_over_all_of_it_hears_at_each_moment_what_is_said_then() -> None:
+    found = streamed([SPEECH], HearingWindow(past=4, ahead=4.0)).hubert
+    vectors = HUBERT.hear(SPEECH)
+    frame = np.arange(0, len(found), 3)  # every third frame lies on a feature, 0.2 s apart
+    torch.testing.assert_close(found[frame[:-1]], vectors[10 * frame[:-1] // 3])
+
+
+@pytest.mark.parametrize("rate", [15, 30])
+@pytest.mark.parametrize("seconds", [0.02, 0.4, 1.0, 1.04, 2.0, 2.5])
+def test_there_are_as_many_frames_as_the_speech_lasts(seconds: float, rate: int) -> None:
+    pieces = [speech(seconds)]
+    count = sum(len(frames) for frames in hear_stream(pieces, rate, HUBERT, WINDOW))
+    assert count == round(seconds * rate)
+
+
+def test_a_second_is_heard_as_soon_as_what_lies_ahead_of_it_is_known() -> None:
+    given_out: list[int] = []
+
+    def pieces() -> Iterator[np.ndarray]:
+        for piece in np.split(speech(4), 40):
+            given_out.append(len(piece))
+            yield piece
+
+    frames = hear_stream(pieces(), 15, HUBERT, WINDOW)
+    assert len(next(frames)) == 15
+    assert sum(given_out) == round(1.5 * 16000)
+    assert len(next(frames)) == 15
+    assert sum(given_out) == round(2.5 * 16000)
+
+
+@pytest.mark.parametrize(
+    ("second", "changed", "other_second"),
+    [(2, slice(0, 16000), 1), (1, slice(round(2.5 * 16000), None), 2)],
+    ids=["before", "after"],
+)
+def test_speech_outside_the_stated_window_changes_nothing(
+    second: int, changed: slice, other_second: int
+) -> None:
+    other = SPEECH.copy()
+    other[changed] = 0
+    found = streamed([other])
+    same, not_same = (slice(15 * one, 15 * one + 15) for one in (second, other_second))
+    assert torch.equal(found.hubert[same], AT_ONCE.hubert[same])
+    assert torch.equal(found.mel[same], AT_ONCE.mel[same])
+    assert not torch.equal(found.hubert[not_same], AT_ONCE.hubert[not_same])
+
+
+def test_nothing_said_gives_no_frame() -> None:
+    assert list(hear_stream([], 15, HUBERT, WINDOW)) == []
+
+
+@pytest.mark.parametrize(("past", "ahead"), [(0, 1.0), (4, 0.0)])
+def test_a_window_that_is_too_narrow_is_refused(past: int, ahead: float) -> None:
+    with pytest.raises(InputError, match="Give whole seconds"):
+        HearingWindow(past=past, ahead=ahead)
