@@ -8,16 +8,18 @@ from types import MappingProxyType
 from typing import Final, cast
 
 from generators.interface import Generator
+from generators.model_settings import ModelSettings
 from motion.errors import InputError
 from motion.source_version import source_version
 
 
 @dataclass(frozen=True)
 class _Entry:
-    """Where a generator lives, and whether it starts from another condition's clips."""
+    """Where a generator lives, and what it cannot do without."""
 
     home: str
     needs_source: bool = False
+    needs_model: bool = False
 
 
 _GENERATORS: Final = MappingProxyType(
@@ -26,6 +28,7 @@ _GENERATORS: Final = MappingProxyType(
         "mismatched": _Entry("generators.mismatched:Mismatched", needs_source=True),
         "static": _Entry("generators.static:Static"),
         "broken": _Entry("generators.broken:Broken", needs_source=True),
+        "diffsheg": _Entry("generators.diffsheg.generator:DiffSheg", needs_model=True),
     }
 )
 
@@ -40,24 +43,52 @@ def needs_source(name: str) -> bool:
     return _entry(name).needs_source
 
 
+def needs_model(name: str) -> bool:
+    """Tell whether generator `name` is a network whose weights must be given."""
+    return _entry(name).needs_model
+
+
 def generator_version(name: str) -> str:
     """Return a text that changes whenever generator `name` might move otherwise."""
     home = _entry(name).home.partition(":")[0].split(".")
     own = f"{'/'.join(home[:-1])}/*.py" if len(home) > 2 else f"{'/'.join(home)}.py"
     shared = ("generators/clip_length.py", "motion/prosody.py", "motion/resample.py")
-    return source_version((own, *shared))
+    if not needs_model(name):
+        return source_version((own, *shared))
+    heard = ("generators/diffusion.py", "motion/formats/retarget.py", "motion/placement.py")
+    return source_version((own, *shared, *heard), ("torch", "transformers"))
 
 
-def load_generator(name: str) -> Generator:
+def load_generator(name: str, model: ModelSettings | None = None) -> Generator:
     """Return a generator by its name.
+
+    Parameters
+    ----------
+    name : str
+        One of `generator_names`.
+    model : ModelSettings, optional
+        The weights of a learned generator.
 
     Raises
     ------
     InputError
-        If there is no generator of that name.
+        If there is no generator of that name, or it needs weights and none are given, or the other
+        way round.
     """
-    module, _, factory = _entry(name).home.partition(":")
-    return cast("Generator", getattr(import_module(module), factory)())
+    entry = _entry(name)
+    module, _, factory = entry.home.partition(":")
+    if entry.needs_model and model is None:
+        raise InputError(
+            f"the generator {name} is a network and was given no weights",
+            remedy="Name their file as its 'checkpoint' in study.toml",
+        )
+    if not entry.needs_model and model is not None:
+        raise InputError(
+            f"the generator {name} is no network and takes no checkpoint",
+            remedy="Leave the checkpoint out, or name another generator",
+        )
+    made = getattr(import_module(module), factory)
+    return cast("Generator", made() if model is None else made(model))
 
 
 def _entry(name: str) -> _Entry:

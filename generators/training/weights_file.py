@@ -66,6 +66,15 @@ def write_weights(path: Path, tensors: Mapping[str, Tensor], facts: Mapping[str,
             ) from error
 
 
+def holds_facts(path: Path) -> bool:
+    """Tell whether `path` is a file that `write_weights` wrote, and not another program's."""
+    try:
+        with safe_open(path, framework="pt") as file:
+            return _KEY in (file.metadata() or {})
+    except (SafetensorError, OSError):
+        return False
+
+
 def read_weights(path: Path) -> WeightsFile:
     """Read what `write_weights` wrote.
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Final, Literal
 
 from pydantic import Field
 
-from generators.registry import generator_names, needs_source
+from generators.registry import generator_names, needs_model, needs_source
 from studyapp.definition.section import Name, Section
+
+_OF_MODELS: Final = ("checkpoint", "dataset", "stats", "hubert", "speaker")
+"""Keys of a condition that only a learned generator has."""
 
 
 class Condition(Section):
@@ -24,12 +28,26 @@ class Condition(Section):
     generative : bool or None
         Whether it can move differently to one speech, which DiffSHEG's table of metrics marks;
         None where that is not stated. Nothing but the report looks at it.
+    checkpoint : str or None
+        Weights of a learned generator: a file, from the study's folder.
+    dataset : {'beat', 'show'} or None
+        What a released checkpoint was trained on, 'beat' where nothing is said.
+    stats, hubert : str or None
+        Folders, from the study's, of a released checkpoint's means and standard deviations, and
+        of HuBERT's weights; see `generators.model_settings.ModelSettings`.
+    speaker : int or None
+        As whom of the data set's speakers it moves, from 1; the first where nothing is said.
     """
 
     generator: str | None = None
     source: Name | None = None
     videos: bool = False
     generative: bool | None = None
+    checkpoint: str | None = Field(None, min_length=1)
+    dataset: Literal["beat", "show"] | None = None
+    stats: str | None = Field(None, min_length=1)
+    hubert: str | None = Field(None, min_length=1)
+    speaker: int | None = Field(None, ge=1)
 
 
 class Catch(Section):
@@ -86,6 +104,9 @@ def source_problems(conditions: Mapping[str, Condition], name: str) -> list[str]
         return [f"conditions.{name}: finished videos have neither generator nor source"]
     if condition.generator is not None and condition.generator not in generator_names():
         return [_unknown_generator(f"conditions.{name}", condition.generator)]
+    unfitting = _model_problem(condition)
+    if unfitting is not None:
+        return [f"conditions.{name}: {unfitting}"]
     needs = condition.generator is not None and needs_source(condition.generator)
     if needs and condition.source is None:
         return [f"conditions.{name}: generator {condition.generator!r} needs a source"]
@@ -112,7 +133,22 @@ def catch_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[st
         problems.append(f"catch.against {catch.against!r} is no condition ({known})")
     if catch.generator not in generator_names():
         problems.append(_unknown_generator("catch", catch.generator))
+    elif needs_model(catch.generator):
+        problems.append(
+            f"catch: generator {catch.generator!r} is a network; flawed motion needs another"
+        )
     return problems
+
+
+def _model_problem(condition: Condition) -> str | None:
+    """Return what is wrong with the keys that only a learned generator has."""
+    given = [key for key in _OF_MODELS if getattr(condition, key) is not None]
+    learned = condition.generator is not None and needs_model(condition.generator)
+    if learned and condition.checkpoint is None:
+        return f"generator {condition.generator!r} needs a checkpoint, the file of its weights"
+    if not learned and given:
+        return f"{given[0]} is given, but nothing there uses it"
+    return None
 
 
 def with_sources(conditions: Mapping[str, Condition], names: set[str]) -> dict[str, Condition]:

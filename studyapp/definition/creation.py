@@ -9,7 +9,7 @@ from typing import Final
 
 import tomlkit
 
-from generators.registry import generator_names
+from generators.registry import generator_names, needs_model
 from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
@@ -99,7 +99,8 @@ def _follow_reference(document: tomlkit.TOMLDocument, reference: str) -> None:
     """Let the template's mismatched condition start from `reference`, and add it if missing."""
     conditions = document["conditions"]
     if reference not in conditions:
-        generator = reference if reference in generator_names() else None
+        known = reference in generator_names() and not needs_model(reference)
+        generator = reference if known else None
         conditions[reference] = _condition_table(Condition(generator=generator))
     conditions["mismatched"]["source"] = reference
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from generators.interface import Generator, SpeechSegment
+from generators.model_settings import ModelSettings
 from generators.registry import generator_version, load_generator
 from motion.audio import read_audio
 from motion.clip import MotionClip
@@ -79,6 +80,32 @@ def generate(
     return GenerationCount(made=made, kept=kept)
 
 
+def model_of(folder: StudyFolder, name: str, condition: Condition) -> ModelSettings | None:
+    """Return the weights that condition `name` states, with paths from the study's folder.
+
+    Raises
+    ------
+    InputError
+        If one of its files is not there.
+    """
+    if condition.checkpoint is None:
+        return None
+    paths = (condition.stats, condition.hubert)
+    stats, hubert = (None if path is None else folder.root / path for path in paths)
+    try:
+        return ModelSettings(
+            checkpoint=folder.root / condition.checkpoint,
+            dataset=condition.dataset or "beat",
+            stats=stats,
+            hubert=hubert,
+            speaker=condition.speaker or 1,
+        )
+    except InputError as error:
+        raise InputError(
+            f"conditions.{name}: {error.what}", where=error.where, remedy=error.remedy
+        ) from error
+
+
 @dataclass(frozen=True, kw_only=True)
 class _ConditionMaker:
     """Makes the clips of one condition."""
@@ -105,10 +132,11 @@ class _ConditionMaker:
             if condition.source is not None
             else None
         )
+        model = model_of(folder, name, condition)
         return cls(
             folder=folder,
             condition=name,
-            generator=load_generator(str(condition.generator)),
+            generator=load_generator(str(condition.generator), model),
             source=source,
             study_seed=study.seed,
             frame_rate=study.video.frame_rate,
@@ -117,6 +145,7 @@ class _ConditionMaker:
                 study.seed,
                 study.video.frame_rate,
                 source.paths_digest() if source else "",
+                *(() if model is None else model.fingerprint()),
             ),
         )
 

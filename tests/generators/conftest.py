@@ -8,11 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from generators.interface import SpeechSegment
+from generators.interface import Generator, SpeechSegment
+from generators.model_settings import ModelSettings
+from generators.registry import load_generator, needs_model
 from generators.rule_based.generator import RuleBased
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS, Segment
+from tests.generators.diffsheg.small_network import written_network
 
 RATE = 16000
 
@@ -69,3 +72,11 @@ def study() -> ClipsInMemory:
         for number, speech in enumerate(speeches)
     }
     return ClipsInMemory([speech.segment for speech in speeches], clips)
+
+
+@pytest.fixture(scope="session")
+def load(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Generator]:
+    """Return how to load any generator; a learned one is a small network of random weights."""
+    checkpoint = written_network(tmp_path_factory.mktemp("models") / "small.safetensors")
+    model = ModelSettings(checkpoint=checkpoint)
+    return lambda name: load_generator(name, model if needs_model(name) else None)

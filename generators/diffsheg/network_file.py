@@ -1,0 +1,113 @@
+"""A DiffSHEG network with all that its motion depends on, from our files or the authors'."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import torch
+
+from generators.diffsheg.config import DenoiserConfig
+from generators.diffsheg.denoiser import Denoiser
+from generators.diffsheg.normalisation import Normalisation, read_normalisation
+from generators.diffsheg.released import load_released
+from generators.model_settings import DATASETS
+from generators.training.weights_file import WeightsFile, holds_facts, read_weights, write_weights
+from motion.errors import InputError
+
+_NETWORK: Final = "diffsheg"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionNetwork:
+    """A network that tells motion.
+
+    Attributes
+    ----------
+    denoiser : Denoiser
+        In evaluation mode, on the CPU.
+    dataset : {'beat', 'show'}
+        Whose motion its values are.
+    normalisation : Normalisation
+        Of its values.
+    """
+
+    denoiser: Denoiser
+    dataset: str
+    normalisation: Normalisation
+
+
+def write_network(path: Path, network: MotionNetwork) -> None:
+    """Write a network to one safetensors file, with its sizes and its normalisation."""
+    tensors = {f"denoiser.{name}": one for name, one in network.denoiser.state_dict().items()}
+    tensors["normalisation.mean"] = torch.from_numpy(network.normalisation.mean)
+    tensors["normalisation.std"] = torch.from_numpy(network.normalisation.std)
+    facts = {
+        "network": _NETWORK,
+        "config": asdict(network.denoiser.config),
+        "dataset": network.dataset,
+    }
+    write_weights(path, tensors, facts)
+
+
+def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
+    """Return the network of a file that `write_network` or DiffSHEG's authors wrote.
+
+    Parameters
+    ----------
+    path : Path
+        The checkpoint.
+    dataset : {'beat', 'show'}
+        What a released checkpoint was trained on.
+    stats : Path or None
+        Folder of its means and standard deviations; see
+        `generators.diffsheg.normalisation.read_normalisation`.
+
+    Raises
+    ------
+    InputError
+        If the file is no such network, or a released one comes without its normalisation.
+    """
+    if holds_facts(path):
+        return _own(read_weights(path), path)
+    if stats is None:
+        raise InputError(
+            "a released checkpoint says nothing of means and standard deviations, without which "
+            "its values are no motion",
+            where=path,
+            remedy="Name their folder as 'stats': axis_angle_mean.npy, axis_angle_std.npy, "
+            "json_mean.npy, json_std.npy",
+        )
+    denoiser = load_released(path, dataset)
+    return MotionNetwork(
+        denoiser=denoiser,
+        dataset=dataset,
+        normalisation=read_normalisation(stats, denoiser.config),
+    )
+
+
+def _own(file: WeightsFile, path: Path) -> MotionNetwork:
+    facts: Mapping[str, Any] = file.facts
+    try:
+        if facts["network"] != _NETWORK or facts["dataset"] not in DATASETS:
+            raise ValueError("another network")
+        config = DenoiserConfig(**facts["config"])
+        denoiser = Denoiser(config)
+        denoiser.load_state_dict(file.part("denoiser"))
+        mean, std = (np.asarray(file.tensors[f"normalisation.{kind}"]) for kind in ("mean", "std"))
+        if mean.shape != (config.motion_width,) or std.shape != mean.shape:
+            raise ValueError("a normalisation of another size")
+    except (KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise InputError(
+            "the file holds weights, but not of a DiffSHEG network",
+            where=path,
+            remedy="Give a DiffSHEG checkpoint: one that was trained here, or the released one",
+        ) from error
+    return MotionNetwork(
+        denoiser=denoiser.requires_grad_(False).eval(),
+        dataset=str(facts["dataset"]),
+        normalisation=Normalisation(mean, std),
+    )

@@ -1,0 +1,39 @@
+"""A DiffSHEG network small enough to move within a moment."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from generators.diffsheg.config import CONFIGS, DenoiserConfig
+from generators.diffsheg.denoiser import Denoiser
+from generators.diffsheg.network_file import MotionNetwork, write_network
+from generators.diffsheg.normalisation import Normalisation
+
+
+def small(dataset: str) -> DenoiserConfig:
+    return replace(CONFIGS[dataset], width=16, feed_forward=16, heads=2, layers=1, speech_width=8)
+
+
+def small_network(dataset: str = "beat", speakers_differ: float = 1.0) -> MotionNetwork:
+    """Return a network of random weights; even its last layers, which start at zero, have some."""
+    config = small(dataset)
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(9)
+        denoiser = Denoiser(config).eval().requires_grad_(False)
+        for weight in denoiser.parameters():
+            weight.add_(0.05 * speakers_differ * torch.randn_like(weight))
+    width = config.motion_width
+    return MotionNetwork(
+        denoiser=denoiser,
+        dataset=dataset,
+        normalisation=Normalisation(np.zeros(width), np.full(width, 0.01)),
+    )
+
+
+def written_network(path: Path, dataset: str = "beat") -> Path:
+    write_network(path, small_network(dataset))
+    return path
