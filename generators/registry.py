@@ -10,7 +10,7 @@ from typing import Final, cast
 from generators.interface import Generator
 from generators.model_settings import ModelSettings
 from motion.errors import InputError
-from motion.source_version import source_version
+from motion.source_version import imported_sources, source_version
 
 
 @dataclass(frozen=True)
@@ -50,13 +50,13 @@ def needs_model(name: str) -> bool:
 
 def generator_version(name: str) -> str:
     """Return a text that changes whenever generator `name` might move otherwise."""
-    home = _entry(name).home.partition(":")[0].split(".")
+    module = _entry(name).home.partition(":")[0]
+    if needs_model(name):
+        return source_version(imported_sources([module]), ("scipy", "torch", "transformers"))
+    home = module.split(".")
     own = f"{'/'.join(home[:-1])}/*.py" if len(home) > 2 else f"{'/'.join(home)}.py"
     shared = ("generators/clip_length.py", "motion/prosody.py", "motion/resample.py")
-    if not needs_model(name):
-        return source_version((own, *shared))
-    heard = ("generators/diffusion.py", "motion/formats/retarget.py", "motion/placement.py")
-    return source_version((own, *shared, *heard), ("torch", "transformers"))
+    return source_version((own, *shared))
 
 
 def load_generator(name: str, model: ModelSettings | None = None) -> Generator:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from generators.interface import Generator, SpeechSegment
 from generators.model_settings import ModelSettings
-from generators.registry import generator_version, load_generator
+from generators.registry import generator_version, load_generator, needs_model
 from motion.audio import read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -47,10 +47,19 @@ class ConditionClips:
 
 @dataclass(frozen=True)
 class GenerationCount:
-    """How many clips a run made and how many were there already."""
+    """How many clips a run made and how many were there already.
+
+    Attributes
+    ----------
+    made, kept : int
+        Clips.
+    stand_ins : tuple of str
+        What took the place of something real in a condition, with the condition's name.
+    """
 
     made: int
     kept: int
+    stand_ins: tuple[str, ...] = ()
 
 
 def generate(
@@ -69,6 +78,7 @@ def generate(
     segments = folder.segments_of(study)
     conditions = study.generated()
     made = kept = 0
+    stand_ins: list[str] = []
     for name, condition in conditions.items():
         maker = _ConditionMaker.of(folder, study, segments, name, condition)
         for segment in segments:
@@ -77,7 +87,16 @@ def generate(
             else:
                 kept += 1
             on_clip(made + kept, len(conditions) * len(segments))
-    return GenerationCount(made=made, kept=kept)
+        if needs_model(str(condition.generator)):
+            clip = read_clip(folder.clip(name, segments[0].name))
+            stand_ins += stood_in(name, clip)
+    return GenerationCount(made=made, kept=kept, stand_ins=tuple(stand_ins))
+
+
+def stood_in(name: str, clip: MotionClip) -> list[str]:
+    """Return a line about what took the place of something real in `clip`, where something did."""
+    found = clip.provenance.get("stand_ins")
+    return [] if found is None else [f"{name}: {found}"]
 
 
 def model_of(folder: StudyFolder, name: str, condition: Condition) -> ModelSettings | None:
