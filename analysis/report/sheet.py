@@ -96,6 +96,11 @@ def fitted(text: str, inches: float, *, size: float, lines: int = 1, bold: bool 
     return "\n".join(found)
 
 
+def inches_of(text: str, size: float) -> float:
+    """Return the width of text in inches, in a font of `size` points."""
+    return _wide(text, bold=False) * size / POINTS
+
+
 def _line(words: list[str], room: float, bold: bool) -> tuple[str, list[str]]:
     """Return what fits on one line, one sign at least, and the words that are left."""
     line = words[0]

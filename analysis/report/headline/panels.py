@@ -12,7 +12,7 @@ from typing import Final, Literal
 from matplotlib.axes import Axes
 
 from analysis.report.ink import SOFT
-from analysis.report.sheet import Sheet, fitted
+from analysis.report.sheet import Sheet, fitted, inches_of
 from analysis.report.svg import WIDTH
 
 TALLEST: Final = 9.0
@@ -159,10 +159,12 @@ def row_height(names: Sequence[RowName], room: Format = WIDE) -> float:
 
 def write_title(sheet: Sheet, place: Place, title: str) -> None:
     """Write a panel's title above it."""
+    text = fitted(title, place.width, size=TITLE_SIZE, lines=2, bold=True)
     sheet.write(
         place.left,
-        place.top - place.head + 0.12,
-        fitted(title, place.width, size=TITLE_SIZE, lines=2, bold=True),
+        # The baseline of several lines is that of the last one.
+        place.top - place.head + 0.12 + text.count("\n") * _TITLE_LINE,
+        text,
         fontsize=TITLE_SIZE,
         fontweight="bold",
         va="baseline",
@@ -255,8 +257,10 @@ def write_beside(axes: Axes, row: int, words: str, below: str, *, bold: bool = F
 def _write_ends(axes: Axes, ends: tuple[str, str]) -> None:
     figure = axes.get_figure(root=True)
     wide = WIDTH if figure is None else figure.get_figwidth()
-    room = axes.get_position().width * wide / 2 - 0.15
-    left, right = (fitted(text, room, size=SMALL_SIZE + 0.5) for text in ends)
+    room, size = axes.get_position().width * wide - 0.4, SMALL_SIZE + 0.5
+    # The shorter of the two leaves the longer one what it does not need.
+    shorter = min(room / 2, *(inches_of(text, size) for text in ends))
+    left, right = (fitted(text, room - shorter, size=size) for text in ends)
     for where, side, text in ((0.0, "left", f"← {left}"), (1.0, "right", f"{right} →")):
         axes.annotate(
             text,
