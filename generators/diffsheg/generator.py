@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import Final
 
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 
 from generators.clip_length import with_length
 from generators.diffsheg.beat_motion import beat_clip
-from generators.diffsheg.estimates import prepared
+from generators.diffsheg.estimates import SpeechFrames, prepared
 from generators.diffsheg.foppas import stream
 from generators.diffsheg.hubert import Hubert, check_hubert, load_hubert, stand_in
-from generators.diffsheg.listening import hear_whole
+from generators.diffsheg.listening import HearingWindow, hear_stream, hear_whole
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.show_motion import show_clip
 from generators.diffsheg.walk import Sampling
@@ -70,7 +71,8 @@ class DiffSheg:
         seeded_stream(seed)
         count = speech.frame_count(frame_rate)
         check_frame_rate(frame_rate)
-        clip = self._clip(self._motion(speech, seed))
+        heard = hear_whole(speech.audio, self._network.denoiser.config.frame_rate, self._hubert)
+        clip = self._clip(np.concatenate(list(self._moved([heard], seed))))
         return with_length(resample(clip, frame_rate), count).with_provenance(
             generator=self.name,
             seed=str(seed),
@@ -78,23 +80,61 @@ class DiffSheg:
             **self._facts(),
         )
 
-    def _motion(self, speech: SpeechSegment, seed: int) -> NDArray[np.float64]:
-        """Return the network's motion to `speech` in its own units, (T, values)."""
+    def stream(
+        self,
+        pieces: Iterable[NDArray[np.float32]],
+        *,
+        seed: int,
+        window: HearingWindow | None = None,
+    ) -> Iterator[NDArray[np.float64]]:
+        """Yield motion while somebody still speaks, as soon as it is settled.
+
+        How the speech is cut into pieces changes nothing: all of it at once gives the same motion.
+        A frame is settled at the latest when a window of motion and what `window` looks ahead have
+        been heard; memory is bounded by both, however long the speech.
+
+        Parameters
+        ----------
+        pieces : iterable of ndarray
+            Samples at 16 kHz, in order.
+        seed : int
+            Not negative.
+        window : HearingWindow, optional
+            What is heard around each second; by default four seconds before and one ahead.
+
+        Yields
+        ------
+        ndarray, shape (some frames, values)
+            At the network's frame rate and in the data set's own values, which
+            `generators.diffsheg.beat_motion` and `generators.diffsheg.show_motion` take to clips.
+
+        Raises
+        ------
+        InputError
+            If the seed, the speaker or a file cannot be used.
+        """
+        seeded_stream(seed)
+        config = self._network.denoiser.config
+        window = HearingWindow() if window is None else window
+        heard = hear_stream(pieces, int(config.frame_rate), self._hubert, window)
+        return self._moved(heard, seed)
+
+    def _moved(self, heard: Iterable[SpeechFrames], seed: int) -> Iterator[NDArray[np.float64]]:
+        """Yield the network's motion to speech in its own units, (some frames, values)."""
         denoiser, sampling = self._network.denoiser, self._walk
         config = denoiser.config
-        heard = hear_whole(speech.audio, config.frame_rate, self._hubert)
         with torch.inference_mode():
             told = prepared(denoiser, self._person(), sampling)
-            settled = stream(
-                [heard],
-                told,
-                frames=config.frames,
-                width=config.motion_width,
-                sampling=sampling,
-                seed=seed,
-            )
-            normalised = torch.cat(list(settled)).numpy().astype(np.float64)
-        return self._network.normalisation.restored(normalised)
+        settled = stream(
+            heard,
+            told,
+            frames=config.frames,
+            width=config.motion_width,
+            sampling=sampling,
+            seed=seed,
+        )
+        for motion in settled:
+            yield self._network.normalisation.restored(motion.numpy().astype(np.float64))
 
     def _clip(self, motion: NDArray[np.float64]) -> MotionClip:
         frame_rate = self._network.denoiser.config.frame_rate

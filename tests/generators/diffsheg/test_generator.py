@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from generators.diffsheg.beat_motion import beat_clip
 from generators.diffsheg.generator import DiffSheg
+from generators.diffsheg.listening import HearingWindow
 from generators.diffsheg.network_file import write_network
 from generators.diffsheg.walk import Sampling
 from generators.interface import SpeechSegment
@@ -101,6 +103,31 @@ def test_a_network_whose_motion_is_not_finite_is_refused(tmp_path: Path, speak: 
     model = ModelSettings(checkpoint=tmp_path / "diverged.safetensors")
     with pytest.raises(InputError, match="not finite"):
         DiffSheg(model).generate(speak("one", 1.0), seed=3, frame_rate=15)
+
+
+def test_motion_comes_while_somebody_speaks_and_is_that_of_all_speech_at_once(
+    model: ModelSettings, speak: Speak
+) -> None:
+    samples = speak("one", 6.3).audio.samples
+    heard: list[int] = []
+
+    def pieces() -> Iterator[np.ndarray]:
+        for piece in np.array_split(samples, 50):
+            heard.append(len(piece))
+            yield piece
+
+    generator = DiffSheg(model)
+    window = HearingWindow(past=1, ahead=0.5)
+    streamed = generator.stream(pieces(), seed=3, window=window)
+    first = next(streamed)
+    # A window of 34 frames lies within three seconds, of which the last looks half a one ahead.
+    assert sum(heard) / 16000 < 3.5 + 6.3 / 50
+    assert len(first) == 30
+    motion = np.concatenate([first, *streamed])
+    assert len(motion) == round(6.3 * 15)
+    whole = np.concatenate(list(generator.stream([samples], seed=3, window=window)))
+    np.testing.assert_array_equal(motion, whole)
+    assert len(beat_clip(motion, 15)) == len(motion)
 
 
 def test_speech_of_less_than_a_frame_of_the_network_gives_a_clip(
