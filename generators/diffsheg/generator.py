@@ -133,19 +133,19 @@ class DiffSheg:
             sampling=sampling,
             seed=seed,
         )
-        for motion in settled:
-            yield self._network.normalisation.restored(motion.numpy().astype(np.float64))
+        for normalised in settled:
+            motion = self._network.normalisation.restored(normalised.numpy().astype(np.float64))
+            if not np.isfinite(motion).all():
+                raise InputError(
+                    "the network tells motion that is not finite",
+                    where=self._model.checkpoint,
+                    remedy="Its training has diverged: give another checkpoint",
+                )
+            yield motion
 
     def _clip(self, motion: NDArray[np.float64]) -> MotionClip:
-        frame_rate = self._network.denoiser.config.frame_rate
-        if not np.isfinite(motion).all():
-            raise InputError(
-                "the network tells motion that is not finite",
-                where=self._model.checkpoint,
-                remedy="Its training has diverged: give another checkpoint",
-            )
         made = beat_clip if self._network.dataset == "beat" else show_clip
-        return made(motion, frame_rate)
+        return made(motion, self._network.denoiser.config.frame_rate)
 
     def _person(self) -> torch.Tensor:
         speakers = self._network.denoiser.config.speakers
