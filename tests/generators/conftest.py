@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import torch
 
 from generators.interface import Generator, SpeechSegment
 from generators.model_settings import ModelSettings
@@ -54,6 +55,15 @@ class ClipsInMemory:
 
     def clip(self, segment_name: str) -> MotionClip:
         return self.clips[segment_name]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_thread() -> Iterator[None]:
+    """Leave torch one thread: tests run beside each other, and threads would wait for threads."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
 
 
 @pytest.fixture(scope="session")

@@ -62,7 +62,7 @@ def moved(pieces: list[SpeechFrames], told: Told = TOLD, seed: int = 1) -> Tenso
     return torch.cat([torch.empty(0, WIDTH), *settled])
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=8))
 def test_how_speech_comes_in_changes_nothing(lengths: list[int]) -> None:
     whole = spoken(sum(lengths))

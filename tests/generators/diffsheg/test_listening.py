@@ -35,20 +35,25 @@ def streamed(
 
 
 SPEECH = speech(3.3)
-AT_ONCE = streamed([SPEECH])
+
+
+@pytest.fixture(scope="module")
+def at_once(one_thread: None) -> SpeechFrames:
+    """Return what comes of all speech at once, by as many threads as in the tests."""
+    return streamed([SPEECH])
 
 
 @settings(max_examples=6, deadline=None)
 @given(st.lists(st.integers(0, len(SPEECH)), max_size=6))
-def test_how_speech_comes_in_changes_no_bit(cuts: list[int]) -> None:
+def test_how_speech_comes_in_changes_no_bit(at_once: SpeechFrames, cuts: list[int]) -> None:
     found = streamed(np.split(SPEECH, sorted(cuts)))
-    assert torch.equal(found.mel, AT_ONCE.mel)
-    assert torch.equal(found.hubert, AT_ONCE.hubert)
+    assert torch.equal(found.mel, at_once.mel)
+    assert torch.equal(found.hubert, at_once.hubert)
 
 
-def test_mel_bands_are_those_of_the_whole_speech() -> None:
+def test_mel_bands_are_those_of_the_whole_speech(at_once: SpeechFrames) -> None:
     whole = hear_whole(Audio(SPEECH, 16000), 15, HUBERT)
-    torch.testing.assert_close(AT_ONCE.mel, whole.mel, rtol=1e-4, atol=1e-6)
+    torch.testing.assert_close(at_once.mel, whole.mel, rtol=1e-4, atol=1e-6)
 
 
 def test_a_window_over_all_of_it_hears_at_each_moment_what_is_said_then() -> None:
@@ -87,15 +92,15 @@ def test_a_second_is_heard_as_soon_as_what_lies_ahead_of_it_is_known() -> None:
     ids=["before", "after"],
 )
 def test_speech_outside_the_stated_window_changes_nothing(
-    second: int, changed: slice, other_second: int
+    at_once: SpeechFrames, second: int, changed: slice, other_second: int
 ) -> None:
     other = SPEECH.copy()
     other[changed] = 0
     found = streamed([other])
     same, not_same = (slice(15 * one, 15 * one + 15) for one in (second, other_second))
-    assert torch.equal(found.hubert[same], AT_ONCE.hubert[same])
-    assert torch.equal(found.mel[same], AT_ONCE.mel[same])
-    assert not torch.equal(found.hubert[not_same], AT_ONCE.hubert[not_same])
+    assert torch.equal(found.hubert[same], at_once.hubert[same])
+    assert torch.equal(found.mel[same], at_once.mel[same])
+    assert not torch.equal(found.hubert[not_same], at_once.hubert[not_same])
 
 
 def test_nothing_said_gives_no_frame() -> None:
