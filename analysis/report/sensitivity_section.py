@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from analysis.report import wording
 from analysis.report.by_question import question_name
 from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.headline.preference_rows import reference_of
 from analysis.report.headline.words import between, counted
 from analysis.report.subject import Subject
+from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport
 from analysis.results.sensitivity import Number, Sensitivity
 
@@ -23,10 +26,10 @@ _MEASURES = {
 
 def sensitivity_section(report: TableReport, subject: Subject) -> Section | None:
     """Return the headline numbers with and without exclusions; None where nobody is left out."""
-    del subject
     if not report.sensitivity:
         return None
-    is_planned = all(one.is_as_planned for one in report.sensitivity)
+    shown = _seen_from(_reference(report, subject), report.sensitivity)
+    is_planned = all(one.is_as_planned for one in shown)
     return Section(
         anchor="sensitivity",
         heading="With and without exclusions",
@@ -42,27 +45,56 @@ def sensitivity_section(report: TableReport, subject: Subject) -> Section | None
                 )
             ),
         ),
-        tables=(_table(report, is_planned),),
+        tables=(_table(report.protocol, shown, is_planned),),
     )
 
 
-def _table(report: TableReport, is_planned: bool) -> Table:
+def _reference(report: TableReport, subject: Subject) -> str | None:
+    """Return the condition that the headline sees every pair from, if there is one."""
+    if not isinstance(report.results, PairwiseResults) or not report.results.comparisons:
+        return None
+    return reference_of(report.results.comparisons, subject.reference)
+
+
+def _seen_from(reference: str | None, found: Sequence[Sensitivity]) -> tuple[Sensitivity, ...]:
+    """Return the numbers with the reference first, as the headline has them."""
+    return tuple(
+        _turned(one) if reference is not None and one.conditions[1:] == (reference,) else one
+        for one in found
+    )
+
+
+def _turned(one: Sensitivity) -> Sensitivity:
+    return replace(
+        one,
+        conditions=one.conditions[::-1],
+        analysed=_other_side(one.analysed),
+        as_planned=_other_side(one.as_planned),
+        everyone=_other_side(one.everyone),
+    )
+
+
+def _other_side(share: Number) -> Number:
+    return replace(share, estimate=1 - share.estimate, low=1 - share.high, high=1 - share.low)
+
+
+def _table(protocol: str, shown: Sequence[Sensitivity], is_planned: bool) -> Table:
     groups = ("analysed", *(() if is_planned else ("as planned",)), "nobody excluded")
-    measure = _MEASURES[report.protocol]
+    measure = _MEASURES[protocol]
     return Table(
         caption=f"{wording.heading(measure)}, with its 95 % interval, clustered by participant "
         "and segment.",
         groups=(("", 2), *((group, 2) for group in groups)),
         header=(
-            *("question", "condition" if len(report.sensitivity[0].conditions) == 1 else "pair"),
+            *("question", "condition" if len(shown[0].conditions) == 1 else "pair"),
             *(heading for _ in groups for heading in ("participants", measure)),
         ),
-        rows=tuple(_row(one, is_planned) for one in report.sensitivity),
+        rows=tuple(_row(one, is_planned) for one in shown),
         text_columns=2,
         notes=tuple(
             dict.fromkeys(
                 f"{_of(one)}, {question_name(one.set or '', one.question)}: {number.reason}."
-                for one in report.sensitivity
+                for one in shown
                 for number in _shown(one, is_planned)
                 if number.reason
             )

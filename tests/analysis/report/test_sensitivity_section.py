@@ -12,7 +12,8 @@ from analysis.report.content import Section
 from analysis.report.sensitivity_section import sensitivity_section
 from analysis.report.subject import Subject
 from analysis.results.report import analyse_table
-from tests.analysis.results.made_tables import TABLES
+from tests.analysis.report.made_reports import report_of, subject_of
+from tests.analysis.results.made_tables import TABLES, pairwise_table
 
 
 def section(folder: Path, protocol: str, *, below: float = 0.9) -> Section | None:
@@ -64,3 +65,21 @@ def test_as_planned_is_not_shown_where_it_is_what_is_analysed(tmp_path: Path) ->
     found = sensitivity_section(report, subject)
     assert found is not None
     assert [name for name, _ in found.tables[0].groups[1:]] == ["analysed", "nobody excluded"]
+
+
+@pytest.mark.parametrize("reference", ["ours", "other"])
+def test_pairs_are_seen_from_the_reference_as_in_the_headline(
+    tmp_path: Path, reference: str
+) -> None:
+    table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=8)
+    table["excluded"] = table["participant"] == table["participant"].iloc[0]
+    report = report_of(table, "pairwise", tmp_path)
+
+    found = sensitivity_section(report, subject_of(report, reference=reference))
+
+    assert found is not None
+    [[_, pair, _, share, *_]] = found.tables[0].rows
+    [comparison] = report.results.comparisons
+    toward = comparison.win_share.estimate
+    assert pair.text.startswith(reference)
+    assert share.value == pytest.approx(toward if comparison.a == reference else 1 - toward)
