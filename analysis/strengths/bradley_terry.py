@@ -118,6 +118,8 @@ def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -
             times=times,
         )
     )
+    if votes.segment is None:
+        return centred(votes, fit, None, modelled, left)
     kind = 3 * place[votes.left * count + votes.right] + 1 - votes.outcome
     return centred(votes, fit, kind, modelled, left)
 
@@ -137,7 +139,9 @@ def _situation(first: int, second: int, count: int, modelled: bool, left: bool) 
     return Situation(features=np.stack([wins[0], tie, wins[1]]), ways=np.eye(3))
 
 
-def centred(votes: Votes, fit: ChoiceFit, kind: Codes, modelled: bool, left: bool) -> BradleyTerry:
+def centred(
+    votes: Votes, fit: ChoiceFit, kind: Codes | None, modelled: bool, left: bool
+) -> BradleyTerry:
     """Return strengths that add up to zero from those relative to the first condition.
 
     Parameters
@@ -145,8 +149,8 @@ def centred(votes: Votes, fit: ChoiceFit, kind: Codes, modelled: bool, left: boo
     fit : ChoiceFit
         Of the other conditions' log strengths, then the tie where `modelled`, then the left
         side's advantage where `left`.
-    kind : ndarray of int, shape (N,)
-        Each answer's row among `fit.influences`.
+    kind : ndarray of int, shape (N,), or None
+        Each answer's row among `fit.influences`; needed where segments are known.
     """
     count = len(votes.conditions)
     turn = np.eye(count)[:, 1:] - 1 / count
@@ -167,7 +171,7 @@ def centred(votes: Votes, fit: ChoiceFit, kind: Codes, modelled: bool, left: boo
         errors_by_model=deviations(covariances[1]),
         errors_robust=deviations(covariances[2]),
         two_way=None
-        if votes.segment is None
+        if votes.segment is None or kind is None
         else TwoWayErrors.of(influences, kind, votes.participant, votes.segment),
         tie=float(fit.estimates[count - 1]) if modelled else None,
         tie_error=float(errors[count - 1]) if modelled else math.nan,

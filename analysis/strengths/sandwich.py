@@ -47,6 +47,6 @@ def sandwiches(
         by_cluster = np.asarray(table.tocsr() @ scores, np.float64)
     counts = np.bincount(kind, weights=weights, minlength=len(scores))[:, None]
     robust = bread @ (scores.T @ (counts * scores)) @ bread
-    if len(np.unique(cluster)) < 2:
+    if not (cluster != cluster[:1]).any():
         return robust, np.full_like(bread, np.nan)
     return robust, bread @ (by_cluster.T @ by_cluster) @ bread
