@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
@@ -70,6 +72,23 @@ class StoredAnswers:
 
 def stored_answers(database: Database) -> StoredAnswers:
     """Read what was answered, whole study sessions or not."""
+    with _garbage_left():
+        return _read(database)
+
+
+@contextmanager
+def _garbage_left() -> Iterator[None]:
+    """Keep the garbage collector from looking at all rows again and again; none holds itself."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
+
+
+def _read(database: Database) -> StoredAnswers:
     return StoredAnswers(
         study_sessions=_study_sessions(database),
         trials=_trials(database).merge(_watched(database), on="trial", how="left"),
