@@ -137,7 +137,7 @@ def _ranked(report: TableReport, results: RankingResults, subject: Subject) -> s
 
 
 def _rank_numbers(best: RankedCondition, ranks: RankInterval | None) -> str:
-    share = share_with_interval(best.first_share_interval, turned=False)
+    share = share_with_interval(best.first_share_interval)
     words = f"mean rank {wording.fixed(best.mean_rank, 2)}; first places {share}"
     if ranks is None:
         return words

@@ -9,7 +9,7 @@ from dataclasses import replace
 from analysis.report import wording
 from analysis.report.by_question import question_name
 from analysis.report.content import Cell, Section, Table, cells
-from analysis.report.headline.preference_rows import reference_of
+from analysis.report.headline.preference_rows import complement, reference_of
 from analysis.report.headline.words import between, counted
 from analysis.report.subject import Subject
 from analysis.results.pairwise import PairwiseResults
@@ -68,14 +68,10 @@ def _turned(one: Sensitivity) -> Sensitivity:
     return replace(
         one,
         conditions=one.conditions[::-1],
-        analysed=_other_side(one.analysed),
-        as_planned=_other_side(one.as_planned),
-        everyone=_other_side(one.everyone),
+        analysed=complement(one.analysed),
+        as_planned=complement(one.as_planned),
+        everyone=complement(one.everyone),
     )
-
-
-def _other_side(share: Number) -> Number:
-    return replace(share, estimate=1 - share.estimate, low=1 - share.high, high=1 - share.low)
 
 
 def _table(protocol: str, shown: Sequence[Sensitivity], is_planned: bool) -> Table:

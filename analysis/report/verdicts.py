@@ -9,6 +9,7 @@ from typing import Final, Literal
 
 from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
+from analysis.report.headline.preference_rows import complement
 from analysis.results.estimate import Estimate
 from analysis.results.mismatch import MatchedCondition, MismatchResults
 from analysis.results.pairwise import Comparison, PairwiseResults
@@ -94,40 +95,31 @@ def about(question: str, of: str) -> str:
     return f"on {wording.name(question)}{where}"
 
 
-def share_with_interval(found: Estimate, *, turned: bool) -> str:
-    """Return a share with its interval, of the other side where `turned`."""
+def share_with_interval(found: Estimate) -> str:
+    """Return a share with its interval, or why there is none."""
     if math.isnan(found.estimate):
         return f"– ({found.reason or 'no answers'})"
-    estimate = 1 - found.estimate if turned else found.estimate
     if math.isnan(found.low):
-        return f"{wording.share(estimate)}, no interval: {found.reason}"
-    low, high = (1 - found.high, 1 - found.low) if turned else (found.low, found.high)
-    ends = f"[{wording.share(low)},{wording.NO_BREAK}{wording.share(high)}]"
-    return f"{wording.share(estimate)}, {LEVEL:.0%} interval {ends}"
+        return f"{wording.share(found.estimate)}, no interval: {found.reason}"
+    ends = f"[{wording.share(found.low)},{wording.NO_BREAK}{wording.share(found.high)}]"
+    return f"{wording.share(found.estimate)}, {LEVEL:.0%} interval {ends}"
 
 
 def _comparison(one: Comparison) -> Verdict:
-    turned = one.win_share.estimate < 0.5
-    better, worse = (one.b, one.a) if turned else (one.a, one.b)
-    return Verdict(
-        outcome=_outcome(one.deciding_p_holm),
-        better=better,
-        worse=worse,
-        question=one.question,
-        set=one.set or "",
-        numbers=share_with_interval(one.win_share, turned=turned),
-        measure="win share",
-        size=abs(one.win_share.estimate - 0.5),
-        reason=one.clmm.reason if one.decided_by == "clmm" else one.win_share.reason,
-    )
+    return _preferred(one, (one.a, one.b))
 
 
 def _matched(one: MatchedCondition) -> Verdict:
-    turned = one.win_share.estimate < 0.5
     names = (
         f"{one.condition} with its own speech",
         f"{one.condition} with another's speech",
     )
+    return _preferred(one, names)
+
+
+def _preferred(one: Comparison | MatchedCondition, names: tuple[str, str]) -> Verdict:
+    """Return which of the two that `names` calls was preferred."""
+    turned = one.win_share.estimate < 0.5
     better, worse = names[::-1] if turned else names
     return Verdict(
         outcome=_outcome(one.deciding_p_holm),
@@ -135,7 +127,7 @@ def _matched(one: MatchedCondition) -> Verdict:
         worse=worse,
         question=one.question,
         set=one.set or "",
-        numbers=share_with_interval(one.win_share, turned=turned),
+        numbers=share_with_interval(complement(one.win_share) if turned else one.win_share),
         measure="win share",
         size=abs(one.win_share.estimate - 0.5),
         reason=one.clmm.reason if one.decided_by == "clmm" else one.win_share.reason,

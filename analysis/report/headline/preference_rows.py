@@ -13,9 +13,10 @@ from analysis.results.mismatch import MatchedCondition, MismatchResults
 from analysis.results.net_preference import NetPreference
 from analysis.results.pairwise import Comparison, PairwiseResults
 from analysis.results.preference import AsPublished, Preference, Robustness
+from analysis.results.sensitivity import Number
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
-AnyEstimate = TypeVar("AnyEstimate", bound=Estimate)
+AnyEstimate = TypeVar("AnyEstimate", bound=Estimate | Number)
 
 
 @dataclass(frozen=True, kw_only=True)
