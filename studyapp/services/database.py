@@ -106,14 +106,20 @@ class Database:
         with _explained(url):
             engine = _engine(url, _set_up_sqlite)
             with engine.connect() as connection:
-                is_current = _revision(connection) == _head()
+                is_current = schema_of(connection) == _head()
             if not is_current:
                 _migrate(engine, url)
         return cls(engine)
 
     @classmethod
-    def open_for_reading(cls, url: str) -> Self | None:
+    def open_for_reading(cls, url: str, *, of_any_age: bool = False) -> Self | None:
         """Open the database at `url` as it is: it is neither made nor changed.
+
+        Parameters
+        ----------
+        of_any_age : bool
+            Whether one that an older version made is opened as well; its tables may differ from
+            `studyapp.models`.
 
         Returns
         -------
@@ -123,24 +129,24 @@ class Database:
         Raises
         ------
         InputError
-            As in `open`, and if an older version of Motion Jury made it.
+            As in `open`; and if an older version of Motion Jury made it, unless `of_any_age`.
         """
         with _explained(url):
-            file = _sqlite_file(url)
+            file = sqlite_file(url)
             if file is not None and not file.exists():
                 return None
             engine = _engine(url, _forbid_sqlite_changes, postgresql_readonly=True)
             with engine.connect() as connection:
-                revision = _revision(connection)
+                revision = schema_of(connection)
             # Only a closed database leaves no working files beside it.
             engine.dispose()
         if revision is None:
             return None
         _require_known(revision, url)
-        if revision != _head():
+        if revision != _head() and not of_any_age:
             raise InputError(
                 f"an older version of Motion Jury made the database (schema {revision})",
-                where=_shown(url),
+                where=shown_address(url),
                 remedy="Run 'motionjury serve' once: it brings the database to the newest schema",
             )
         return cls(engine)
@@ -230,7 +236,7 @@ def _migrate(engine: Engine, url: str) -> None:
     """Bring the database to the newest schema; several processes may try at once."""
     with engine.execution_options(writes=True).begin() as connection:
         take_turn(connection, Turn.MIGRATION)
-        revision = _revision(connection)
+        revision = schema_of(connection)
         if revision is not None:
             _require_known(revision, url)
         command.upgrade(migration_config(connection), "head")
@@ -241,12 +247,13 @@ def _require_known(revision: str, url: str) -> None:
     if revision not in {step.revision for step in _schemas().walk_revisions()}:
         raise InputError(
             f"the database has a schema ({revision}) that this version does not know",
-            where=_shown(url),
+            where=shown_address(url),
             remedy="Update Motion Jury to the version that made it, or choose another database",
         )
 
 
-def _revision(connection: Connection) -> str | None:
+def schema_of(connection: Connection) -> str | None:
+    """Return the name of the database's schema; None where it has none yet."""
     return MigrationContext.configure(connection).get_current_revision()
 
 
@@ -274,7 +281,7 @@ def _explained(url: str) -> Iterator[None]:
     except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
         raise InputError(
             f"the database address cannot be used: {error}",
-            where=_shown(url),
+            where=shown_address(url),
             remedy="Give an address such as sqlite:////folder/responses.db, and install the "
             "driver it needs",
         ) from error
@@ -286,7 +293,7 @@ def _explained(url: str) -> Iterator[None]:
                 "in its place"
             )
         raise InputError(
-            f"the database cannot be opened: {error.orig}", where=_shown(url), remedy=remedy
+            f"the database cannot be opened: {error.orig}", where=shown_address(url), remedy=remedy
         ) from error
 
 
@@ -298,7 +305,7 @@ def _address(url: str) -> URL:
     return address
 
 
-def _shown(url: str) -> str:
+def shown_address(url: str) -> str:
     """Return the address without its password."""
     try:
         return _address(url).render_as_string(hide_password=True)
@@ -306,7 +313,7 @@ def _shown(url: str) -> str:
         return "DATABASE_URL"
 
 
-def _sqlite_file(url: str) -> Path | None:
+def sqlite_file(url: str) -> Path | None:
     """Return the file of an SQLite database, None for every other database."""
     address = _address(url)
     if address.get_backend_name() != "sqlite" or not address.database:

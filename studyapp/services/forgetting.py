@@ -140,7 +140,7 @@ def forget(
         now = clock.now()
         found = _called(session, name, key, to_change=True)
         for study_session, _ in found:
-            _erase(session, study_session, key, now, by)
+            erase(session, study_session, key, now, by=by)
         screened_out = _erase_screen_outs(session, [name])
         if screened_out and not found:
             log_change(session, now, EVENT, by=by, detail="was screened out")
@@ -207,13 +207,15 @@ def _counts(session: Session, number: int) -> dict[str, int]:
     }
 
 
-def _erase(
+def erase(
     session: Session,
     study_session: StudySession,
     key: PseudonymKey | None,
     now: datetime,
-    by: str,
+    *,
+    by: str = "",
 ) -> None:
+    """Erase `study_session` as `forget` does, within the transaction of `session`."""
     number, arm, state = study_session.id, study_session.arm, state_of(study_session)
     # By an invitation, the visit is what stands for its holder.
     known_as = [study_session.recruiter_participant, study_session.visit]
