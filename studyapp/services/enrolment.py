@@ -118,11 +118,7 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
     known = session.scalars(_known(arrival)).first()
     if known is not None and not left_unheard(known):
         return known.token
-    if not served.study.open or present_intake(session).state != "open":
-        raise StudyFullError(
-            "The study takes no new participants at the moment.",
-            "Thank you for your interest. You can try later with the same link.",
-        )
+    _require_open(session, served)
     answers = entrance_answers(served.study, arrival.form, now)
     release_stale(session, served, now)
     place = least_filled(session, served)
@@ -158,6 +154,26 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
     planned = served.study.plan(arm, place.number, served.segments, votes_so_far(session, served))
     store_trials(session, study_session.id, planned, served)
     return study_session.token
+
+
+def _require_open(session: Session, served: ServedStudy) -> None:
+    """Raise `StudyFullError` unless newcomers are let in."""
+    state = present_intake(session).state
+    if state == "closed":
+        raise StudyFullError(
+            "The study is over: it takes no more participants.",
+            "Thank you for your interest. If a recruiting site sent you, please return your place there.",
+        )
+    if state == "paused":
+        raise StudyFullError(
+            "The study is paused at the moment.",
+            "Thank you for your interest. Please come back later: the same link works then.",
+        )
+    if not served.study.open:
+        raise StudyFullError(
+            "The study takes no new participants at the moment.",
+            "Thank you for your interest. You can try later with the same link.",
+        )
 
 
 def _known(arrival: Arrival) -> Select[StudySession]:

@@ -32,7 +32,7 @@ def test_nobody_new_comes_in_and_nobody_there_is_disturbed(
 
     steer(opened, served, clock, "paused", by="Ada", reason="the server moves")
 
-    with pytest.raises(StudyFullError, match="no new participants"):
+    with pytest.raises(StudyFullError, match="paused at the moment.*come back later"):
         Participant(opened, served, clock).enrol("new")
     there.take_trial()
     again = Participant(opened, served, clock).enrol("there")
@@ -70,6 +70,18 @@ def test_a_full_study_that_is_extended_takes_as_many_more(
     assert (found.places.wanted, found.places.active, found.places.open) == (6, 6, 0)
     with opened.reading() as session:
         assert session.scalar(select(func.count()).select_from(Place)) == 6
+
+
+@SQLITE
+def test_who_comes_too_late_is_told_that_it_is_over_and_not_to_try_again(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    steer(opened, served, clock, "closed", by="Ada", reason="enough")
+
+    with pytest.raises(StudyFullError, match="The study is over") as caught:
+        Participant(opened, served, clock).enrol("late")
+
+    assert "later" not in str(caught.value)
 
 
 @SQLITE
