@@ -14,8 +14,8 @@ from generators.data.folder_files import has_arrays
 from generators.data.take import Take
 from generators.diffsheg.beat_motion import body_values, face_values
 from generators.diffsheg.beat_skeleton import TOLD_JOINTS
-from generators.diffsheg.hear_take import hear_frames
 from generators.diffsheg.hubert import Hubert
+from generators.diffsheg.listening import hear
 from generators.diffsheg.mel import mel_bands
 from generators.diffsheg.show_motion import TOLD_JOINTS as SHOW_JOINTS
 from generators.diffsheg.show_motion import show_values
@@ -160,16 +160,17 @@ def mel(frame_rate: float) -> Feature:
 
 
 def heard(frame_rate: float, hubert: Hubert) -> Feature:
-    """Return what HuBERT hears in the speech, 1024 channels, see `hear_frames`."""
+    """Return what HuBERT hears in the speech, 1024 channels, see `hear`."""
 
     def compute(take: Take) -> FloatArray:
-        return hear_frames(read_audio(take.speech), frame_rate, hubert)
+        parts = hear(read_audio(take.speech), frame_rate, hubert)
+        return np.concatenate([part.hubert.numpy() for part in parts])
 
     version = source_version(
         (
             "generators/diffsheg/hubert.py",
             "generators/diffsheg/sound_context.py",
-            "generators/diffsheg/hear_take.py",
+            "generators/diffsheg/listening.py",
         ),
         ("transformers",),
     )

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from scipy.signal import resample_poly
 
 from generators.diffsheg.estimates import SpeechFrames
-from generators.diffsheg.hear_take import AT_ONCE
 from generators.diffsheg.hubert import Hubert, at_frames, at_places, feature_places, samples_of
 from generators.diffsheg.mel import REACH, mel_bands
 from motion.audio import SPEECH_RATE, Audio
@@ -53,11 +52,12 @@ class HearingWindow:
         return f"{self.at_once} s at once with {self.past} s before and {self.ahead:g} s ahead"
 
 
-LONGEST_WHOLE: Final = float(AT_ONCE)
-"""Seconds of speech up to which HuBERT hears all of it at once."""
+LONGEST_WHOLE: Final = 90.0
+"""Seconds of speech up to which HuBERT hears all of it at once; its time and memory grow with the
+square."""
 
 LONG: Final = HearingWindow(past=4, ahead=4.0, at_once=60)
-"""How longer speech is heard: as `generators.diffsheg.hear_take` hears it for training."""
+"""How longer speech is heard, such as the ten minutes of BEAT's conversations."""
 
 
 def hearing_of(audio: Audio) -> HearingWindow | None:

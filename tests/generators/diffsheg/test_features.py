@@ -18,9 +18,8 @@ from generators.diffsheg import features
 from generators.diffsheg.beat_motion import body_values
 from generators.diffsheg.beat_skeleton import TOLD_JOINTS
 from generators.diffsheg.features import features_of, read_smplx
-from generators.diffsheg.hear_take import hear_frames
 from generators.diffsheg.hubert import FEATURES, Hubert, stand_in
-from generators.diffsheg.listening import hear_whole
+from generators.diffsheg.listening import hear, hear_whole
 from generators.diffsheg.show_motion import show_values
 from motion.audio import Audio, read_audio
 from motion.errors import InputError
@@ -211,7 +210,8 @@ def test_speech_is_heard_as_while_generating(take: Take, hubert: Hubert) -> None
     audio = read_audio(take.speech)
     heard = hear_whole(audio, 15, hubert)
     np.testing.assert_array_equal(features.mel(15).compute(take), heard.mel.numpy())
-    np.testing.assert_array_equal(hear_frames(audio, 15, hubert), heard.hubert.numpy())
+    found = features.heard(15, hubert).compute(take)
+    np.testing.assert_array_equal(found, heard.hubert.numpy())
 
 
 def test_long_speech_is_heard_in_pieces_that_join() -> None:
@@ -233,7 +233,7 @@ def test_long_speech_is_heard_in_pieces_that_join() -> None:
     times = np.arange(seconds * 16000) / 16000
     slow = 1 + 0.5 * np.sin(2 * np.pi * times / 2)
     sound = (slow * np.sin(2 * np.pi * 200 * times) * 0.5).astype(np.float32)
-    found = hear_frames(Audio(sound, 16000), 15, hubert)
+    found = np.concatenate([part.hubert for part in hear(Audio(sound, 16000), 15, hubert)])
     assert found.shape == (seconds * 15, FEATURES)
     assert max(longest) <= 68 * 16000
     expected = np.interp(np.arange(seconds * 15) / 15 + 200 / 16000, times, slow)

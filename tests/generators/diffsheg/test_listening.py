@@ -13,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from generators.diffsheg.estimates import SpeechFrames
-from generators.diffsheg.hear_take import hear_frames
 from generators.diffsheg.hubert import stand_in
 from generators.diffsheg.listening import (
     LONG,
@@ -160,13 +159,6 @@ def test_long_speech_is_never_heard_at_once() -> None:
     # Places count from where a part's hearing begins, 4 s before all but the first.
     assert float(parts[0].hubert[0, 0]) == 0
     assert float(parts[1].hubert[0, 0]) == 4 * 50
-
-
-def test_long_speech_is_heard_as_it_was_in_training() -> None:
-    hubert = replace(HUBERT, network=Listening())
-    audio = Audio(np.zeros(round(200.2 * 16000), np.float32), 16000)
-    found = torch.cat([part.hubert for part in hear(audio, 15, hubert)])
-    np.testing.assert_array_equal(found.numpy(), hear_frames(audio, 15, hubert))
 
 
 def test_speech_of_up_to_ninety_seconds_is_heard_as_a_whole() -> None:
