@@ -1,0 +1,77 @@
+"""What looking at results before the end does to the rate of false positives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from statistics import NormalDist
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+LEVEL: Final = 0.05
+
+FEWEST_NODES: Final = 64
+NODES_PER_STEP: Final = 3
+MOST_NODES: Final = 800
+"""Points of an integral: enough of them within what chance adds from one look to the next."""
+
+Floats = NDArray[np.float64]
+
+
+def false_positive_rate(looks: Sequence[int], level: float = LEVEL) -> float:
+    """Return how often something is found where nothing is, if the first p below `level` ends it.
+
+    The sum of what participants answer is taken for normal, and each participant for as much
+    information as any other. Then the sums at the looks are a walk of independent normal steps,
+    and the chance that it stays within the limits is integrated from look to look (Armitage,
+    McPherson & Rowe 1969).
+
+    Parameters
+    ----------
+    looks : sequence of int
+        How many participants there were at each look, the last one included; above 0. Several
+        looks at as many participants are one.
+    level : float
+        Of the two-sided test at each look, in (0, 1).
+
+    Returns
+    -------
+    float
+        In [`level`, 1); 0 without any look.
+
+    Raises
+    ------
+    ValueError
+        If a number of participants is not above 0.
+    """
+    numbers = sorted(set(looks))
+    if not numbers:
+        return 0.0
+    if numbers[0] <= 0:
+        raise ValueError("a look needs participants")
+    limit = NormalDist().inv_cdf(1 - level / 2)
+    # Where the walk may stand after a look without having been found, and how likely that is.
+    places, likely = np.zeros(1), np.ones(1)
+    before = 0
+    for number in numbers:
+        step = math.sqrt(number - before)
+        nodes, weights = _nodes(limit * math.sqrt(number), step)
+        density = np.exp(-(((nodes[:, None] - places) / step) ** 2) / 2)
+        likely = weights * (density @ likely) / (step * math.sqrt(2 * math.pi))
+        places, before = nodes, number
+    return 1 - float(likely.sum())
+
+
+def equally_spaced(looks: int, level: float = LEVEL) -> float:
+    """Return the rate for so many looks, with as many new participants before each."""
+    return false_positive_rate(range(1, looks + 1), level)
+
+
+def _nodes(end: float, step: float) -> tuple[Floats, Floats]:
+    """Return points and weights of an integral from `-end` to `end` over what varies by `step`."""
+    wanted = NODES_PER_STEP * 2 * end / step
+    count = int(min(max(wanted, FEWEST_NODES), MOST_NODES))
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return end * nodes, end * weights
