@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens worked-examples clean
+.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -93,6 +93,9 @@ pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
 
 screens: setup-browser  ## Take every page of every protocol, in every size, light and dark.
 	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_every_page_in_browser.py
+
+command-pages: $(VENV)/.installed  ## Bring docs/commands up to date with the commands' options.
+	$(BIN)/python -m studyapp.handbook.command_pages
 
 worked-examples: $(VENV)/.installed  ## Compute the worked examples in docs/ anew from published numbers.
 	$(BIN)/python -m analysis.published docs/worked-examples.md

@@ -1,0 +1,60 @@
+"""The fenced blocks of a Markdown page that are run, changed or filled."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+_FENCE: Final = re.compile(r"^```(?P<info>[^\n`]*)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fenced:
+    """A fenced block.
+
+    Attributes
+    ----------
+    language : str
+        The first word behind the fence, such as ``sh``.
+    words : tuple of str
+        The words behind it.
+    body : str
+        What is in it, up to the last line's end.
+    start, end : int
+        Where it is in the page, fences included.
+    """
+
+    language: str
+    words: tuple[str, ...]
+    body: str
+    start: int
+    end: int
+
+
+def fenced_blocks(page: str) -> list[Fenced]:
+    """Return all fenced blocks of a page, in order."""
+    found = []
+    for block in _FENCE.finditer(page):
+        language, *words = block["info"].split() or [""]
+        found.append(
+            Fenced(
+                language=language,
+                words=tuple(words),
+                body=block["body"],
+                start=block.start(),
+                end=block.end(),
+            )
+        )
+    return found
+
+
+def follows(page: str, before: Fenced, after: Fenced) -> bool:
+    """Return whether nothing but white space is between two blocks."""
+    return not page[before.end : after.start].strip()
+
+
+def with_body(page: str, block: Fenced, body: str) -> str:
+    """Return the page with another text in a block."""
+    info = " ".join((block.language, *block.words))
+    return f"{page[: block.start]}```{info}\n{body}```{page[block.end :]}"
