@@ -11,6 +11,9 @@ import numpy as np
 
 from analysis.exclusions.sitting import Sitting
 
+BY_HAND: Final = "researcher"
+"""Name of the rule that removes whom researchers exclude one by one."""
+
 Judge = Callable[[Sitting], str | None]
 
 KEPT: Final = ""
@@ -53,6 +56,19 @@ def marked() -> ExclusionRule:
         name="marked",
         description="marked as excluded in the table",
         judge=lambda sitting: sitting.marked,
+    )
+
+
+def excluded_by_hand() -> ExclusionRule:
+    """Return the rule that removes whom a researcher excluded, for the reason given then.
+
+    Nobody settles beforehand who that will be: it is always exploratory.
+    """
+    return ExclusionRule(
+        name=BY_HAND,
+        description="excluded by a researcher",
+        judge=lambda sitting: sitting.decided,
+        exploratory=True,
     )
 
 

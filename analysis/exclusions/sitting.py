@@ -21,12 +21,15 @@ class KnownSitting:
     failed_catch, failed_attention : int or None
         Catch trials and attention checks that were failed, as the study's protocol judges them;
         None where the study has none.
+    decided : str
+        Why a researcher excluded the participant by hand; empty where nobody did.
     """
 
     trials: int
     settled: int
     failed_catch: int | None
     failed_attention: int | None
+    decided: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +65,8 @@ class Sitting:
         Who.
     marked : str
         Why the table itself excludes the participant; empty where it does not.
+    decided : str
+        As in `KnownSitting`; empty where that is not known.
     trials, settled : int or None
         As in `KnownSitting`; None where that is not known.
     failed_catch, failed_attention : int or None
@@ -78,6 +83,7 @@ class Sitting:
 
     participant: str
     marked: str = ""
+    decided: str = ""
     trials: int | None = None
     settled: int | None = None
     failed_catch: int | None = None

@@ -55,6 +55,7 @@ def sittings_of(
             Sitting(
                 participant=who,
                 marked=table.marked.get(who, ""),
+                decided="" if beside is None else beside.decided,
                 trials=None if beside is None else beside.trials,
                 settled=None if beside is None else beside.settled,
                 failed_catch=_failures(catch, who) if beside is None else beside.failed_catch,

@@ -172,11 +172,11 @@ def _basis(report: TableReport, subject: Subject) -> str:
         speakers = {one.speaker for one in subject.excerpts.values() if one.speaker}
         words += f" and {wording.count(len(subject.excerpts), 'segment')}"
         words += f" of {wording.count(len(speakers), 'speaker')}" if speakers else ""
-    words += "; nobody was excluded" if not excluded else f"; {excluded} were excluded by rules"
+    words += "; nobody was excluded" if not excluded else f"; {excluded} were excluded"
     if excluded == 1:
         words = words.replace("1 were excluded", "1 was excluded")
     if exploratory:
-        words += f", {exploratory} of them by rules added after the answers, which is exploratory"
+        words += f", {exploratory} of them afterwards, which is exploratory"
     return f"{words}."
 
 

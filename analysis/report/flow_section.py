@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from analysis.exclusions.rules import BY_HAND
 from analysis.report import wording
 from analysis.report.content import Cell, Section, Table, cells
 from analysis.report.subject import Subject
@@ -90,12 +91,22 @@ def _rule(description: str, exploratory: bool) -> str:
 def _rules(report: TableReport) -> tuple[str, ...]:
     if not report.rules:
         return ("No rule of exclusion applies.",)
-    if any(rule.exploratory for rule in report.rules):
-        return (
+    words = []
+    if any(rule.exploratory and rule.rule != BY_HAND for rule in report.rules):
+        words.append(
             "Rules marked exploratory were added, or changed, after answers could have been seen. "
-            "Results that depend on them are hints, not findings.",
+            "Results that depend on them are hints, not findings."
         )
-    return ()
+    by_hand = sum(rule.removed for rule in report.rules if rule.rule == BY_HAND)
+    if by_hand:
+        words.append(
+            f"{wording.count(by_hand, 'participant')} whom the rules before would have kept "
+            f"{'was' if by_hand == 1 else 'were'} excluded by hand, by researchers who knew how "
+            "the study session went, each for the reason below. No rule decided that beforehand, "
+            "so it counts as exploratory: 'With and without exclusions' shows the results without "
+            "it."
+        )
+    return tuple(words)
 
 
 def _remarks(report: TableReport) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from studyapp.models.audit_line import AuditLine
 from studyapp.models.base import Base
+from studyapp.models.exclusion_decision import ExclusionDecision
 from studyapp.models.form_answer import FormAnswer
 from studyapp.models.intake_change import IntakeChange
 from studyapp.models.invitation import Invitation
@@ -23,6 +24,7 @@ from studyapp.models.watch_batch import WatchBatch
 __all__ = [
     "AuditLine",
     "Base",
+    "ExclusionDecision",
     "FormAnswer",
     "IntakeChange",
     "Invitation",

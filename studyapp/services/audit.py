@@ -9,11 +9,17 @@ from typing import Final
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from motion.errors import InputError
 from studyapp.models import AuditLine
 from studyapp.services.database import Database
 
 LINES: Final = 200
 """As many are shown at once."""
+
+LONGEST_REASON: Final = 500
+
+ERASED: Final = "(erased)"
+"""What stands in place of what would name or describe somebody who is to be forgotten."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +32,24 @@ class LoggedChange:
     event: str
     detail: str
     reason: str
+
+
+def reason_given(text: str) -> str:
+    """Return a reason in a researcher's words, on one line.
+
+    Raises
+    ------
+    InputError
+        If there is none, it is too long, or it cannot be stored.
+    """
+    reason = " ".join(text.split())
+    storable = "\0" not in reason and reason == reason.encode("utf-8", "ignore").decode("utf-8")
+    if not 1 <= len(reason) <= LONGEST_REASON or not storable:
+        raise InputError(
+            f"a reason of 1 to {LONGEST_REASON} letters is needed",
+            remedy="It stands in the log, for whoever asks later",
+        )
+    return reason
 
 
 def log_change(

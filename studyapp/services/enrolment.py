@@ -162,7 +162,8 @@ def _require_open(session: Session, served: ServedStudy) -> None:
     if state == "closed":
         raise StudyFullError(
             "The study is over: it takes no more participants.",
-            "Thank you for your interest. If a recruiting site sent you, please return your place there.",
+            "Thank you for your interest. If a recruiting site sent you, please return your place "
+            "there.",
         )
     if state == "paused":
         raise StudyFullError(

@@ -23,8 +23,9 @@ from studyapp.models import (
     Video,
     WatchBatch,
 )
-from studyapp.services.audit import log_change
+from studyapp.services.audit import ERASED, log_change
 from studyapp.services.database import Database
+from studyapp.services.exclusion_decisions import erase_decisions
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.sitting import state_of
 from studyapp.services.trial_rows import new_token
@@ -38,9 +39,6 @@ GIVEN_BACK: Final = frozenset({"places"})
 belongs to the study session is deleted."""
 
 EVENT: Final = "participant forgotten"
-
-IN_PLACE: Final = "(erased)"
-"""What stands in the log in place of a name."""
 
 SHORTEST_NAME: Final = 4
 """Shorter names are not looked for in the log: too much else would be replaced."""
@@ -221,6 +219,7 @@ def erase(
     known_as = [study_session.recruiter_participant, study_session.visit]
     _erase_screen_outs(session, [name for name in known_as if name])
     _erase_names(session, _names(study_session, key))
+    erase_decisions(session, number)
     for table, column in _belonging():
         if table.name in GIVEN_BACK:
             session.execute(update(table).where(column == number).values({column.name: None}))
@@ -263,8 +262,8 @@ def _erase_names(session: Session, names: Iterator[str]) -> None:
                 | AuditLine.reason.contains(name, autoescape=True)
             )
         ):
-            line.detail = line.detail.replace(name, IN_PLACE)
-            line.reason = line.reason.replace(name, IN_PLACE)
+            line.detail = line.detail.replace(name, ERASED)
+            line.reason = line.reason.replace(name, ERASED)
 
 
 def _belonging() -> list[tuple[Table, Column[Any]]]:

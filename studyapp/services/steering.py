@@ -15,14 +15,13 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.models import IntakeChange
-from studyapp.services.audit import log_change
+from studyapp.services.audit import log_change, reason_given
 from studyapp.services.database import Database
 from studyapp.services.intake import Intake, IntakeState, present_intake
 from studyapp.services.places import open_places, take_allocation_turn
 from studyapp.services.served_study import ServedStudy
 
 MOST_MORE: Final = 1000
-LONGEST_REASON: Final = 500
 
 EVENTS: Final[dict[IntakeState, str]] = {
     "open": "newcomers let in",
@@ -118,12 +117,7 @@ def _note(
     by: str,
     reason: str,
 ) -> None:
-    reason = reason.strip()
-    if not reason or len(reason) > LONGEST_REASON or "\0" in reason:
-        raise InputError(
-            f"a reason of 1 to {LONGEST_REASON} letters is needed",
-            remedy="It stands in the log, for whoever asks later",
-        )
+    reason = reason_given(reason)
     session.add(
         IntakeChange(
             at=now,

@@ -27,6 +27,8 @@ from studyapp.models import (
     WatchBatch,
 )
 from studyapp.services.database import Database
+from studyapp.services.exclusion_decisions import standing_exclusions
+from studyapp.services.intake import present_intake
 from studyapp.services.watch_evidence import length, watched_so_far
 
 ROWS: Final = 20_000
@@ -41,7 +43,8 @@ class StoredAnswers:
     ----------
     study_sessions : DataFrame
         One row for each: `study_session`, `version`, `arm`, `arm_design`, `withdrawn`,
-        `completed` (bool), `trials` and `settled`, how many of them are done with.
+        `completed` (bool), `trials` and `settled`, how many of them are done with, `placed`
+        (bool), and `excluded_because`, a researcher's reason (empty where nobody excluded them).
     trials : DataFrame
         One row for each trial that has an answer: `trial`, `study_session`, `position`, `kind`,
         `part`, `segment`, `emotion`, `speaker`, `expected`, `instructed` (NaN for none),
@@ -51,12 +54,15 @@ class StoredAnswers:
     stimuli : DataFrame
         One row for each stimulus judged in `trials`: `trial`, `number`, `condition`, `segment`,
         `speech` (empty for silence).
+    more_places : int
+        Places of each arm that researchers wanted beyond those of the study file.
     """
 
     study_sessions: pd.DataFrame
     trials: pd.DataFrame
     answers: pd.DataFrame
     stimuli: pd.DataFrame
+    more_places: int
 
     def part(self, study_sessions: NDArray[np.bool_]) -> StoredAnswers:
         """Return what belongs to some of the study sessions."""
@@ -67,6 +73,7 @@ class StoredAnswers:
             trials=trials,
             answers=self.answers[self.answers["trial"].isin(trials["trial"])],
             stimuli=self.stimuli[self.stimuli["trial"].isin(trials["trial"])],
+            more_places=self.more_places,
         )
 
 
@@ -119,7 +126,13 @@ def _read(database: Database) -> StoredAnswers:
                 .where(TrialStimulus.number > 0)
             ).order_by(TrialStimulus.trial_id, TrialStimulus.number),
         ),
+        more_places=_more_places(database),
     )
+
+
+def _more_places(database: Database) -> int:
+    with database.reading() as session:
+        return present_intake(session).more_places
 
 
 def _study_sessions(database: Database) -> pd.DataFrame:
@@ -132,6 +145,7 @@ def _study_sessions(database: Database) -> pd.DataFrame:
         .group_by(Trial.study_session_id)
         .subquery()
     )
+    excluded = standing_exclusions().subquery()
     found = _frame(
         database,
         select(
@@ -144,10 +158,12 @@ def _study_sessions(database: Database) -> pd.DataFrame:
             func.coalesce(planned.c.trials, 0).label("trials"),
             func.coalesce(planned.c.settled, 0).label("settled"),
             Place.id.is_not(None).label("placed"),
+            func.coalesce(excluded.c.reason, "").label("excluded_because"),
         )
         .join(StudyVersion, StudyVersion.id == StudySession.version_id)
         .outerjoin(planned, planned.c.owner == StudySession.id)
         .outerjoin(Place, Place.study_session_id == StudySession.id)
+        .outerjoin(excluded, excluded.c.study_session_id == StudySession.id)
         .order_by(StudySession.id),
     )
     return found.astype({"withdrawn": bool, "completed": bool, "placed": bool})

@@ -13,6 +13,7 @@ from studyapp.clock import Clock
 from studyapp.definition.page import Page
 from studyapp.models import FormAnswer, RefusalLine, StudySession, Trial
 from studyapp.services.database import Database
+from studyapp.services.exclusion_decisions import erase_decisions
 from studyapp.services.refusal import ConflictError
 from studyapp.services.sitting import find, state_of
 
@@ -65,6 +66,7 @@ def take_back(session: Session, study_session: StudySession, now: datetime) -> N
     # What hangs on trials goes with them, in the database.
     session.execute(delete(Trial).where(Trial.study_session_id == study_session.id))
     session.execute(delete(FormAnswer).where(FormAnswer.study_session_id == study_session.id))
+    erase_decisions(session, study_session.id)
     session.execute(delete(RefusalLine).where(RefusalLine.study_session_id == study_session.id))
     study_session.recruiter_session = study_session.submit_to = ""
     study_session.conditions = []

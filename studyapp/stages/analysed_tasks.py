@@ -54,11 +54,16 @@ def rules_of(
 ) -> StudyExclusions:
     """Return the rules of `study`, and `added` ones, which are exploratory.
 
-    So are rules that the study file did not state when the first participant came.
+    So are rules that the study file did not state when the first participant came, and what
+    researchers decided by hand.
     """
     before = answers.stated if answers.origin == "participants" else None
+    stored = answers.stored
     return study_exclusions(
-        study.settled_exclusions, None if before is None else before.settled_exclusions, added
+        study.settled_exclusions,
+        None if before is None else before.settled_exclusions,
+        added,
+        by_hand=stored is not None and bool(stored.study_sessions["excluded_because"].any()),
     )
 
 

@@ -36,6 +36,8 @@ OWN: Final[Mapping[str, tuple[str, ...]]] = {
 }
 """Columns of one protocol's."""
 
+KNOWN_COLUMNS: Final = ("study_session", "trials", "settled", "excluded_because")
+
 MIDDLE: Final = 3
 """What stands in a table for 'no difference', which is stored as 0."""
 
@@ -196,9 +198,10 @@ def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownSitting]:
             failed_attention=(
                 failed.get((session, "attention"), 0) if study.attention.trials else None
             ),
+            decided=str(decided),
         )
-        for session, trials, settled in zip(
-            *(sessions[name].tolist() for name in ("study_session", "trials", "settled")),
+        for session, trials, settled, decided in zip(
+            *(sessions[name].tolist() for name in KNOWN_COLUMNS),
             strict=True,
         )
     }

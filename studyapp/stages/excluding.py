@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from analysis.exclusions.rules import ExclusionRule
+from analysis.exclusions.rules import ExclusionRule, excluded_by_hand
 from motion.listing import listed
 from studyapp.definition.exclusions import ExclusionSection
 
@@ -17,8 +17,9 @@ class StudyExclusions:
     Attributes
     ----------
     rules : tuple of ExclusionRule
-        In order; exploratory are those of the command line, and those that the study file did
-        not state before the first participant came.
+        In order: of the study file, of researchers who exclude by hand, of the command line.
+        Exploratory are the latter two, and those that the study file did not state before the
+        first participant came.
     planned : tuple of ExclusionRule
         Those that it did state then.
     notes : tuple of str
@@ -34,6 +35,7 @@ def study_exclusions(
     stated: Sequence[ExclusionSection],
     before: Sequence[ExclusionSection] | None = None,
     added: Sequence[ExclusionSection] = (),
+    by_hand: bool = False,
 ) -> StudyExclusions:
     """Return the exclusion rules of a study, and which of them are exploratory.
 
@@ -45,7 +47,9 @@ def study_exclusions(
         What it said before the first participant came (see `stated_study`); without it, as in a
         rehearsal, everything stated counts as settled then.
     added : sequence of ExclusionSection
-        Rules that were added afterwards; applied after those of the file.
+        Rules that were added afterwards; applied after all others.
+    by_hand : bool
+        Whether researchers have excluded anybody one by one.
     """
     planned = stated if before is None else before
     then = {each.written() for each in planned}
@@ -55,6 +59,7 @@ def study_exclusions(
                 each.made() if each.written() in then else each.made().as_exploratory()
                 for each in stated
             ),
+            *((excluded_by_hand(),) if by_hand else ()),
             *(each.made().as_exploratory() for each in added),
         ),
         planned=tuple(each.made() for each in planned),

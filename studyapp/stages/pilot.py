@@ -121,5 +121,6 @@ def _of_study(folder: StudyFolder, protocol: str) -> tuple[AnswerTable, LeftOut,
     rows: pd.DataFrame = given.tables[protocol]
     cells = Cells(path=folder.root, rows=rows, numbers=pd.RangeIndex(len(rows)) + 2, ignored=())
     table = answers_in(cells, LAYOUTS[protocol])
-    rules = study_exclusions(study.settled_exclusions).rules
+    by_hand = any(known.decided for known in given.known.values())
+    rules = study_exclusions(study.settled_exclusions, by_hand=by_hand).rules
     return table, leave_out(table, rules, known=given.known), answers.origin == "rehearsal"

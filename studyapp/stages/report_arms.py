@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from analysis.results.flow import EVERYBODY, ArmState
 from studyapp.definition.study import Study
+from studyapp.services.stored_answers import StoredAnswers
 
 
 def of_present_design(study_sessions: pd.DataFrame) -> NDArray[np.bool_]:
@@ -28,17 +29,18 @@ def of_present_design(study_sessions: pd.DataFrame) -> NDArray[np.bool_]:
     )
 
 
-def arm_states(study: Study, study_sessions: pd.DataFrame) -> tuple[ArmState, ...]:
+def arm_states(study: Study, stored: StoredAnswers) -> tuple[ArmState, ...]:
     """Return what is known of each arm's participants, in the order of the study.
 
     Parameters
     ----------
     study : Study
         With its places.
-    study_sessions : DataFrame
-        All of them (see `StoredAnswers`).
+    stored : StoredAnswers
+        All study sessions, and how many places there are beyond those of the study.
     """
-    places = {arm.name: arm.places for arm in study.arms}
+    study_sessions = stored.study_sessions
+    places = {arm.name: arm.places + stored.more_places for arm in study.arms}
     names = dict.fromkeys((*places, *map(str, study_sessions["arm"])))
     present = of_present_design(study_sessions)
     withdrawn = study_sessions["withdrawn"].to_numpy(bool)

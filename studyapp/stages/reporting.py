@@ -186,7 +186,7 @@ def _analysed(
                 motionjury=metadata.version("motionjury"),
             ),
             settings=Settings(max_catch_failures=None, margin=margin),
-            arms=() if stored is None else arm_states(study, stored.study_sessions),
+            arms=() if stored is None else arm_states(study, stored),
             arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
             metrics=subject.metrics,
             recorded=subject.recorded,

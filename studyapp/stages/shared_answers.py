@@ -42,6 +42,8 @@ class Manifest(BaseModel):
     stated_version : int or None
         Of which version ``stated.toml`` is the study file, as it was when the first participant
         came who is reported; None where that is not known.
+    more_places : int
+        Places of each arm beyond those of the study file.
     columns : dict
         By table, the type of each column.
     sha256 : dict
@@ -50,10 +52,11 @@ class Manifest(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    format: Literal[1] = 1
+    format: Literal[2] = 2
     origin: Literal["participants", "rehearsal"]
     motionjury: str
     stated_version: int | None
+    more_places: int
     columns: dict[str, dict[str, Kind]]
     sha256: dict[str, str]
 
@@ -96,6 +99,7 @@ def write_shared_answers(
         origin=origin,
         motionjury=metadata.version("motionjury"),
         stated_version=stated_version,
+        more_places=stored.more_places,
         columns=columns,
         sha256={
             path.name: _sha256(path) for path in sorted(folder.iterdir()) if path.name != MANIFEST
@@ -121,7 +125,11 @@ def read_shared_answers(folder: Path) -> SharedAnswers:
     if manifest.stated_version is not None and STATED in manifest.sha256:
         text = (folder / STATED).read_text("utf-8")
         stated = study_of(text, manifest.stated_version)
-    return SharedAnswers(origin=manifest.origin, stored=StoredAnswers(**tables), stated=stated)
+    return SharedAnswers(
+        origin=manifest.origin,
+        stored=StoredAnswers(**tables, more_places=manifest.more_places),
+        stated=stated,
+    )
 
 
 def _manifest(path: Path) -> Manifest:

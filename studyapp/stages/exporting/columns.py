@@ -129,13 +129,15 @@ EXCLUSION: Final = (
     Column(
         name="exclusion_rule",
         type="text",
-        meaning="The rule that left the participant out, the first one that applied.",
+        meaning="The rule that left the participant out, the first one that applied; what "
+        "researchers decide by hand comes after the study's rules.",
         missing="not left out",
     ),
     Column(
         name="exclusion_kind",
         type="text",
-        meaning="Whether that rule was settled before the first participant came.",
+        meaning="Whether that rule was settled before the first participant came, or a researcher "
+        "decided.",
         missing="not left out",
     ),
     Column(

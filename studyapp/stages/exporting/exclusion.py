@@ -8,6 +8,8 @@ from typing import Final
 
 import pandas as pd
 
+from analysis.exclusions.applying import RuleOutcome
+from analysis.exclusions.rules import BY_HAND
 from motion.errors import InputError
 from studyapp.definition.protocols.mismatch import FIT, REALISM
 from studyapp.definition.study import Study
@@ -82,15 +84,19 @@ def _of_task(task: AnalysedTask) -> dict[str, Mapping[str, object]]:
         who: {
             "excluded": True,
             "exclusion_rule": left_out.rules[left_out.removed_by[who]].rule,
-            "exclusion_kind": "exploratory"
-            if left_out.rules[left_out.removed_by[who]].exploratory
-            else "planned",
+            "exclusion_kind": _kind(left_out.rules[left_out.removed_by[who]]),
             "exclusion_reason": left_out.exclusions[who],
         }
         if who in left_out.exclusions
         else KEPT
         for who in map(str, task.table.participants)
     }
+
+
+def _kind(rule: RuleOutcome) -> str:
+    if rule.rule == BY_HAND:
+        return "by hand"
+    return "exploratory" if rule.exploratory else "planned"
 
 
 def _marked(frame: pd.DataFrame, found: Sequence[Mapping[str, object]]) -> pd.DataFrame:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
 
+from analysis.exclusions.rules import excluded_by_hand
 from studyapp.definition.form import FormQuestion
 from studyapp.definition.protocols.mismatch import MismatchStudy
 from studyapp.definition.questions import Question
@@ -49,6 +50,7 @@ EXCLUSION_KINDS: Final[Labels] = MappingProxyType(
     {
         "planned": "stated in the study file when the first participant came",
         "exploratory": "added or changed afterwards",
+        "by hand": "decided by a researcher about this participant alone",
     }
 )
 
@@ -87,7 +89,7 @@ def column_labels(study: Study, column: str) -> Labels:
     if column in ("condition", "left_condition", "right_condition", "reference", "other"):
         return dict(_conditions(study))
     if column == "exclusion_rule":
-        rules = [each.made() for each in study.settled_exclusions]
+        rules = [*(each.made() for each in study.settled_exclusions), excluded_by_hand()]
         return {rule.name: rule.description for rule in rules}
     if column == "question":
         return {question.name: question.title for question in study.questions}

@@ -32,7 +32,7 @@ def test_nobody_new_comes_in_and_nobody_there_is_disturbed(
 
     steer(opened, served, clock, "paused", by="Ada", reason="the server moves")
 
-    with pytest.raises(StudyFullError, match="paused at the moment.*come back later"):
+    with pytest.raises(StudyFullError, match=r"paused at the moment\..*come back later"):
         Participant(opened, served, clock).enrol("new")
     there.take_trial()
     again = Participant(opened, served, clock).enrol("there")
