@@ -74,7 +74,7 @@ def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
             condition=table.conditions[place],
             question=question,
             **vars(
-                preference(answers, _own_on_right(answers), left_out.exclusions, ("own", "other"))
+                preference(answers, own_on_right(answers), left_out.exclusions, ("own", "other"))
             ),
         )
         for name, question, part in parts(table, table.shown)
@@ -84,8 +84,8 @@ def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
     return MismatchResults(
         conditions=with_holm(found),
         side_bias=by_question(table, left_out.analysed, _side_bias),
-        agreement=by_question(table, left_out.analysed, _agreement),
-        test_retest=by_question(table, left_out.kept, _retest),
+        agreement=by_question(table, left_out.analysed, mismatch_agreement),
+        test_retest=by_question(table, left_out.kept, mismatch_retest),
         heterogeneity=corrected_tests(_heterogeneity(table, left_out.analysed)),
     )
 
@@ -103,7 +103,7 @@ def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[Condition
         for own in (answers[codes(answers, "condition") == place],)
         for one in heterogeneity(
             own,
-            sided(own, _own_on_right(own)).wins,
+            sided(own, own_on_right(own)).wins,
             measure="win_share",
             null=0.5,
             limits=(0.0, 1.0),
@@ -111,26 +111,28 @@ def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[Condition
     ]
 
 
-def _own_on_right(answers: pd.DataFrame) -> NDArray[np.bool_]:
+def own_on_right(answers: pd.DataFrame) -> NDArray[np.bool_]:
+    """Tell where the video with its own speech was on the right."""
     return np.asarray(answers["right_speech"] == "own", bool)
 
 
 def _side_bias(answers: pd.DataFrame) -> OwnSideBias:
     return OwnSideBias(
-        left_share=left_share(answers), own_on_left=float((~_own_on_right(answers)).mean())
+        left_share=left_share(answers), own_on_left=float((~own_on_right(answers)).mean())
     )
 
 
-def _agreement(answers: pd.DataFrame) -> Agreement:
+def mismatch_agreement(answers: pd.DataFrame) -> Agreement:
     """Agree about a segment's condition: how far its own speech is preferred."""
     count = len(answers["condition"].cat.categories)
     items = codes(answers, "segment") * count + codes(answers, "condition")
     return agreement_of(_towards(answers), codes(answers, "participant"), items)
 
 
-def _retest(answers: pd.DataFrame) -> TestRetest:
+def mismatch_retest(answers: pd.DataFrame) -> TestRetest:
+    """Compare practice trials with their repeats."""
     return retest_of(answers, _towards(answers), {"condition": codes(answers, "condition")})
 
 
 def _towards(answers: pd.DataFrame) -> NDArray[np.int64]:
-    return sided(answers, _own_on_right(answers)).towards
+    return sided(answers, own_on_right(answers)).towards

@@ -82,8 +82,8 @@ def pairwise_results(
     return PairwiseResults(
         comparisons=comparisons,
         side_bias=by_question(table, analysed, _side_bias),
-        agreement=by_question(table, analysed, _agreement),
-        test_retest=by_question(table, left_out.kept, _retest),
+        agreement=by_question(table, analysed, pairwise_agreement),
+        test_retest=by_question(table, left_out.kept, pairwise_retest),
         bradley_terry=by_question(table, analysed, strengths_of),
         equivalence=tuple(_equivalent(one, margin) for one in comparisons if margin is not None),
         heterogeneity=corrected_tests(_heterogeneity(table, analysed)),
@@ -165,7 +165,7 @@ def _side_bias(answers: pd.DataFrame) -> SideBias:
     )
 
 
-def _agreement(answers: pd.DataFrame) -> Agreement:
+def pairwise_agreement(answers: pd.DataFrame) -> Agreement:
     """Agree about a segment's comparison: how far a is preferred to b in it."""
     shown = [*_pair(answers).values(), codes(answers, "segment")]
     items = np.unique(np.stack(shown), axis=1, return_inverse=True)[1].ravel()
@@ -174,7 +174,8 @@ def _agreement(answers: pd.DataFrame) -> Agreement:
     )
 
 
-def _retest(answers: pd.DataFrame) -> TestRetest:
+def pairwise_retest(answers: pd.DataFrame) -> TestRetest:
+    """Compare practice trials with their repeats."""
     return retest_of(answers, _towards(answers), _pair(answers))
 
 

@@ -102,7 +102,8 @@ def ranking_results(table: AnswerTable, left_out: LeftOut) -> RankingResults:
     """
     analysed = left_out.analysed
     placed = {
-        (name, question): _placements(answers) for name, question, answers in parts(table, analysed)
+        (name, question): placements_of(answers)
+        for name, question, answers in parts(table, analysed)
     }
     return RankingResults(
         conditions=tuple(
@@ -147,7 +148,8 @@ def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[Condition
     return found
 
 
-def _placements(answers: pd.DataFrame) -> Placements:
+def placements_of(answers: pd.DataFrame) -> Placements:
+    """Return the rankings of one question."""
     return placements(answers.rename(columns={"value": "rank"}), shown_conditions(answers))
 
 

@@ -127,8 +127,8 @@ def rating_results(
         conditions=tuple(conditions),
         clmm=nested(table, models),
         contrasts=with_holm(differences),
-        agreement=by_question(table, analysed, _agreement),
-        test_retest=by_question(table, left_out.kept, _retest),
+        agreement=by_question(table, analysed, rating_agreement),
+        test_retest=by_question(table, left_out.kept, rating_retest),
         equivalence=tuple(equivalents),
         heterogeneity=corrected_tests(apart),
     )
@@ -201,13 +201,14 @@ def _heterogeneity(
     return found
 
 
-def _agreement(answers: pd.DataFrame) -> Agreement:
+def rating_agreement(answers: pd.DataFrame) -> Agreement:
     """Agree about a segment's condition."""
     count = len(answers["condition"].cat.categories)
     items = codes(answers, "segment") * count + codes(answers, "condition")
     return agreement_of(answers["value"].to_numpy(), codes(answers, "participant"), items)
 
 
-def _retest(answers: pd.DataFrame) -> TestRetest:
+def rating_retest(answers: pd.DataFrame) -> TestRetest:
+    """Compare practice trials with their repeats."""
     values = answers["value"].to_numpy().astype(np.int64)
     return retest_of(answers, values, {"condition": codes(answers, "condition")})
