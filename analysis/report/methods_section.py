@@ -72,6 +72,9 @@ TESTS: Final = MappingProxyType(
 )
 """What was computed, by protocol."""
 
+ANCHOR: Final = "methods"
+"""Of the section, by which other parts find it."""
+
 _LIBRARIES: Final = ("numpy", "scipy", "pandas", "matplotlib")
 
 
@@ -88,7 +91,7 @@ def methods_section(report: TableReport, subject: Subject) -> Section:
             *_margin(report),
         ]
     return Section(
-        anchor="methods",
+        anchor=ANCHOR,
         heading="Methods, ready to paste",
         paragraphs=(*paragraphs, _software(report, subject)),
         bullets=(*_questions(subject), *subject.notes, *report.notes),

@@ -18,6 +18,7 @@ from analysis.report.content import Page
 from analysis.report.csv_tables import csv_tables
 from analysis.report.metric_table import SCORES
 from analysis.report.page import TASKS, build_page
+from analysis.report.paper_text import paper_text
 from analysis.report.subject import Subject
 from analysis.report.table_files import write_frame, write_page_files
 from analysis.results.plain import as_json
@@ -45,7 +46,8 @@ def write_report(
         What they are about.
     folder : Path
         Gets ``report.html``, which needs no other file; ``results.json``; ``tables`` with CSV and
-        LaTeX; ``figures`` with PDF. What an earlier report left in the two folders is removed.
+        LaTeX; ``figures`` with PDF; ``paper.txt`` with sentences for a paper. What an earlier
+        report left in the two folders is removed.
     beside : mapping of str to object, optional
         Further keys of ``results.json``.
     more : tuple of TableReport
@@ -66,6 +68,7 @@ def write_report(
     write_page_files(page, folder)
     keys = report.keys() | {TASKS[task.protocol]: task.keys() for task in more} | dict(beside or {})
     write_text(folder / "results.json", as_json(keys))
+    write_text(folder / "paper.txt", paper_text(page))
     path = folder / "report.html"
     write_text(path, render_page(page))
     return path

@@ -203,3 +203,21 @@ def test_two_processes_with_different_hash_seeds_write_the_same_bytes(
         runs.append({str(path.relative_to(out)): path.read_bytes() for path in files})
 
     assert runs[0] == runs[1]
+
+
+@pytest.mark.parametrize("protocol", TABLES)
+def test_the_sentences_for_the_paper_are_those_of_the_page(
+    written: dict[str, Path], open_page: Open, protocol: str
+) -> None:
+    page = open_page(written[protocol])
+    shown = " ".join(page.get_text(" ").split())
+
+    told = written[protocol].with_name("paper.txt").read_text("utf-8")
+
+    paragraphs = told.strip().split("\n\n")
+    assert len(paragraphs) > 4
+    for paragraph in paragraphs:
+        for sentence in paragraph.split(". "):
+            assert " ".join(sentence.split()) in shown
+    assert "Methods" not in paragraphs[0]
+    assert any(text.startswith("Computed with Motion Jury") for text in paragraphs)
