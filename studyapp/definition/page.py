@@ -16,6 +16,10 @@ class Page(Section):
 
     Attributes
     ----------
+    organisation, contact, payment, ethics : str
+        Who runs the study, how they are reached, what participants get, and who approved it.
+    minutes : int or None
+        How long it takes; None where participants are not told.
     language : {'en', 'de', 'ja'}
         The language of the pages' own words; what the study file says is shown as it is.
     phones : {'refused', 'usable'}
@@ -34,6 +38,7 @@ class Page(Section):
     contact: str = Field("", max_length=200)
     minutes: int | None = Field(None, ge=1, le=240)
     payment: str = Field("", max_length=200)
+    ethics: str = Field("", max_length=300)
     consent: str = Field(min_length=1, max_length=4000)
     phones: Literal["refused", "usable"] = "refused"
     sound_check: bool = False

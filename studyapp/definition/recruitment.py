@@ -8,6 +8,7 @@ from typing import Final, Literal
 from pydantic import Field
 
 from studyapp.definition.completion_codes import guessable
+from studyapp.definition.pay import Pay
 from studyapp.definition.section import Section
 
 Channel = Literal["link", "prolific", "mturk", "invitations"]
@@ -107,12 +108,29 @@ class Recruitment(Section):
     unpaid_failed_checks : int
         Who fails at least so many attention checks need not be paid; 0: who finishes is paid,
         whatever they answered. Catch trials never cost pay.
+    pay : Pay
+        What each of them gets.
     """
 
     channel: Channel = "link"
     unpaid_failed_checks: int = Field(FEWEST_FAILED_CHECKS, ge=0, le=10)
+    pay: Pay = Pay()
     prolific: Prolific = Prolific()
     mturk: MTurk = MTurk()
+
+    @property
+    def amount(self) -> Decimal | None:
+        """What each participant gets; None where the channel's key for it is empty."""
+        stated = {
+            "prolific": Decimal(self.prolific.reward) / 100,
+            "mturk": self.mturk.dollars,
+        }.get(self.channel, self.pay.each)
+        return stated or None
+
+    @property
+    def currency(self) -> str:
+        """Of the amount; empty where nobody said which."""
+        return "USD" if self.channel == "mturk" else self.pay.currency
 
     @property
     def names_participants(self) -> bool:
@@ -135,7 +153,6 @@ class Recruitment(Section):
         """
         short = minutes is not None and minutes < LONG_STUDY_MINUTES
         paid = self.prolific
-        given = {key: code for key, code in paid.codes.items() if code}
         return [
             *(
                 [
@@ -146,17 +163,9 @@ class Recruitment(Section):
                 if self.unpaid_failed_checks == 1 and not short
                 else []
             ),
-            *(
-                f"recruitment.prolific.{key}: the code {problem}; draw one with 'motionjury "
-                "recruit STUDY codes'"
-                for key, code in given.items()
-                if (problem := guessable(code)) is not None
-            ),
-            *(
-                ["recruitment.prolific: two outcomes have the same code"]
-                if len({code.casefold() for code in given.values()}) < len(given)
-                else []
-            ),
+            *self.guessable_codes(),
+            *self.codes_alike(),
+            *self.pay.problems(),
             *(
                 [
                     "recruitment.prolific: screened_out_reward and screened_out_places need each "
@@ -171,6 +180,21 @@ class Recruitment(Section):
                 else []
             ),
         ]
+
+    def guessable_codes(self) -> list[str]:
+        """Return which of the study's codes could be guessed, and why."""
+        return [
+            f"recruitment.prolific.{key}: the code {problem}; draw one with 'motionjury recruit "
+            "STUDY codes'"
+            for key, code in self.prolific.codes.items()
+            if code and (problem := guessable(code)) is not None
+        ]
+
+    def codes_alike(self) -> list[str]:
+        """Return that two outcomes have one code, if so."""
+        given = [code.casefold() for code in self.prolific.codes.values() if code]
+        alike = len(set(given)) < len(given)
+        return ["recruitment.prolific: two outcomes have the same code"] if alike else []
 
     @property
     def missing_codes(self) -> list[str]:

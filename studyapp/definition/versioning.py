@@ -17,7 +17,7 @@ OPERATION: Final[dict[str, Any]] = {
     "lease_minutes": True,
     "participants": True,
     "participants_per_comparison": True,
-    "page": {"organisation", "contact", "minutes", "payment", "phones"},
+    "page": {"organisation", "contact", "minutes", "payment", "ethics", "phones"},
     "watching": {"megabytes_per_page"},
     "recruitment": {"channel", "unpaid_failed_checks"},
 }
@@ -25,6 +25,9 @@ OPERATION: Final[dict[str, Any]] = {
 
 RECRUITERS: Final[dict[str, Any]] = {"recruitment": True}
 """Keys that may change too, and are noted nowhere: completion codes are among them."""
+
+REHEARSALS: Final[dict[str, Any]] = {"rehearsal": True}
+"""Keys that say whom a rehearsal simulates: nothing that participants meet."""
 
 ANALYSIS: Final[dict[str, Any]] = {
     "exclusions": True,
@@ -59,7 +62,7 @@ def design_digest(study: Study, segments: Sequence[Segment]) -> str:
     # Keys that say what would be so without them do not count: writing one down, or a new
     # release that knows more of them, is no other design.
     keys = study.model_dump(
-        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS, exclude_defaults=True
+        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | REHEARSALS, exclude_defaults=True
     )
     design = {key: value for key, value in keys.items() if value != {}}
     heard = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
