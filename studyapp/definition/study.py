@@ -25,6 +25,7 @@ from studyapp.definition.form import Form
 from studyapp.definition.page import Page
 from studyapp.definition.questions import Question, question_problems
 from studyapp.definition.recruitment import Recruitment
+from studyapp.definition.rehearsal import Rehearsal
 from studyapp.definition.section import Name, Section
 from studyapp.design.arm import Arm
 from studyapp.design.asking import Answers, Ask, Trial
@@ -106,6 +107,8 @@ class Study(Section, ABC):
         Questions about the participant, before and after the trials.
     recruitment : Recruitment
         Where participants come from, and who of them is paid.
+    rehearsal : Rehearsal
+        Whom a rehearsal simulates; nothing about the study itself.
     """
 
     format: Literal[1] = 1
@@ -127,6 +130,7 @@ class Study(Section, ABC):
     video: Video = Video()
     watching: Watching = Watching()
     recruitment: Recruitment = Recruitment()
+    rehearsal: Rehearsal = Rehearsal()
     page: Page
 
     @property
@@ -249,6 +253,10 @@ class Study(Section, ABC):
             *exclusion_problems(self.exclusions, self.catch, self.attention),
             *self._margin_problems(),
             *self.recruitment.problems(self.page.minutes),
+            *self.rehearsal.problems(
+                (*self.conditions, self.catch.condition),
+                [question.name for question in self.questions],
+            ),
         ]
 
     @property

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
+from studyapp.definition.rehearsal import stated_for
 from studyapp.definition.study import GROUND_TRUTH
+from studyapp.rehearsal.kinds import KINDS, Kind
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -69,8 +71,9 @@ class Population:
     rating_spread : float
         Logits that a rating's latent value is divided by, before the logistic function turns it
         into a place on the scale; above 0.
-    inattentive : float
-        Share of raters who answer everything at random, catch trials included; in [0, 1].
+    kinds : mapping of kind to float
+        Share of each of `studyapp.rehearsal.kinds.KINDS` that is not plainly attentive; each in
+        [0, 1], and together at most 1.
     overlooked : float
         Share of attention checks that an attentive rater answers as if they asked what all other
         pages ask; in [0, 1].
@@ -88,7 +91,7 @@ class Population:
     strong: float = 2.0
     leniency_sd: float = 0.5
     rating_spread: float = 1.8
-    inattentive: float = 0.08
+    kinds: dict[Kind, float] = field(default_factory=dict)
     overlooked: float = 0.02
     reasons: float = 0.3
 
@@ -99,9 +102,12 @@ class Population:
             raise ValueError("a standard deviation is negative")
         if self.rating_spread <= 0:
             raise ValueError(f"rating_spread {self.rating_spread} is not above 0")
-        for name in ("inattentive", "overlooked", "reasons"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"{name} {getattr(self, name)} is no share")
+        shares = {"overlooked": self.overlooked, "reasons": self.reasons, **self.kinds}
+        for name, share in shares.items():
+            if not 0 <= share <= 1:
+                raise ValueError(f"{name} {share} is no share")
+        if sum(self.kinds.values()) > 1 + 1e-9:
+            raise ValueError(f"the shares of {', '.join(self.kinds)} add up to more than 1")
 
     @property
     def taste_sd(self) -> float:
@@ -117,13 +123,13 @@ class Population:
 def default_population(study: Study) -> Population:
     """Return the population that `motionjury rehearse` simulates for `study`.
 
-    A condition is as good as `QUALITY` says for its name, or else for its generator. Any other
-    condition is taken for a system of unknown merit: in the file's order these get .75, .5,
-    .25, 0, 0, ... logits. The catch condition is always as bad as ``broken``. What is better than
-    the mismatched motion, whose quality is 0, suits its own speech `BELONGING` times as much
-    better; the others suit any speech alike. The first question tells the conditions apart in
-    full, each further one .8 times as well as the one before, so that questions differ in their
-    truth.
+    Whatever the study's ``[rehearsal]`` states holds. Else a condition is as good as `QUALITY`
+    says for its name, or for its generator. Any other condition is taken for a system of unknown
+    merit: in the file's order these get .75, .5, .25, 0, 0, ... logits. The catch condition is as
+    bad as ``broken``. What is better than the mismatched motion, whose quality is 0, suits its own
+    speech `BELONGING` times as much better; the others suit any speech alike. The first question
+    tells the conditions apart in full, each further one .8 times as well as the one before, so
+    that questions differ in their truth.
     """
     general = _general_qualities(study)
     weights = {
@@ -135,13 +141,34 @@ def default_population(study: Study) -> Population:
     }
     # A flaw that catch trials rest on is equally plain whatever the question.
     quality[study.catch.condition] = dict.fromkeys(weights, QUALITY["broken"])
+    stated = study.rehearsal
+    quality = _as_stated(quality, stated.strength)
     belonging = {
         condition: {
             question: BELONGING * max(0.0, value) for question, value in by_question.items()
         }
         for condition, by_question in quality.items()
     }
-    return Population(quality=quality, belonging=belonging)
+    return Population(
+        quality=quality,
+        belonging=_as_stated(belonging, stated.own_speech),
+        participant_sd=stated.participants_differ,
+        item_sd=stated.segments_differ,
+        kinds={kind: stated.shares[kind] for kind in KINDS if kind in stated.shares},
+    )
+
+
+def _as_stated(
+    guessed: Mapping[str, Mapping[str, float]], stated: Mapping[str, Mapping[str, float]]
+) -> dict[str, dict[str, float]]:
+    """Return what is stated of each condition and question, and what is guessed of the others."""
+    found: dict[str, dict[str, float]] = {}
+    for condition, by_question in guessed.items():
+        found[condition] = {}
+        for question, guess in by_question.items():
+            known = stated_for(stated, condition, question)
+            found[condition][question] = guess if known is None else known
+    return found
 
 
 def _general_qualities(study: Study) -> dict[str, float]:

@@ -4,16 +4,31 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from studyapp.rehearsal.chance import stream
+from studyapp.rehearsal.kinds import Kind, kind_at
 from studyapp.rehearsal.scales import preference_thresholds, ranks, rating_thresholds, step
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from studyapp.design.asking import Ask
     from studyapp.design.stimulus import Stimulus
     from studyapp.rehearsal.population import Population
     from studyapp.rehearsal.sight import SeenTrial
+
+SIDE_PULL: Final = 2.5
+"""Logits by which somebody side-biased prefers the side they are drawn to."""
+
+HASTY_SIGHT: Final = 0.35
+"""Share of every difference that somebody hasty sees."""
+
+HASTY_OVERLOOKED: Final = 0.5
+"""Share of attention checks that somebody hasty overlooks."""
+
+_BLIND: Final[frozenset[Kind]] = frozenset({"careless", "straight_lining"})
+"""Whose answers no video decides."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,16 +50,30 @@ class Rater:
     name: str
 
     @cached_property
-    def attentive(self) -> bool:
-        """Whether it looks at all; else every answer is random."""
-        share = self.population.inattentive
-        return bool(stream(self.seed, "attention", self.name).random() >= share)
+    def kind(self) -> Kind:
+        """What kind of rater it is."""
+        drawn = stream(self.seed, "attention", self.name).random()
+        return kind_at(self.population.kinds, float(drawn))
 
     @cached_property
     def side_bias(self) -> float:
         """Its own pull towards the right video, in logits."""
         draw = stream(self.seed, "side", self.name).standard_normal()
-        return self.population.side_bias + self.population.side_bias_sd * float(draw)
+        usual = self.population.side_bias + self.population.side_bias_sd * float(draw)
+        return usual + self.pull
+
+    @cached_property
+    def pull(self) -> float:
+        """What its own habit adds for the right or last of the videos over the left or first."""
+        if self.kind != "side_biased":
+            return 0.0
+        to_the_right = stream(self.seed, "habit", self.name).random() < 0.5
+        return SIDE_PULL if to_the_right else -SIDE_PULL
+
+    @property
+    def sight(self) -> float:
+        """How much it sees of how good a motion is; 1 is all of it."""
+        return HASTY_SIGHT if self.kind == "hasty" else 1.0
 
     @cached_property
     def leniency(self) -> float:
@@ -53,7 +82,7 @@ class Rater:
         return self.population.leniency_sd * float(draw)
 
     def utility(self, stimulus: Stimulus, question: str) -> float:
-        """Return how good `stimulus` is to this rater, in logits."""
+        """Return how good `stimulus` is to this rater, as far as it looks, in logits."""
         condition, segment = stimulus.condition, stimulus.segment
         draw = stream(self.seed, "taste", self.name, condition, question).standard_normal()
         own = (
@@ -61,22 +90,23 @@ class Rater:
             + self.population.taste_sd * float(draw)
             + segment_fit(self.population, self.seed, condition, segment, question)
         )
-        if stimulus.speech in (None, segment):
-            return own
-        return own - self._cost_of_wrong_speech(condition, segment, question)
+        if stimulus.speech not in (None, segment):
+            own -= self._cost_of_wrong_speech(condition, segment, question)
+        return self.sight * own
 
     def obeys(self, trial: SeenTrial) -> bool:
         """Tell whether it does what the page of `trial` asks, on an attention check."""
-        if trial.instructed is None or not self.attentive:
+        if trial.instructed is None or self.kind in _BLIND:
             return False
+        overlooked = HASTY_OVERLOOKED if self.kind == "hasty" else self.population.overlooked
         draw = stream(self.seed, "overlooked", self.name, trial.position).random()
-        return bool(draw >= self.population.overlooked)
+        return bool(draw >= overlooked)
 
     def prefer(self, trial: SeenTrial, ask: Ask) -> int:
         """Return its preference between the two stimuli of `trial`."""
         noise = stream(self.seed, "answer", self.name, trial.position, ask.question)
-        if not self.attentive:
-            return ask.values[int(noise.integers(len(ask.values)))]
+        if self.kind in _BLIND:
+            return self._blindly(ask, noise)
         left, right = trial.stimuli
         latent = (
             self.utility(right, ask.question)
@@ -90,10 +120,11 @@ class Rater:
         """Return its rating of the stimulus that `ask` is about."""
         number = ask.stimulus or 1
         noise = stream(self.seed, "answer", self.name, trial.position, ask.question, number)
-        if not self.attentive:
-            return ask.values[int(noise.integers(len(ask.values)))]
+        if self.kind in _BLIND:
+            return self._blindly(ask, noise)
         stimulus = trial.stimuli[number - 1]
-        latent = self.utility(stimulus, ask.question) + self.leniency + noise.logistic()
+        felt = self.utility(stimulus, ask.question) + self._place_value(trial, number)
+        latent = felt + self.leniency + noise.logistic()
         return step(ask.values, rating_thresholds(self.population, len(ask.values)), latent)
 
     def rank(
@@ -110,11 +141,16 @@ class Rater:
         """
         noise = stream(self.seed, "answer", self.name, trial.position, question)
         count = len(trial.stimuli)
-        if not self.attentive:
+        if self.kind == "straight_lining":
+            forwards = stream(self.seed, "line", self.name, question).random() < 0.5
+            return tuple(range(1, count + 1) if forwards else range(count, 0, -1))
+        if self.kind == "careless":
             return tuple(int(rank) + 1 for rank in noise.permutation(count))
         felt = [
-            self.utility(stimulus, question) + float(draw)
-            for stimulus, draw in zip(trial.stimuli, noise.gumbel(size=count), strict=True)
+            self.utility(stimulus, question) + self._place_value(trial, number) + float(draw)
+            for number, (stimulus, draw) in enumerate(
+                zip(trial.stimuli, noise.gumbel(size=count), strict=True), start=1
+            )
         ]
         if first is not None:
             felt[first - 1] = float("inf")
@@ -125,6 +161,17 @@ class Rater:
         draws = stream(self.seed, "reasons", self.name, trial.position, ask.reasons_field)
         ticked = draws.random(len(ask.reasons)) < self.population.reasons
         return tuple(name for name, tick in zip(ask.reasons, ticked, strict=True) if tick)
+
+    def _blindly(self, ask: Ask, noise: np.random.Generator) -> int:
+        """Return an answer that no video decides: any, or always the same one."""
+        if self.kind == "straight_lining":
+            noise = stream(self.seed, "line", self.name, ask.question)
+        return ask.values[int(noise.integers(len(ask.values)))]
+
+    def _place_value(self, trial: SeenTrial, number: int) -> float:
+        """Return what its habit adds to stimulus `number` for its place on the page, in logits."""
+        others = len(trial.stimuli) - 1
+        return self.pull * ((number - 1) / others - 0.5) if others else 0.0
 
     def _cost_of_wrong_speech(self, condition: str, segment: str, question: str) -> float:
         """Return how much worse this rater finds a motion with another segment's speech."""

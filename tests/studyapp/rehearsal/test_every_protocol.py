@@ -215,7 +215,7 @@ def test_who_is_excluded_is_replaced_by_another_rater_where_the_study_says_so(
         "attention = { trials = 1, max_failed = 0 }\nreplace_excluded = true",
     )
     folder.definition.write_text(strict, "utf-8")
-    people = replace(default_population(folder.study()), inattentive=0.5, overlooked=0.0)
+    people = replace(default_population(folder.study()), kinds={"careless": 0.5}, overlooked=0.0)
     result = rehearse(folder, seed=2, population=people)
     assert result.findings.excluded > 0
     assert result.completed == 3 + result.findings.excluded

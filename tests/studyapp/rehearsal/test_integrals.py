@@ -31,7 +31,7 @@ RATERS = 700
 PEOPLE = Population(
     quality={"ours": {"q": 0.8}, "theirs": {"q": 0.0}, "real": {"q": 1.6}},
     belonging={"ours": {"q": 1.0}, "theirs": {"q": 0.0}, "real": {"q": 2.0}},
-    inattentive=0.0,
+    kinds={},
 )
 KEYS = {
     "name": "made",

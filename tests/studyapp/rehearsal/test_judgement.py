@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -11,6 +12,7 @@ from motion.segment import Segment
 from studyapp.definition.reading import parse_text
 from studyapp.definition.study import Study
 from studyapp.rehearsal.judgement import Judgement, judge
+from studyapp.rehearsal.kinds import Kind
 from studyapp.rehearsal.population import Population, default_population
 from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.sight import SeenTrial
@@ -18,7 +20,7 @@ from tests.finished_study import COMMON, PROTOCOLS
 from tests.studyapp.made_study import make_segments
 
 SEGMENTS = make_segments(["anger", "fear", "sadness"])
-ATTENTIVE = {"inattentive": 0.0, "overlooked": 0.0}
+ATTENTIVE: dict[str, Any] = {"kinds": {}, "overlooked": 0.0}
 CAREFUL: dict[str, str] = {
     "with ties": 'protocol = "ranking"\nparticipants = 3\nties = true\nattention = { trials = 1 }',
     "without ties": 'protocol = "ranking"\nparticipants = 3\nattention = { trials = 1 }',
@@ -52,10 +54,10 @@ each_study = pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES.keys
 
 
 def judged(
-    study: Study, segments: tuple[Segment, ...] = SEGMENTS, **people: float
+    study: Study, segments: tuple[Segment, ...] = SEGMENTS, **people: Any
 ) -> Iterator[tuple[Rater, SeenTrial, Judgement]]:
     """Yield what forty raters answer to all trials of their places."""
-    population: Population = replace(default_population(study), **people)  # type: ignore[arg-type]
+    population: Population = replace(default_population(study), **people)
     for number in range(40):
         rater = Rater(population=population, seed=6, name=str(number))
         for planned in study.plan(study.arms[0], number % study.arms[0].places, segments):
@@ -72,9 +74,11 @@ def judged(
 
 
 @each_study
-@pytest.mark.parametrize("inattentive", [0.0, 1.0])
-def test_every_answer_is_one_that_the_study_takes(study: Study, inattentive: float) -> None:
-    for _, trial, judgement in judged(study, inattentive=inattentive):
+@pytest.mark.parametrize(
+    "kind", ["attentive", "careless", "hasty", "side_biased", "straight_lining"]
+)
+def test_every_answer_is_one_that_the_study_takes(study: Study, kind: Kind) -> None:
+    for _, trial, judgement in judged(study, kinds={kind: 1.0}):
         asks = study.asks(trial)
         assert set(judgement.values) == {ask.key for ask in asks}
         assert all(judgement.values[ask.key] in ask.values for ask in asks)
@@ -102,21 +106,61 @@ def test_attentive_raters_do_what_attention_checks_ask(study: Study) -> None:
 def test_a_check_that_is_overlooked_is_answered_as_any_other_page(study: Study) -> None:
     checked = [
         (judgement.values, judge(study, rater, replace(trial, instructed=None)).values)
-        for rater, trial, judgement in judged(study, inattentive=0.0, overlooked=1.0)
+        for rater, trial, judgement in judged(study, kinds={}, overlooked=1.0)
         if trial.instructed is not None
     ]
     assert all(answered == ordinary for answered, ordinary in checked)
 
 
 @pytest.mark.parametrize("protocol", ["pairwise", "rating", "mismatch", "ranking with ties"])
-def test_inattentive_raters_fail_some_attention_checks(protocol: str) -> None:
+@pytest.mark.parametrize("kind", ["careless", "hasty", "straight_lining"])
+def test_unsound_raters_fail_some_attention_checks(protocol: str, kind: Kind) -> None:
     study = STUDIES[protocol]
     failed = [
         study.failed(trial, judgement.values)
-        for _, trial, judgement in judged(study, inattentive=1.0)
+        for _, trial, judgement in judged(study, kinds={kind: 1.0})
         if trial.instructed is not None
     ]
-    assert sum(failed) > len(failed) / 3
+    assert sum(failed) > len(failed) / 10
+
+
+@each_study
+def test_who_answers_in_a_straight_line_always_says_the_same(study: Study) -> None:
+    lines: dict[tuple[str, int, object], set[int]] = {}
+    for rater, trial, judgement in judged(study, kinds={"straight_lining": 1.0}):
+        for key, value in judgement.values.items():
+            lines.setdefault((rater.name, len(trial.stimuli), key), set()).add(value)
+    assert all(len(values) == 1 for values in lines.values())
+
+
+@each_study
+def test_who_is_side_biased_is_drawn_to_one_end_of_the_page(study: Study) -> None:
+    """By the sum over raters of how far each leans, whichever way."""
+
+    def leaning(kind: Kind) -> float:
+        leans: dict[str, float] = {}
+        for rater, trial, judgement in judged(study, kinds={kind: 1.0}):
+            last = len(trial.stimuli)
+            for (_, number), value in judgement.values.items():
+                towards_last = value if number is None else {1: -value, last: value}.get(number, 0)
+                leans[rater.name] = leans.get(rater.name, 0.0) + towards_last
+        return sum(map(abs, leans.values()))
+
+    assert leaning("side_biased") > 1.3 * leaning("attentive")
+
+
+def test_who_is_hasty_sees_less_of_every_difference() -> None:
+    study = STUDIES["pairwise"]
+    right = {
+        kind: [
+            study.prefers(judgement.values, trial.expected, 3 - trial.expected)
+            for _, trial, judgement in judged(study, kinds={kind: 1.0})
+            if trial.expected is not None
+        ]
+        for kind in ("attentive", "hasty", "careless")
+    }
+    share = {kind: sum(found) / len(found) for kind, found in right.items()}
+    assert share["attentive"] > share["hasty"] > share["careless"]
 
 
 def test_reasons_are_ticked_as_often_as_the_population_says() -> None:
@@ -134,7 +178,7 @@ def test_motion_is_preferred_with_its_own_speech_where_it_belongs_to_it() -> Non
     wins: dict[bool, list[bool]] = {True: [], False: []}
     people = default_population(study)
     strong = {name: {"better": 4.0 if name == "ours" else 0.0} for name in people.quality}
-    for _, trial, judgement in judged(study, belonging=strong, **ATTENTIVE):  # type: ignore[arg-type]
+    for _, trial, judgement in judged(study, belonging=strong, **ATTENTIVE):
         if trial.part == "fit":
             own = next(n for n, s in enumerate(trial.stimuli) if s.speech == s.segment)
             value = judgement.values["better", None]

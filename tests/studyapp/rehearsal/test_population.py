@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from studyapp.definition.protocols.pairwise import PairwiseStudy
+from studyapp.definition.rehearsal import Rehearsal
 from studyapp.rehearsal.population import Population, default_population
+from studyapp.rehearsal.raters import Rater
 
 
 def test_the_conditions_every_study_knows_are_ordered_as_expected(population: Population) -> None:
@@ -60,7 +63,8 @@ def test_only_motion_that_is_better_than_mismatched_suits_its_own_speech_better(
         {"side_bias_sd": -0.1},
         {"leniency_sd": -0.1},
         {"rating_spread": 0.0},
-        {"inattentive": 1.1},
+        {"kinds": {"careless": 1.1}},
+        {"kinds": {"careless": 0.6, "hasty": 0.5}},
         {"overlooked": -0.1},
         {"reasons": 2.0},
     ],
@@ -68,5 +72,33 @@ def test_only_motion_that_is_better_than_mismatched_suits_its_own_speech_better(
 def test_an_impossible_population_is_refused(
     population: Population, change: dict[str, Any]
 ) -> None:
-    with pytest.raises(ValueError, match=r"thresholds|negative|share|above 0"):
+    with pytest.raises(ValueError, match=r"thresholds|negative|share|above 0|more than 1"):
         replace(population, **change)
+
+
+def test_what_the_study_states_takes_the_place_of_what_is_guessed(study: PairwiseStudy) -> None:
+    stated = Rehearsal.model_validate(
+        {
+            "careless": 0.2,
+            "hasty": 0,
+            "segments_differ": 0.1,
+            "strength": {"rule_based": 2, "static": {"emotion": -0.25}},
+            "own_speech": {"rule_based": {"rhythm": 0.4}},
+        }
+    )
+    people = default_population(study.model_copy(update={"rehearsal": stated}))
+    assert people.quality["rule_based"] == {"rhythm": 2, "emotion": 2}
+    assert people.quality["static"] == {"rhythm": -1.0, "emotion": -0.25}
+    assert people.quality["mismatched"] == default_population(study).quality["mismatched"]
+    assert people.belonging["rule_based"] == {"rhythm": 0.4, "emotion": 3.0}
+    assert (people.kinds["careless"], people.kinds["hasty"], people.item_sd) == (0.2, 0.0, 0.1)
+
+
+def test_raters_are_of_each_kind_as_often_as_stated(population: Population) -> None:
+    shares = {"hasty": 0.2, "side_biased": 0.1, "returning": 0.3, "careless": 0.15}
+    people = replace(population, kinds=shares)
+    kinds = Counter(Rater(population=people, seed=4, name=str(n)).kind for n in range(3000))
+    assert kinds["attentive"] / 3000 == pytest.approx(0.25, abs=0.03)
+    for kind, share in shares.items():
+        assert kinds[kind] / 3000 == pytest.approx(share, abs=0.03)
+    assert set(kinds) == {*shares, "attentive"}

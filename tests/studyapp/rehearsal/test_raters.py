@@ -20,7 +20,7 @@ CONDITIONS = ("a", "b", "flaw")
 FAIR = Population(
     quality={"a": {"q": 0.0}, "b": {"q": 0.0}, "flaw": {"q": -6.0}},
     side_bias=0.0,
-    inattentive=0.0,
+    kinds={},
     item_sd=0.0,
 )
 
@@ -96,19 +96,11 @@ def test_an_attentive_rater_sees_a_visible_flaw_on_either_side() -> None:
     assert np.mean(np.array(answers(FAIR, 300, left="flaw", right="a")) > 0) > 0.98
 
 
-def test_an_inattentive_rater_answers_at_random_even_where_a_flaw_is_visible() -> None:
-    population = replace(FAIR, inattentive=1.0)
+def test_a_careless_rater_answers_at_random_even_where_a_flaw_is_visible() -> None:
+    population = replace(FAIR, kinds={"careless": 1.0})
     counts = Counter(answers(population, 500, left="a", right="flaw"))
     assert set(counts) == {-2, -1, 0, 1, 2}
     assert all(count == pytest.approx(400, rel=0.2) for count in counts.values())
-
-
-def test_the_stated_share_of_raters_is_inattentive() -> None:
-    population = replace(FAIR, inattentive=0.3)
-    inattentive = [
-        not Rater(population=population, seed=2, name=str(index)).attentive for index in range(2000)
-    ]
-    assert np.mean(inattentive) == pytest.approx(0.3, abs=0.04)
 
 
 def test_raters_and_segments_differ_by_the_stated_standard_deviations() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -98,17 +99,18 @@ def test_the_intervals_of_the_report_hold_the_truth_as_often_as_they_claim(
     assert 0.92 <= np.mean(held) <= 0.99
 
 
-def test_catch_trials_tell_inattentive_raters_from_attentive_ones(
+def test_catch_trials_tell_careless_raters_from_attentive_ones(
     study: PairwiseStudy, population: Population
 ) -> None:
-    excluded = set(without_the_excluded(study, simulated(study, population, 1)).exclusions)
+    people = replace(population, kinds={"careless": 0.08})
+    excluded = set(without_the_excluded(study, simulated(study, people, 1)).exclusions)
     names = [
         f"{comparison_name(study.reference, other)} {number}"
         for other in study.others
         for number in range(study.participants_per_comparison)
     ]
-    inattentive = {
-        name for name in names if not Rater(population=population, seed=1, name=name).attentive
+    careless = {
+        name for name in names if Rater(population=people, seed=1, name=name).kind == "careless"
     }
-    assert inattentive
-    assert len(excluded ^ inattentive) <= 0.04 * len(names)
+    assert careless
+    assert len(excluded ^ careless) <= 0.04 * len(names)

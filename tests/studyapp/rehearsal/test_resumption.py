@@ -59,7 +59,7 @@ def test_a_changed_study_starts_anew_and_says_so(begun: StudyFolder) -> None:
 
 
 def test_other_people_start_anew_and_it_says_so(begun: StudyFolder) -> None:
-    others = replace(default_population(begun.study()), inattentive=0.5)
+    others = replace(default_population(begun.study()), kinds={"careless": 0.5})
     _, note = prepare(begun, seed=1, population=others)
     assert "another population" in note
     assert not begun.rehearsal.exists()

@@ -54,7 +54,7 @@ def expected(truth: Sequence[Expected], other: str, question: str) -> tuple[floa
 
 @pytest.fixture(scope="module")
 def attentive(population: Population) -> Population:
-    return replace(population, inattentive=0.0)
+    return replace(population, kinds={})
 
 
 @pytest.mark.parametrize("other", ["mismatched", "static"])
