@@ -19,6 +19,8 @@ from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
+from studyapp.web.research.address import believed_proxies
+from studyapp.web.sub_path import checked_prefix
 from studyapp.worker import StudyWorker
 
 RETRY_SECONDS: Final = 1.0
@@ -70,6 +72,7 @@ def run_server(
     *,
     threads: int = THREADS,
     accel_prefix: str | None = None,
+    prefix: str = "",
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
     new_version: bool = False,
@@ -87,7 +90,7 @@ def run_server(
         Processes.
     threads : int
         Requests that each of them handles side by side.
-    database_url, rehearsal_speed, accel_prefix
+    database_url, rehearsal_speed, accel_prefix, prefix
         See `studyapp.web.app.create_app`.
     new_version : bool
         Whether a design that has changed since participants came becomes a new version.
@@ -98,8 +101,11 @@ def run_server(
     ------
     InputError
         Before anything is served: if the study or a video is missing, the address is taken, the
-        database cannot be used, or the design has changed and `new_version` is not given.
+        database cannot be used, `prefix` is no path, ``FORWARDED_ALLOW_IPS`` names no network,
+        or the design has changed and `new_version` is not given.
     """
+    prefix = checked_prefix(prefix)
+    believed_proxies()
     rehearsal = rehearsal_speed is not None
     served = ServedStudy.read(folder).opened_for(rehearsal=rehearsal)
     _require_free(host, port)
@@ -121,6 +127,10 @@ def run_server(
         "loglevel": "warning",
         "proc_name": "motionjury",
         "control_socket_disable": True,
+        # Of what a proxy may say in headers, the scheme alone is believed here; for whom it asks
+        # is read in `studyapp.web.research.address`. The sub-path is ours to name.
+        "secure_scheme_headers": {"X-FORWARDED-PROTO": "https"},
+        "forwarder_headers": "",
     }
     if on_ready is not None:
         options["when_ready"] = lambda _arbiter: on_ready()
@@ -130,6 +140,7 @@ def run_server(
         database_url=url,
         rehearsal_speed=rehearsal_speed,
         accel_prefix=accel_prefix,
+        prefix=prefix,
         served=served,
     ).run()
 

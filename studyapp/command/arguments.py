@@ -91,3 +91,17 @@ frames_cache: Callable[[Callable[..., None]], Callable[..., None]] = click.optio
     help="Frames kept for later runs, such as 10GB; those used longest ago go first. By default "
     "20GB, or half of the free disk where that is less.",
 )
+
+
+def public_address(
+    *, default: str | None, help: str
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Return the option that says where the study is served, for all to see."""
+    return click.option(
+        "--address",
+        default=default,
+        show_default=default is not None,
+        metavar="URL",
+        envvar="MOTIONJURY_ADDRESS",
+        help=help,
+    )

@@ -17,6 +17,7 @@ from studyapp.stages.recruiting.inviting import counts, invite, listed_people, n
 address = click.option(
     "--address",
     required=True,
+    envvar="MOTIONJURY_ADDRESS",
     help="Where the study is served, such as https://study.example.org/.",
 )
 yes = click.option("--yes", is_flag=True, help="Do it; otherwise only say what would be done.")

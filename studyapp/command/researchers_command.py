@@ -6,16 +6,13 @@ from typing import cast
 
 import click
 
-from studyapp.command.arguments import study_folder
+from studyapp.command.arguments import public_address, study_folder
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.researchers.roles import ROLES, Role
 from studyapp.stages.researchers import invitation, link_for_new_password, listed_researchers
 
-address = click.option(
-    "--address",
-    default="http://127.0.0.1:8000/",
-    show_default=True,
-    help="Where the study is served; the link begins with it.",
+address = public_address(
+    default="http://127.0.0.1:8000/", help="Where the study is served; the link begins with it."
 )
 
 

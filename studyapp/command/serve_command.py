@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from urllib.parse import urlsplit
+
 import click
 
+from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.command.arguments import study_folder
+from studyapp.command.arguments import public_address, study_folder
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.researchers.links import first_owner_link
 from studyapp.serving import THREADS, WORKERS, run_server
+from studyapp.web.sub_path import checked_prefix
 
 
 @click.command("serve")
@@ -31,6 +35,14 @@ from studyapp.serving import THREADS, WORKERS, run_server
     help="Leave the videos to nginx, which has the study folder under this internal location.",
 )
 @click.option(
+    "--prefix",
+    default="",
+    metavar="PATH",
+    envvar="MOTIONJURY_PREFIX",
+    help="Serve below this path of the host, such as /studies/one; a proxy passes it on whole.",
+)
+@public_address(default=None, help="Where a proxy serves the study; the links printed begin so.")
+@click.option(
     "--new-version",
     is_flag=True,
     help="Go on with a changed design; earlier answers are kept apart.",
@@ -42,12 +54,15 @@ def command(
     workers: int,
     threads: int,
     accel_redirect: str | None,
+    prefix: str,
+    address: str | None,
     new_version: bool,
 ) -> None:
     """Serve the study FOLDER to participants.
 
     Answers go to responses.db in the folder, or to the database that DATABASE_URL names.
     """
+    where = _printed_address(address, prefix) or f"http://{host}:{port}{checked_prefix(prefix)}"
     run_server(
         folder.root,
         host,
@@ -55,8 +70,9 @@ def command(
         workers,
         threads=threads,
         accel_prefix=accel_redirect,
+        prefix=prefix,
         new_version=new_version,
-        on_ready=lambda: _say_where(folder, f"http://{host}:{port}"),
+        on_ready=lambda: _say_where(folder, where),
     )
 
 
@@ -74,3 +90,29 @@ def _say_where(folder: StudyFolder, address: str) -> None:
         click.echo(
             f"Become the study's owner at {address}/research/join/{token} (once, within a day)."
         )
+
+
+def _printed_address(address: str | None, prefix: str) -> str:
+    """Return the public address without a slash at its end; empty where none is known.
+
+    Raises
+    ------
+    InputError
+        If participants would not find the study there.
+    """
+    if not address:
+        return ""
+    parts = urlsplit(address)
+    if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.fragment:
+        raise InputError(
+            "this is no address of a study",
+            where=f"address {address!r}",
+            remedy="Give one such as https://study.example.org/",
+        )
+    if parts.path.rstrip("/") != checked_prefix(prefix):
+        raise InputError(
+            "the address and the path below which the study is served do not fit together",
+            where=f"address {address!r}, prefix {prefix!r}",
+            remedy="Let the address end with the prefix",
+        )
+    return address.rstrip("/")

@@ -41,9 +41,13 @@ participant. What programs may rely on:
 ``POST /take/<token>/withdraw``  the form of the page at that address, linked from every other.
 ``GET /media/<video token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its
                                 length as ``data-duration``.
+``GET /healthz``                200 while the database answers, 503 while it does not.
 ``<output id="completion-code">``  on the last page, the completion code; beside it, ``#leave`` is
                                 the link or the form that leads back to a recruiter's site.
 ==============================  ================================================================
+
+Below a path of the host (``--prefix``) all these addresses begin with it; ``/healthz`` answers
+beside it as well.
 
 Refusals are pages (or JSON, where the request accepts that) with status 403, 404, 409 or 422;
 they change nothing.

@@ -14,12 +14,13 @@ from studyapp.definition.form import LONGEST_TEXT
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
-from studyapp.web import entrance, media, participant, sound_check, withdrawal
+from studyapp.web import entrance, health, media, participant, sound_check, withdrawal
 from studyapp.web.errors import register_error_pages
 from studyapp.web.headers import protect
 from studyapp.web.language import language_of, speak
 from studyapp.web.research.pages import research_pages
 from studyapp.web.running import Running, attach
+from studyapp.web.sub_path import SubPath, checked_prefix
 from studyapp.web.window_name import window_name
 
 LARGEST_REQUEST: Final = 64 * 1024
@@ -41,6 +42,7 @@ def create_app(
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
     accel_prefix: str | None = None,
+    prefix: str = "",
     served: ServedStudy | None = None,
 ) -> Flask:
     """Make the application that serves the study in `folder`.
@@ -55,6 +57,8 @@ def create_app(
         Makes a rehearsal: seconds that count as passed for each real one.
     accel_prefix : str, optional
         Where a proxy in front finds the study folder: videos are left to it (X-Accel-Redirect).
+    prefix : str
+        The path on the host below which the study lies; empty where it has the host to itself.
     served : ServedStudy, optional
         What was read of `folder` before; a process that takes another one's place then serves
         the same study, whatever has become of the files.
@@ -62,11 +66,12 @@ def create_app(
     Raises
     ------
     InputError
-        If the study, its media or its database cannot be used, or the study's design is not
-        the one that its participants were asked about.
+        If the study, its media or its database cannot be used, `prefix` is no path, or the
+        study's design is not the one that its participants were asked about.
     """
     if rehearsal_speed is not None and not rehearsal_speed > 0:
         raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
+    prefix = checked_prefix(prefix)
     rehearsal = rehearsal_speed is not None
     served = (served or ServedStudy.read(folder)).opened_for(rehearsal=rehearsal)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
@@ -91,9 +96,12 @@ def create_app(
     app.register_blueprint(sound_check.pages)
     app.register_blueprint(withdrawal.pages)
     app.register_blueprint(media.pages)
+    app.register_blueprint(health.pages)
     if not rehearsal:
         # A rehearsal is looked at from the study's own server, where researchers have accounts.
         app.register_blueprint(research_pages())
     register_error_pages(app)
     protect(app, recruitment=served.study.recruitment)
+    if prefix:
+        app.wsgi_app = SubPath(app.wsgi_app, prefix)  # type: ignore[method-assign]
     return app

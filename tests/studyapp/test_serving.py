@@ -72,3 +72,19 @@ def test_two_workers_serve_pages_and_stop_when_told(tiny_study: Path) -> None:
     finally:
         server.send_signal(signal.SIGTERM)
         assert server.wait(timeout=30) == 0
+
+
+def test_a_path_that_is_none_is_said_before_anything_is_made(tiny_study: Path) -> None:
+    with pytest.raises(InputError, match="prefix 'studies'"):
+        run_server(tiny_study, "127.0.0.1", 0, 1, prefix="studies")
+    assert not (tiny_study / "responses.db").exists()
+
+
+def test_a_proxy_that_is_no_network_is_said_before_anything_is_made(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORWARDED_ALLOW_IPS", "10.0.0.5, the proxy")
+
+    with pytest.raises(InputError, match=r"FORWARDED_ALLOW_IPS: .*'the proxy'.*10\.0\.0\.5"):
+        run_server(tiny_study, "127.0.0.1", 0, 1)
+    assert not (tiny_study / "responses.db").exists()

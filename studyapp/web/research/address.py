@@ -8,6 +8,11 @@ from typing import Final
 
 from flask import request
 
+from motion.errors import InputError
+
+PROXIES: Final = "FORWARDED_ALLOW_IPS"
+"""Names the proxies that are believed; gunicorn reads it too."""
+
 OWN_NETWORK: Final = 64
 """Leading bits of an IPv6 address that are one household's or institute's."""
 
@@ -31,6 +36,7 @@ def client_address() -> str:
 
 
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
 def _parsed(text: str) -> Address | None:
@@ -42,8 +48,26 @@ def _parsed(text: str) -> Address | None:
 
 def _is_trusted(peer: Address | None) -> bool:
     """Tell whether the one that asks is a proxy of ours; without an address it is a socket."""
-    named = os.environ.get("FORWARDED_ALLOW_IPS", "127.0.0.1,::1").split(",")
-    if peer is None or "*" in named:
-        return True
-    networks = (text.strip() for text in named if text.strip())
-    return any(peer in ipaddress.ip_network(text, strict=False) for text in networks)
+    networks = believed_proxies()
+    return peer is None or networks is None or any(peer in network for network in networks)
+
+
+def believed_proxies() -> tuple[Network, ...] | None:
+    """Return the networks whose proxies are believed; None for all.
+
+    Raises
+    ------
+    InputError
+        If the environment names something that is no network.
+    """
+    named = os.environ.get(PROXIES, "127.0.0.1,::1").split(",")
+    if "*" in named:
+        return None
+    try:
+        return tuple(ipaddress.ip_network(text.strip()) for text in named if text.strip())
+    except ValueError as error:
+        raise InputError(
+            f"the environment variable names no network address: {error}",
+            where=PROXIES,
+            remedy="Name the proxies by address, such as 10.0.0.5,10.1.0.0/16",
+        ) from error

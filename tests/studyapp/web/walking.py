@@ -21,15 +21,16 @@ MOST_PAGES = 60
 class Walker:
     """A participant without scripts, on a server whose clock the test moves."""
 
-    def __init__(self, app: Flask, clock: SetClock) -> None:
+    def __init__(self, app: Flask, clock: SetClock, first_page: str = "/") -> None:
         self.app = app
+        self.first_page = first_page
         self.client: FlaskClient = app.test_client()
         self.clock = clock
         self.address = ""
 
     def pages(self) -> Iterator[PageReader]:
         """Yield every page from the first to the completion code, refused ones included."""
-        page = PageReader(self.client.get("/").text)
+        page = PageReader(self.client.get(self.first_page).text)
         for _ in range(MOST_PAGES):
             yield page
             if page.soup.select_one("#completion-code"):
