@@ -5,8 +5,10 @@ from studyapp.models.base import Base
 from studyapp.models.exclusion_decision import ExclusionDecision
 from studyapp.models.form_answer import FormAnswer
 from studyapp.models.intake_change import IntakeChange
+from studyapp.models.interim_figures import InterimFigures
 from studyapp.models.invitation import Invitation
 from studyapp.models.login_attempt import LoginAttempt
+from studyapp.models.look import Look
 from studyapp.models.place import Place
 from studyapp.models.refusal_line import RefusalLine
 from studyapp.models.researcher import Researcher
@@ -27,8 +29,10 @@ __all__ = [
     "ExclusionDecision",
     "FormAnswer",
     "IntakeChange",
+    "InterimFigures",
     "Invitation",
     "LoginAttempt",
+    "Look",
     "Place",
     "RefusalLine",
     "Researcher",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, String
+from sqlalchemy import ForeignKey, String, Text, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from studyapp.models.base import Base
@@ -19,6 +19,8 @@ class ResearcherLogin(Base):
         SHA-256 of the cookie: who reads the database cannot log in with it.
     began_at, last_active_at : datetime
         When the password was given, and when a page was last asked for by hand.
+    unblinded_at, unblinding_reason : datetime or None, str
+        When the researcher last asked for results before the end, and why.
     """
 
     __tablename__ = "researcher_logins"
@@ -30,3 +32,5 @@ class ResearcherLogin(Base):
     token_hash: Mapped[str] = mapped_column(String(64), unique=True)
     began_at: Mapped[datetime]
     last_active_at: Mapped[datetime]
+    unblinded_at: Mapped[datetime | None]
+    unblinding_reason: Mapped[str] = mapped_column(Text, default="", server_default=text("''"))
