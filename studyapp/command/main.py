@@ -11,6 +11,7 @@ import click
 from motion.errors import InputError
 
 _COMMANDS: Final = {
+    "backup": "Back up a study into one file, or check a backup.",
     "check": "Say everything that can go wrong before launch.",
     "corpus": "Make speech and motion with known truth, to train and test on.",
     "demo": "Run the whole line on synthetic speech, from nothing to a report.",
@@ -27,6 +28,7 @@ _COMMANDS: Final = {
     "render": "Render clips and side-by-side pairs.",
     "report": "Write the report.",
     "researchers": "Say who may see the study's pages, and let people in.",
+    "restore": "Bring a study back from a backup.",
     "serve": "Serve the study to participants.",
     "train": "Train networks on your own recordings.",
 }

@@ -151,6 +151,12 @@ class Database:
             )
         return cls(engine)
 
+    @classmethod
+    def as_it_is(cls, url: str) -> Self:
+        """Give the database at `url` for reading, whatever is in it; nothing is looked at yet."""
+        with _explained(url):
+            return cls(_engine(url, _forbid_sqlite_changes, postgresql_readonly=True))
+
     @contextmanager
     def writing(self) -> Iterator[Session]:
         """Give a session whose transaction is stored at the end.
