@@ -13,10 +13,9 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, Self
+from typing import Final, Protocol, Self
 
 from motion.errors import InputError
-from studyapp.models import StudySession
 
 KEY_BYTES: Final = 32
 PSEUDONYM_BYTES: Final = 10
@@ -30,6 +29,26 @@ PREFIX: Final = "p"
 """A letter first, so that no spreadsheet takes a pseudonym for a number."""
 
 _OTHERS: Final = 0o077
+
+
+class Identified(Protocol):
+    """What tells a participant apart: of a study session, stored or read column by column."""
+
+    @property
+    def id(self) -> int:
+        """Number of the study session."""
+
+    @property
+    def token(self) -> str:
+        """See `studyapp.models.StudySession`."""
+
+    @property
+    def visit(self) -> str | None:
+        """See `studyapp.models.StudySession`."""
+
+    @property
+    def recruiter_participant(self) -> str | None:
+        """See `studyapp.models.StudySession`."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +121,7 @@ class PseudonymKey:
             raise InputError("the key cannot be kept", where=path, remedy="Check the folder")
         return made
 
-    def pseudonym(self, participant: StudySession) -> str:
+    def pseudonym(self, participant: Identified) -> str:
         """Return the participant's pseudonym: ``p`` and sixteen letters and digits.
 
         It is the first 80 bits of an HMAC with SHA-256 (RFC 2104) of the recruiter's name for the
@@ -116,7 +135,7 @@ class PseudonymKey:
         digest = hmac.digest(self.secret, json.dumps(identity).encode(), hashlib.sha256)
         return PREFIX + base64.b32encode(digest[:PSEUDONYM_BYTES]).decode("ascii").lower()
 
-    def pseudonyms(self, study_sessions: Iterable[StudySession]) -> dict[int, str]:
+    def pseudonyms(self, study_sessions: Iterable[Identified]) -> dict[int, str]:
         """Return a name for each study session, by its number.
 
         That is the participant's pseudonym. Who came in several of a recruiter's studies has
@@ -131,7 +150,7 @@ class PseudonymKey:
             names[study_session.id] = name + again
         return names
 
-    def is_called(self, participant: StudySession, name: str) -> bool:
+    def is_called(self, participant: Identified, name: str) -> bool:
         """Tell whether `name`, as an export has it, is one of the participant's."""
         pseudonym = name.removeprefix(FOLDER)[:LENGTH]
         return hmac.compare_digest(self.pseudonym(participant).encode(), pseudonym.encode())

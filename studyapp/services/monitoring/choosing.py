@@ -31,6 +31,8 @@ class Choice:
         A kind of check, and how many of these were failed.
     earlier : bool
         Those of earlier versions of the study rather than of the present one.
+    excluded : bool
+        Only those that researchers leave out of the analysis.
     """
 
     standing: Standing | None = None
@@ -38,6 +40,7 @@ class Choice:
     left_at: int | None = None
     failed: tuple[str, int] | None = None
     earlier: bool = False
+    excluded: bool = False
 
 
 def chosen(database: Database, served: ServedStudy, choice: Choice, now: datetime) -> list[Sitting]:
@@ -69,4 +72,5 @@ def _fits(sitting: Sitting, choice: Choice) -> bool:
         and choice.standing in (None, sitting.standing)
         and choice.arm in (None, sitting.arm)
         and (choice.left_at is None or left)
+        and (sitting.excluded or not choice.excluded)
     )

@@ -13,6 +13,7 @@ from studyapp.definition.study import Study
 from studyapp.models import FormAnswer, RefusalLine, StudySession, Trial, Video, WatchBatch
 from studyapp.services.database import Database
 from studyapp.services.exclusion import JUDGED
+from studyapp.services.exclusion_decisions import DecidedExclusion, exclusion_decisions
 from studyapp.services.monitoring.sittings import Sitting, sittings
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.watch_evidence import FASTEST, counts, watched_share
@@ -74,6 +75,8 @@ class OneSitting:
         What they said about themselves: stage, question and answer.
     recruiter : tuple of (str, str)
         The recruiter's names for them, with what each names; none where they came by themselves.
+    decided : tuple of DecidedExclusion
+        What researchers decided about them, the newest first.
     """
 
     sitting: Sitting
@@ -83,6 +86,7 @@ class OneSitting:
     events: tuple[Event, ...]
     said: tuple[tuple[str, str, str], ...]
     recruiter: tuple[tuple[str, str], ...]
+    decided: tuple[DecidedExclusion, ...]
 
 
 def one_sitting(
@@ -117,6 +121,7 @@ def one_sitting(
             events=tuple(sorted(events, key=lambda event: event.at)),
             said=tuple((each.stage, each.question, each.value) for each in found.form_answers),
             recruiter=_recruiter(found),
+            decided=exclusion_decisions(session, number),
         )
 
 

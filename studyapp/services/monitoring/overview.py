@@ -66,6 +66,8 @@ class Overview:
         Study sessions of earlier versions of the study, which are counted nowhere else.
     lapsed, replaced : int
         Study sessions that hold no place.
+    excluded : int
+        Study sessions that researchers leave out of the analysis; most hold places all the same.
     whole : Times
         How long whole study sessions take, from the first trial to the last answer.
     """
@@ -78,6 +80,7 @@ class Overview:
     earlier: int
     lapsed: int
     replaced: int
+    excluded: int
     progress: Progress
     dropouts: Dropouts
     failed: tuple[FailedChecks, ...]
@@ -112,6 +115,7 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         earlier=len(everybody) - len(present),
         lapsed=sum(each.standing == "lapsed" for each in present),
         replaced=sum(each.standing == "replaced" for each in present),
+        excluded=sum(each.excluded for each in present),
         progress=progress(trials, counted),
         dropouts=left,
         failed=tuple(

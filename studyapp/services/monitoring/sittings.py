@@ -11,6 +11,7 @@ from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session
 
 from studyapp.models import Place, StudySession, Trial
+from studyapp.services.exclusion_decisions import standing_exclusions
 from studyapp.services.served_study import ServedStudy
 
 Standing = Literal["done", "replaced", "active", "stale", "lapsed", "withdrawn"]
@@ -29,6 +30,7 @@ class _Row(NamedTuple):
     completed_at: datetime | None
     withdrawn_at: datetime | None
     placed: bool
+    excluded: bool
     trials: int
     settled: int
 
@@ -50,6 +52,8 @@ class Sitting:
         the next newcomer may get it; ``lapsed`` has lost it; ``withdrawn`` took consent back.
     trials, settled : int
         Trials planned, and those answered or said not to play. None are left of who withdrew.
+    excluded : bool
+        Whether a researcher leaves it out of the analysis.
     """
 
     id: int
@@ -62,6 +66,7 @@ class Sitting:
     completed_at: datetime | None
     trials: int
     settled: int
+    excluded: bool = False
 
 
 def sittings(
@@ -82,6 +87,7 @@ def sittings(
             completed_at=row.completed_at,
             trials=row.trials,
             settled=row.settled,
+            excluded=row.excluded,
         )
         for row in rows
     ]
@@ -112,6 +118,7 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
     if only is not None:
         planned = planned.where(Trial.study_session_id == only)
     of_trials = planned.subquery()
+    by_hand = standing_exclusions().subquery()
     query = (
         select(
             StudySession.id,
@@ -123,11 +130,13 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
             StudySession.completed_at,
             StudySession.withdrawn_at,
             Place.id.is_not(None),
+            by_hand.c.study_session_id.is_not(None),
             func.coalesce(of_trials.c.trials, 0),
             func.coalesce(of_trials.c.settled, 0),
         )
         .outerjoin(of_trials, of_trials.c.owner == StudySession.id)
         .outerjoin(Place, Place.study_session_id == StudySession.id)
+        .outerjoin(by_hand, by_hand.c.study_session_id == StudySession.id)
         .order_by(StudySession.id)
     )
     return query if only is None else query.where(StudySession.id == only)

@@ -16,7 +16,7 @@ class Right(Enum):
     KEEP_ACCOUNT = "change their own password, and log out"
     WATCH = "see how the study goes, what happened in each study session, and previews of trials"
     READ = "read what participants said about themselves, and the log of changes"
-    STEER = "pause, resume, extend and close the study"
+    STEER = "pause, resume, extend and close the study, and exclude participants from the analysis"
     NAME = "see by which name a recruiter knows a participant"
     MANAGE = "invite researchers, change their roles, and shut them out"
 

@@ -14,6 +14,7 @@ from motion.errors import InputError
 from studyapp.services.researchers.roles import Right
 from studyapp.web.research import (
     entering,
+    excluding,
     newcomers,
     own_account,
     previewing,
@@ -77,6 +78,12 @@ PAGES: Final = (
         watching.study_session,
         Right.WATCH,
         rehearsed=True,
+    ),
+    Page(
+        "POST",
+        f"/study-sessions/{ROW}:number>/exclusion",
+        excluding.decide_about,
+        Right.STEER,
     ),
     Page("GET", "/changes", watching.changes, Right.READ),
     Page("GET", "/preview", previewing.preview, Right.WATCH),

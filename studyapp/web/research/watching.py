@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Final
 
-from flask import abort, request
+from flask import abort, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
-from studyapp.services.audit import LINES, logged_changes
+from motion.errors import InputError
+from studyapp.services.audit import LINES, LONGEST_REASON, logged_changes
+from studyapp.services.database import Database
 from studyapp.services.exclusion import JUDGED
 from studyapp.services.monitoring.choosing import Choice, chosen, page_of, pages_of
+from studyapp.services.monitoring.naming import number_called, pseudonyms_of
 from studyapp.services.monitoring.one_sitting import one_sitting
 from studyapp.services.monitoring.overview import overview as overview_of
 from studyapp.services.monitoring.sittings import STANDINGS
+from studyapp.web.research.called import Naming, naming
 from studyapp.web.research.looking import Data, is_rehearsed, looked_at
 from studyapp.web.research.page import page
 from studyapp.web.running import running
 
-CHOOSING: Final = ("standing", "arm", "left_at", "check", "failed", "earlier")
+CHOOSING: Final = ("standing", "arm", "left_at", "check", "failed", "earlier", "excluded")
 """What an address may say of which study sessions are listed."""
 
 LARGEST: Final = 2**31 - 1
@@ -39,18 +44,26 @@ def overview(data: Data) -> ResponseReturnValue:
 
 
 def study_sessions(data: Data) -> ResponseReturnValue:
-    """List the study sessions that a number counts."""
+    """List the study sessions that a number counts; or go to the one that is called for."""
     here = running()
-    choice = _choice()
-    with looked_at(data) as database:
-        found = chosen(database, here.served, choice, here.clock.now())
+    choice, names, called = _choice(), naming(), request.args.get("called", "")
     number = _number("page") or 1
+    with looked_at(data) as database:
+        one = number_called(database, names.key, called) if called else None
+        if one is not None:
+            return redirect(url_for("research.study_session", data=data, number=one), 303)
+        found = chosen(database, here.served, choice, here.clock.now())
+        shown = page_of(found, number)
+        pseudonyms = _pseudonyms(database, names, [each.id for each in shown])
     return page(
         "study_sessions",
         data=data,
         choice=choice,
+        called=called,
         count=len(found),
-        sittings=page_of(found, number),
+        sittings=shown,
+        naming=names,
+        pseudonyms=pseudonyms,
         page_number=number,
         pages=pages_of(found),
         standings=STANDINGS,
@@ -61,12 +74,30 @@ def study_sessions(data: Data) -> ResponseReturnValue:
 
 def study_session(data: Data, number: int) -> ResponseReturnValue:
     """Show one study session with everything that happened in it."""
-    here = running()
+    return study_session_page(data, number)
+
+
+def study_session_page(
+    data: Data, number: int, *, problem: InputError | None = None, reason: str = ""
+) -> str:
+    """Return the page of one study session, with what was wrong with what was sent from it."""
+    here, names = running(), naming()
     with looked_at(data) as database:
         found = one_sitting(database, here.served, number, here.clock.now())
-    if found is None:
-        abort(404)
-    return page("study_session", data=data, found=found)
+        if found is None:
+            abort(404)
+        pseudonym = _pseudonyms(database, names, [number]).get(number, "")
+    return page(
+        "study_session",
+        data=data,
+        found=found,
+        naming=names,
+        pseudonym=pseudonym,
+        rules=[each.made().description for each in here.study.settled_exclusions],
+        problem=problem,
+        reason=reason,
+        longest=LONGEST_REASON,
+    )
 
 
 def changes() -> ResponseReturnValue:
@@ -95,7 +126,12 @@ def _choice() -> Choice:
         left_at=_number("left_at"),
         failed=(kind, count) if kind in JUDGED and count is not None else None,
         earlier="earlier" in request.args,
+        excluded="excluded" in request.args,
     )
+
+
+def _pseudonyms(database: Database, names: Naming, numbers: Sequence[int]) -> Mapping[int, str]:
+    return pseudonyms_of(database, names.key, numbers) if names.key else {}
 
 
 def _number(name: str) -> int | None:

@@ -28,6 +28,7 @@ MAY = {
     ("GET", "/research/rehearsal/study-sessions"): ALL_ROLES,
     ("GET", "/research/study-sessions/<number>"): ALL_ROLES,
     ("GET", "/research/rehearsal/study-sessions/<number>"): ALL_ROLES,
+    ("POST", "/research/study-sessions/<number>/exclusion"): {"analyst", "owner"},
     ("GET", "/research/<rest>"): ALL_ROLES,
     ("GET", "/research/changes"): {"analyst", "owner"},
     ("GET", "/research/preview"): ALL_ROLES,

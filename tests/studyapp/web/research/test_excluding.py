@@ -1,0 +1,216 @@
+"""Excluding and reinstating participants on the page of their study session; pseudonyms there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from flask import Flask
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import StudySession
+from studyapp.services.database import Database
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.pseudonyms import PseudonymKey
+from studyapp.services.stored_answers import stored_answers
+from studyapp.services.withdrawing import withdraw
+from studyapp.stages.exporting.tables import pseudonyms
+from studyapp.web.running import running
+from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.research.conftest import LogIn
+from tests.studyapp.web.research.research_browser import ResearchBrowser
+
+ONE = "/research/study-sessions/1"
+LIST = "/research/study-sessions"
+SCRIPT = "<script>alert(1)</script>"
+
+
+@pytest.fixture
+def people(app: Flask, clock: SetClock) -> list[Participant]:
+    """Return two participants: one has finished, the other has answered a trial."""
+    with app.app_context():
+        here = running()
+    done, other = (
+        Participant(here.database, here.served, clock).enrol(name).begin() for name in "ab"
+    )
+    done.take_all()
+    other.take_trial()
+    return [done, other]
+
+
+@pytest.fixture
+def drawn_key(tiny_study: Path) -> PseudonymKey:
+    """Return the key that a first export has drawn."""
+    return PseudonymKey.read_or_make(StudyFolder(tiny_study).pseudonym_key)
+
+
+def words(page: PageReader) -> str:
+    return " ".join(page.one("main").get_text().split())
+
+
+def reasons(database: Database) -> list[str]:
+    found: list[str] = stored_answers(database).study_sessions["excluded_because"].tolist()
+    return found
+
+
+def decide(browser: ResearchBrowser, decision: str, reason: str, address: str = ONE) -> int:
+    return browser.post(f"{address}/exclusion", decision=decision, reason=reason).status_code
+
+
+def test_an_analyst_excludes_and_an_owner_reinstates_and_all_of_it_can_be_read_later(
+    people: list[Participant], log_in: LogIn, stored: Database
+) -> None:
+    analyst, owner, viewer = log_in("analyst"), log_in("owner"), log_in("viewer")
+    assert "No researcher has excluded" in words(analyst.get(ONE))
+
+    assert decide(analyst, "exclude", SCRIPT) == 303
+
+    page = analyst.get(ONE)
+    assert f"Excluded by Charles: {SCRIPT}" in words(page)
+    assert SCRIPT not in page.text
+    assert page.value("main [name=decision]", "value") == "reinstate"
+    assert f"Excluded by Charles: {SCRIPT}" in words(viewer.get(ONE))
+    assert not viewer.get(ONE).soup.select("[name=decision]")
+    assert reasons(stored) == [SCRIPT, ""]
+    assert decide(owner, "reinstate", "it was another one") == 303
+    assert reasons(stored) == ["", ""]
+    rows = [
+        [cell.get_text().strip() for cell in row.select("td")][1:]
+        for row in owner.get(ONE).soup.select("[aria-label='Decided so far'] tbody tr")
+    ]
+    assert rows == [
+        ["Ada", "excluded", "included", "it was another one"],
+        ["Charles", "included", "excluded", SCRIPT],
+    ]
+    log = words(owner.get("/research/changes"))
+    assert f"participant excluded: study session 1 {SCRIPT}" in log
+    assert "participant reinstated: study session 1 it was another one" in log
+
+
+def test_the_page_says_what_a_decision_does_and_what_it_does_not(
+    people: list[Participant], log_in: LogIn
+) -> None:
+    said = words(log_in("analyst").get(ONE))
+
+    assert "leave out who did not finish; who failed more than 1 catch trial." in said
+    assert "Reinstating somebody does not overrule them." in said
+    assert "goes on, and is paid like everybody. The place stays taken" in said
+
+
+def test_what_is_refused_is_explained_on_the_page_and_changes_nothing(
+    people: list[Participant], log_in: LogIn, stored: Database
+) -> None:
+    analyst = log_in("analyst")
+
+    refused = {
+        "a reason of 1 to 500": analyst.post(f"{ONE}/exclusion", decision="exclude", reason=" "),
+        "nothing was chosen": analyst.post(f"{ONE}/exclusion", decision="x", reason="r"),
+        "1 is not excluded": analyst.post(f"{ONE}/exclusion", decision="reinstate", reason="r"),
+    }
+
+    for problem, answer in refused.items():
+        assert answer.status_code == 422
+        shown = PageReader(answer.text)
+        assert problem in shown.one("[role=alert]").get_text().lower()
+    assert shown.value("[name=reason]", "value") == "r"
+    assert decide(analyst, "exclude", "r", "/research/study-sessions/77") == 404
+    assert decide(analyst, "exclude", "r", "/research/rehearsal/study-sessions/1") == 405
+    assert reasons(stored) == ["", ""]
+
+
+def test_who_withdrew_cannot_be_excluded(
+    people: list[Participant], log_in: LogIn, stored: Database, clock: SetClock
+) -> None:
+    analyst = log_in("analyst")
+    withdraw(stored, people[1].token, clock)
+    gone = f"{LIST}/2"
+
+    assert "Nothing of who withdrew is analysed." in words(analyst.get(gone))
+    assert not analyst.get(gone).soup.select("[name=decision]")
+    assert decide(analyst, "exclude", "r", gone) == 422
+
+
+def test_the_overview_counts_who_is_excluded_and_leads_to_them(
+    people: list[Participant], log_in: LogIn
+) -> None:
+    analyst = log_in("analyst")
+    assert "left out of the analysis" not in analyst.get("/research/").text
+    decide(analyst, "exclude", "asleep")
+
+    overview = analyst.get("/research/")
+
+    assert "1 is left out of the analysis by researchers, and keeps the place" in words(overview)
+    assert "1 of 4 places done" in words(overview)
+    (link,) = [a["href"] for a in overview.soup.select("#live a") if "excluded" in str(a["href"])]
+    listed = analyst.get(str(link))
+    assert listed.one("[role=status]").get_text().startswith("1 study session left out of the")
+    assert [cell.get_text() for cell in listed.soup.select("tbody td")][:1] == ["done, excluded"]
+
+
+def test_participants_go_by_the_pseudonyms_of_the_export(
+    app: Flask, people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey, stored: Database
+) -> None:
+    with app.app_context():
+        here = running()
+    for study in ("one", "two"):
+        arrival = Arrival(recruiter_participant="pid-4711", recruiter_study=study)
+        enrol(stored, here.served, arrival, here.clock)
+    exported = pseudonyms(stored, drawn_key)
+    assert exported["4"] == f"{exported['3']}x2"
+    analyst = log_in("analyst")
+
+    listed = [cell.get_text() for cell in analyst.get(LIST).soup.select("tbody .name")]
+
+    assert listed == [exported[number] for number in "4321"]
+    for number, name in exported.items():
+        assert name in words(analyst.get(f"{LIST}/{number}"))
+        for called in (name, f" sub-{name} ", number):
+            found = analyst.client.get(LIST, query_string={"called": called})
+            assert found.location == f"{LIST}/{number}"
+    for called in ("p" * 17, "77", "9" * 40, SCRIPT, "٣"):
+        nobody = analyst.client.get(LIST, query_string={"called": called})
+        assert nobody.status_code == 200
+        assert "No study session is called" in nobody.text
+        assert SCRIPT not in nobody.text
+
+
+def test_a_viewer_is_shown_no_pseudonym_and_finds_nobody_by_one(
+    people: list[Participant], log_in: LogIn, drawn_key: PseudonymKey, stored: Database
+) -> None:
+    name = pseudonyms(stored, drawn_key)["1"]
+    viewer = log_in("viewer")
+
+    assert name not in viewer.get(ONE).text + viewer.get(LIST).text
+    assert viewer.client.get(LIST, query_string={"called": name}).status_code == 200
+    assert viewer.client.get(LIST, query_string={"called": "1"}).location == ONE
+
+
+def test_without_a_key_that_can_be_used_the_pages_say_why_there_is_no_pseudonym(
+    app: Flask, people: list[Participant], log_in: LogIn, tiny_study: Path
+) -> None:
+    analyst = log_in("analyst")
+    key = StudyFolder(tiny_study).pseudonym_key
+    for text, reason in (
+        (None, "drawn at the first export"),
+        ("nonsense", "this is no key of pseudonyms"),
+    ):
+        if text is not None:
+            key.write_text(text)
+            key.chmod(0o600)
+
+        for address in (ONE, LIST):
+            assert reason in words(analyst.get(address))
+    assert key.read_text() == "nonsense"
+
+
+def test_a_participant_is_shown_nothing_of_it(
+    app: Flask, people: list[Participant], log_in: LogIn, stored: Database
+) -> None:
+    address = f"/take/{people[0].token}"
+    before = app.test_client().get(address).text
+    decide(log_in("owner"), "exclude", "asleep")
+
+    assert app.test_client().get(address).text == before
+    with stored.reading() as session:
+        assert session.get_one(StudySession, 1).completion_code
