@@ -44,6 +44,7 @@ class Turn(IntEnum):
     MIGRATION = 8_675_110_001
     ALLOCATION = 8_675_110_002
     LOGIN = 8_675_110_003
+    FIGURES = 8_675_110_004
 
 
 def take_turn(connection: Connection, turn: Turn) -> None:

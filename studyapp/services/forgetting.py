@@ -15,6 +15,8 @@ from studyapp.models import (
     AuditLine,
     Base,
     FormAnswer,
+    InterimFigures,
+    Look,
     RefusalLine,
     Response,
     ScreenOut,
@@ -220,6 +222,8 @@ def erase(
     _erase_screen_outs(session, [name for name in known_as if name])
     _erase_names(session, _names(study_session, key))
     erase_decisions(session, number)
+    # What few participants answered shows through what was computed of it.
+    session.execute(delete(InterimFigures))
     for table, column in _belonging():
         if table.name in GIVEN_BACK:
             session.execute(update(table).where(column == number).values({column.name: None}))
@@ -256,6 +260,10 @@ def _names(study_session: StudySession, key: PseudonymKey | None) -> Iterator[st
 def _erase_names(session: Session, names: Iterator[str]) -> None:
     """Replace names in earlier lines of the log; what was done, and by whom, stays."""
     for name in names:
+        for look in session.scalars(
+            select(Look).where(Look.reason.contains(name, autoescape=True))
+        ):
+            look.reason = look.reason.replace(name, ERASED)
         for line in session.scalars(
             select(AuditLine).where(
                 AuditLine.detail.contains(name, autoescape=True)

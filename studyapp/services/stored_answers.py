@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sqlalchemy import Select, func, select
 
 from studyapp.models import (
+    Look,
     Place,
     Response,
     StudySession,
@@ -29,6 +30,7 @@ from studyapp.models import (
 from studyapp.services.database import Database
 from studyapp.services.exclusion_decisions import standing_exclusions
 from studyapp.services.intake import present_intake
+from studyapp.services.looks import COMMAND_LINE
 from studyapp.services.watch_evidence import length, watched_so_far
 
 ROWS: Final = 20_000
@@ -54,6 +56,10 @@ class StoredAnswers:
     stimuli : DataFrame
         One row for each stimulus judged in `trials`: `trial`, `number`, `condition`, `segment`,
         `speech` (empty for silence).
+    looks : DataFrame
+        One row for each time that results were seen, the first one first: `day` (UTC), `by`
+        (``researcher 1``, ``researcher 2`` … or ``command line``), `way`, `reason`, `finished`,
+        `planned` and `answers` (see `studyapp.models.Look`).
     more_places : int
         Places of each arm that researchers wanted beyond those of the study file.
     """
@@ -62,6 +68,7 @@ class StoredAnswers:
     trials: pd.DataFrame
     answers: pd.DataFrame
     stimuli: pd.DataFrame
+    looks: pd.DataFrame
     more_places: int
 
     def part(self, study_sessions: NDArray[np.bool_]) -> StoredAnswers:
@@ -73,6 +80,7 @@ class StoredAnswers:
             trials=trials,
             answers=self.answers[self.answers["trial"].isin(trials["trial"])],
             stimuli=self.stimuli[self.stimuli["trial"].isin(trials["trial"])],
+            looks=self.looks,
             more_places=self.more_places,
         )
 
@@ -126,8 +134,33 @@ def _read(database: Database) -> StoredAnswers:
                 .where(TrialStimulus.number > 0)
             ).order_by(TrialStimulus.trial_id, TrialStimulus.number),
         ),
+        looks=_looks(database),
         more_places=_more_places(database),
     )
+
+
+def _looks(database: Database) -> pd.DataFrame:
+    """Return the log of looks; who looked is told apart, not named."""
+    with database.reading() as session:
+        rows = list(session.scalars(select(Look).order_by(Look.id)))
+    names = dict.fromkeys(row.researcher for row in rows if row.researcher)
+    called = {name: f"researcher {number}" for number, name in enumerate(names, start=1)}
+    found = pd.DataFrame(
+        [
+            (
+                row.at.date().isoformat(),
+                called.get(row.researcher, COMMAND_LINE),
+                row.way,
+                row.reason,
+                row.finished,
+                row.planned,
+                row.answers,
+            )
+            for row in rows
+        ],
+        columns=["day", "by", "way", "reason", "finished", "planned", "answers"],
+    )
+    return found.astype(dict.fromkeys(("finished", "planned", "answers"), "int64"))
 
 
 def _more_places(database: Database) -> int:

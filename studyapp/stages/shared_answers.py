@@ -23,7 +23,7 @@ from studyapp.services.stored_answers import StoredAnswers
 
 MANIFEST: Final = "answers.json"
 STATED: Final = "stated.toml"
-TABLES: Final = ("study_sessions", "trials", "answers", "stimuli")
+TABLES: Final = ("study_sessions", "trials", "answers", "stimuli", "looks")
 MISSING: Final = "n/a"
 TEXT: Final = "str"
 
