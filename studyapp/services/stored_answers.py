@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from sqlalchemy import Select, func, select
+from sqlalchemy import Select, exists, func, select
 
 from studyapp.models import (
     Look,
@@ -46,7 +46,8 @@ class StoredAnswers:
     study_sessions : DataFrame
         One row for each: `study_session`, `version`, `arm`, `arm_design`, `withdrawn`,
         `completed` (bool), `trials` and `settled`, how many of them are done with, `placed`
-        (bool), and `excluded_because`, a researcher's reason (empty where nobody excluded them).
+        (bool), `excluded_because`, a researcher's reason (empty where nobody excluded them), and
+        `excluded_after_look`, whether results had been looked at before that (bool).
     trials : DataFrame
         One row for each trial that has an answer: `trial`, `study_session`, `position`, `kind`,
         `part`, `segment`, `emotion`, `speaker`, `expected`, `instructed` (NaN for none),
@@ -192,6 +193,7 @@ def _study_sessions(database: Database) -> pd.DataFrame:
             func.coalesce(planned.c.settled, 0).label("settled"),
             Place.id.is_not(None).label("placed"),
             func.coalesce(excluded.c.reason, "").label("excluded_because"),
+            exists().where(Look.at <= excluded.c.at).label("excluded_after_look"),
         )
         .join(StudyVersion, StudyVersion.id == StudySession.version_id)
         .outerjoin(planned, planned.c.owner == StudySession.id)
@@ -199,7 +201,8 @@ def _study_sessions(database: Database) -> pd.DataFrame:
         .outerjoin(excluded, excluded.c.study_session_id == StudySession.id)
         .order_by(StudySession.id),
     )
-    return found.astype({"withdrawn": bool, "completed": bool, "placed": bool})
+    truths = ("withdrawn", "completed", "placed", "excluded_after_look")
+    return found.astype(dict.fromkeys(truths, bool))
 
 
 def _trials(database: Database) -> pd.DataFrame:

@@ -19,7 +19,7 @@ from studyapp.definition.protocols.ranking import RankingStudy
 from studyapp.definition.study import Study
 from studyapp.stages.answer_table import empty_answers, study_answers
 from studyapp.stages.answers import Answers
-from studyapp.stages.excluding import StudyExclusions, study_exclusions
+from studyapp.stages.excluding import StudyExclusions, decided_by_hand, study_exclusions
 from studyapp.stages.report_arms import of_present_design
 
 ANSWERS: Final = "answers.csv"
@@ -58,12 +58,11 @@ def rules_of(
     researchers decided by hand.
     """
     before = answers.stated if answers.origin == "participants" else None
-    stored = answers.stored
     return study_exclusions(
         study.settled_exclusions,
         None if before is None else before.settled_exclusions,
         added,
-        by_hand=stored is not None and bool(stored.study_sessions["excluded_because"].any()),
+        by_hand=None if answers.stored is None else decided_by_hand(answers.stored.study_sessions),
     )
 
 

@@ -36,7 +36,12 @@ OWN: Final[Mapping[str, tuple[str, ...]]] = {
 }
 """Columns of one protocol's."""
 
-KNOWN_COLUMNS: Final = ("study_session", "trials", "settled", "excluded_because")
+KNOWN_COLUMNS: Final = (
+    *("study_session", "trials", "settled", "excluded_because", "excluded_after_look"),
+)
+
+AFTER_LOOK: Final = " (decided after results had been looked at)"
+"""Behind a researcher's reason to exclude somebody."""
 
 MIDDLE: Final = 3
 """What stands in a table for 'no difference', which is stored as 0."""
@@ -198,9 +203,9 @@ def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownSitting]:
             failed_attention=(
                 failed.get((session, "attention"), 0) if study.attention.trials else None
             ),
-            decided=str(decided),
+            decided=f"{decided}{AFTER_LOOK}" if decided and after_look else str(decided),
         )
-        for session, trials, settled, decided in zip(
+        for session, trials, settled, decided, after_look in zip(
             *(sessions[name].tolist() for name in KNOWN_COLUMNS),
             strict=True,
         )

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import pandas as pd
+
 from analysis.exclusions.rules import ExclusionRule, excluded_by_hand
 from motion.listing import listed
 from studyapp.definition.exclusions import ExclusionSection
@@ -31,11 +33,27 @@ class StudyExclusions:
     notes: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, kw_only=True)
+class ByHand:
+    """Whom researchers exclude one by one.
+
+    Attributes
+    ----------
+    count : int
+        How many participants.
+    after_look : int
+        How many of them were excluded after somebody had looked at results.
+    """
+
+    count: int
+    after_look: int
+
+
 def study_exclusions(
     stated: Sequence[ExclusionSection],
     before: Sequence[ExclusionSection] | None = None,
     added: Sequence[ExclusionSection] = (),
-    by_hand: bool = False,
+    by_hand: ByHand | None = None,
 ) -> StudyExclusions:
     """Return the exclusion rules of a study, and which of them are exploratory.
 
@@ -48,8 +66,8 @@ def study_exclusions(
         rehearsal, everything stated counts as settled then.
     added : sequence of ExclusionSection
         Rules that were added afterwards; applied after all others.
-    by_hand : bool
-        Whether researchers have excluded anybody one by one.
+    by_hand : ByHand, optional
+        Whom researchers have excluded one by one.
     """
     planned = stated if before is None else before
     then = {each.written() for each in planned}
@@ -63,8 +81,33 @@ def study_exclusions(
             *(each.made().as_exploratory() for each in added),
         ),
         planned=tuple(each.made() for each in planned),
-        notes=_changes(planned, stated),
+        notes=(*_changes(planned, stated), *_decisions(by_hand)),
     )
+
+
+def decided_by_hand(study_sessions: pd.DataFrame) -> ByHand | None:
+    """Return how many participants researchers exclude; None where it is nobody.
+
+    Parameters
+    ----------
+    study_sessions : DataFrame
+        See `StoredAnswers`.
+    """
+    excluded = study_sessions[study_sessions["excluded_because"] != ""]
+    if excluded.empty:
+        return None
+    return ByHand(count=len(excluded), after_look=int(excluded["excluded_after_look"].sum()))
+
+
+def _decisions(by_hand: ByHand | None) -> tuple[str, ...]:
+    if by_hand is None:
+        return ()
+    people = "1 participant" if by_hand.count == 1 else f"{by_hand.count} participants"
+    seen = "before anybody had looked at results"
+    if by_hand.after_look:
+        whom = "" if by_hand.after_look == by_hand.count else f"{by_hand.after_look} of them "
+        seen = f"{whom}after somebody had looked at results"
+    return (f"Researchers excluded {people} by hand, {seen}.",)
 
 
 def _changes(

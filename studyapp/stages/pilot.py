@@ -19,7 +19,7 @@ from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.answer_table import study_answers
 from studyapp.stages.answers import answers_to_report
-from studyapp.stages.excluding import study_exclusions
+from studyapp.stages.excluding import decided_by_hand, study_exclusions
 from studyapp.stages.report_arms import of_present_design
 
 ROUGH: Final = 10
@@ -121,6 +121,6 @@ def _of_study(folder: StudyFolder, protocol: str) -> tuple[AnswerTable, LeftOut,
     rows: pd.DataFrame = given.tables[protocol]
     cells = Cells(path=folder.root, rows=rows, numbers=pd.RangeIndex(len(rows)) + 2, ignored=())
     table = answers_in(cells, LAYOUTS[protocol])
-    by_hand = any(known.decided for known in given.known.values())
+    by_hand = decided_by_hand(stored.study_sessions)
     rules = study_exclusions(study.settled_exclusions, by_hand=by_hand).rules
     return table, leave_out(table, rules, known=given.known), answers.origin == "rehearsal"

@@ -16,6 +16,7 @@ from studyapp.services.exclusion_decisions import (
     standing_exclusions,
 )
 from studyapp.services.forgetting import erase
+from studyapp.services.looks import StudyState, note_look
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find
 from studyapp.services.stored_answers import stored_answers
@@ -69,6 +70,25 @@ def test_the_newest_decision_holds_and_none_is_lost(
     assert len(lines) == 6
     kept = stored_answers(opened).study_sessions
     assert kept["excluded_because"].tolist() == ["fell asleep", "", "second"]
+    assert kept["excluded_after_look"].tolist() == [False, False, False]
+
+
+@SQLITE
+def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for name in ("one", "two", "three"):
+        Participant(opened, served, clock).enrol(name).begin()
+    exclude(opened, clock, 1)
+    clock.advance(seconds=1)
+    with opened.writing() as session:
+        state = StudyState(finished=0, planned=4, answers=0)
+        note_look(session, clock.now(), state, way="page", by="Ada", reason="curious")
+    clock.advance(seconds=1)
+    exclude(opened, clock, 3)
+
+    after_look = stored_answers(opened).study_sessions["excluded_after_look"]
+    assert after_look.tolist() == [False, False, True]
 
 
 @SQLITE

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from studyapp.definition.exclusions import Coverage, FailedCatch, Incomplete
-from studyapp.stages.excluding import StudyExclusions, study_exclusions
+from studyapp.stages.excluding import ByHand, StudyExclusions, study_exclusions
 
 STATED = (Incomplete(), FailedCatch(more_than=1))
 
@@ -40,3 +40,22 @@ def test_a_rule_changed_after_the_first_participant_is_exploratory_and_the_old_o
         "Exclusion by catch>1 was in the study file when the first participant came, and has been "
         "taken out of it since.",
     )
+
+
+def test_what_researchers_decide_comes_after_the_rules_of_the_file_and_is_never_planned() -> None:
+    by_hand = ByHand(count=2, after_look=0)
+    found = study_exclusions(STATED, STATED, [Coverage(below=0.9)], by_hand=by_hand)
+    assert marks(found)[1:] == [("catch", False), ("researcher", True), ("coverage", True)]
+    assert [rule.name for rule in found.planned] == ["incomplete", "catch"]
+    said = {
+        count: study_exclusions(STATED, by_hand=ByHand(count=2, after_look=count)).notes
+        for count in (0, 1, 2)
+    }
+    assert said == {
+        0: ("Researchers excluded 2 participants by hand, before anybody had looked at results.",),
+        1: (
+            "Researchers excluded 2 participants by hand, 1 of them after somebody had looked at "
+            "results.",
+        ),
+        2: ("Researchers excluded 2 participants by hand, after somebody had looked at results.",),
+    }
