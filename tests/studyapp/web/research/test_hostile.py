@@ -7,15 +7,17 @@ from pathlib import Path
 
 from flask import Flask
 
-from studyapp.models import FormAnswer, StudySession
+from studyapp.models import FormAnswer, RefusalLine, StudySession
 from studyapp.services.database import Database
 from studyapp.services.researchers.links import invite, join
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.research.conftest import LogIn
 from tests.studyapp.web.research.research_browser import ResearchBrowser
+from tests.studyapp.web.research.test_access import MAY, PLACE
 from tests.studyapp.web.visitor import Visitor
 
 SCRIPT = "<script>alert(1)</script>\"'><img src=x onerror=alert(1)>"
@@ -28,9 +30,13 @@ def test_a_script_that_somebody_stored_is_shown_as_text(
     token = invite(stored, clock, role="viewer", by="Ada")
     join(stored, clock, token, name=SCRIPT, password=PASSWORD)
     Visitor(app, clock).enrol().begin()
+    reason = {"reason": SCRIPT}
+    owner.post("/research/study-sessions/1/exclusion", decision="exclude", **reason)
+    owner.post("/research/newcomers/more", more="1", **reason)
     with stored.writing() as session:
         sitting = session.get_one(StudySession, 1)
-        sitting.recruiter_participant = SCRIPT
+        sitting.recruiter_participant = sitting.recruiter_study = SCRIPT
+        session.add(RefusalLine(study_session_id=1, at=clock.now(), kind="odd", detail=SCRIPT))
         session.add(
             FormAnswer(
                 study_session_id=1,
@@ -41,19 +47,28 @@ def test_a_script_that_somebody_stored_is_shown_as_text(
             )
         )
 
-    for address in (
-        "/research/study-sessions/1",
-        "/research/researchers",
-        "/research/changes",
-        "/research/study-sessions?arm=" + SCRIPT,
-    ):
-        page = owner.get(address)
-        assert "<script>alert" not in page.text
-        assert "<img" not in page.text
-        assert [tag for tag in page.soup.find_all("script") if not tag.get("src")] == []
-    assert SCRIPT in owner.get("/research/study-sessions/1").soup.get_text()
-    assert SCRIPT in owner.get("/research/changes").soup.get_text()
+    shown = set()
+    pages = {PLACE.sub("1", rule) for method, rule in MAY if method == "GET"}
+    for address in {*pages - VIDEOS_AND_FILES, *(f"/research/{odd}{SCRIPT}" for odd in ASKING)}:
+        answer = owner.client.get(address, follow_redirects=True)
+        assert answer.mimetype == "text/html", address
+        page = PageReader(answer.text)
+        assert "<script>alert" not in page.text, address
+        assert "<img" not in page.text, address
+        assert [tag for tag in page.soup.find_all("script") if not tag.get("src")] == [], address
+        assert not [tag for tag in page.soup.find_all() for name in tag.attrs if name[:2] == "on"]
+        if SCRIPT in page.soup.get_text():
+            shown.add(address)
+    stored_on = ("changes", "newcomers", "researchers", "study-sessions/1")
+    assert {f"/research/{name}" for name in stored_on} <= shown
 
+
+ASKING = ("", "study-sessions?arm=", "study-sessions?called=", "preview?arm=", "log-in?next=")
+
+VIDEOS_AND_FILES = {
+    "/research/preview/1/1/1/media/1.mp4",
+    "/research/preview/1/1/1/static/1",
+}
 
 ODD = [
     "/research/../study.toml",
@@ -74,6 +89,13 @@ ODD = [
     "/research/join/%00",
     "/research/log-in?next=%00",
     "/research/rehearsal/",
+    "/research/preview/0/1/1/static/../../../../study.toml",
+    "/research/preview/0/1/1/static/..%2f..%2f..%2fstudy.toml",
+    "/research/preview/0/1/1/static/%2e%2e/app.py",
+    "/research/preview/0/1/1/static//etc/passwd",
+    "/research/preview/0/1/1/media/..%2f0.mp4",
+    "/research/preview/99/1/1/",
+    "/research/preview/0/99999999/1/",
 ]
 
 
@@ -85,6 +107,8 @@ def test_odd_addresses_give_no_file_and_no_failure(log_in: LogIn) -> None:
         assert answer.status_code in (200, 303, 404), address
         assert "[conditions" not in answer.text
         assert "javascript" not in answer.text
+        assert "root:" not in answer.text
+        assert "from flask" not in answer.text
 
 
 PAGES = [
