@@ -58,6 +58,8 @@ class _Later:
         Ids of the rows there are.
     versions : frozenset of datetime
         When each version of the study was opened; no two studies agree in that.
+    log : frozenset of (int, datetime, str)
+        Number, moment and event of each line; lines are only ever added.
     """
 
     tokens: dict[int, str]
@@ -65,6 +67,7 @@ class _Later:
     forgotten: frozenset[int]
     screened_out: frozenset[int]
     versions: frozenset[datetime]
+    log: frozenset[tuple[int, datetime, str]]
 
 
 def erase_again(
@@ -94,6 +97,7 @@ def erase_again(
         for study_session in list(session.scalars(select(StudySession).order_by(StudySession.id))):
             number = study_session.id
             is_same = known.tokens.get(number) == study_session.token
+            # Forgetting draws another token; who was forgotten before has that one here too.
             if number in known.forgotten and not is_same:
                 erase(session, study_session, key, now)
                 forgotten += 1
@@ -129,17 +133,27 @@ def _read(later: Database) -> _Later:
             ),
             screened_out=frozenset(session.scalars(select(ScreenOut.id))),
             versions=frozenset(session.scalars(select(StudyVersion.opened_at))),
+            log=_log(session),
         )
 
 
+def _log(session: Session) -> frozenset[tuple[int, datetime, str]]:
+    lines = session.execute(select(AuditLine.id, AuditLine.at, AuditLine.event))
+    return frozenset((line.id, line.at, line.event) for line in lines)
+
+
 def _require_same_study(session: Session, known: _Later) -> None:
-    """Raise `InputError` unless every version somebody took part in is known to the later state."""
+    """Raise `InputError` unless the later state has all that this one's study went through.
+
+    Numbers of study sessions mean the same people only as long as one state follows from the other.
+    Of two studies that went on from one backup, each has a line in the log that the other lacks.
+    """
     seen = select(StudyVersion.opened_at).where(
         StudyVersion.id.in_(select(StudySession.version_id))
     )
-    if not set(session.scalars(seen)) <= known.versions:
+    if not (set(session.scalars(seen)) <= known.versions and _log(session) <= known.log):
         raise InputError(
             "that is not a later state of the study in this backup",
             where="--forgotten-in",
-            remedy="Name the study's own folder, or a later backup of it",
+            remedy="Name a later backup of the same study, served on from the same folder",
         )

@@ -21,6 +21,8 @@ _PAIR: Final = 0.03
 _SOUND: Final = 20_000
 """Bytes per second of what is heard, with what holds it together."""
 
+_UNITS: Final = ((10**9, "GB"), (10**6, "MB"))
+
 
 def frames_limit(folder: Path, kept: int) -> int:
     """Return how many bytes of frames may stay: `FRAMES_LIMIT`, or half of the room there is.
@@ -90,5 +92,5 @@ def _has_frames(clip: ClipVideo, sides: Collection[tuple[str, str]]) -> bool:
 
 def as_text(size: float) -> str:
     """Return a number of bytes as people read it."""
-    unit, name = (10**9, "GB") if size >= 10**9 else (10**6, "MB")
+    unit, name = next(((unit, name) for unit, name in _UNITS if size >= unit), (1000, "kB"))
     return f"{size / unit:.1f} {name}"

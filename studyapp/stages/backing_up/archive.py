@@ -26,6 +26,8 @@ from studyapp.stages.backing_up.manifest import NAME, Manifest, StoredFile
 ENDINGS: Final = (".tar", ".tar.gz", ".tgz")
 BLOCK: Final = 1 << 20
 LARGEST_MANIFEST: Final = 1 << 26
+DIGEST: Final = "manifest.sha256"
+LARGEST_DIGEST: Final = 1 << 10
 _GZIP: Final = b"\x1f\x8b"
 
 REMEDY: Final = "Take another backup; this one is damaged, or was changed, or is none"
@@ -60,7 +62,8 @@ def write_archive(
         _packed(stream, moment, compressed=compressed) as out,
         tarfile.open(fileobj=out, mode="w|", format=tarfile.PAX_FORMAT) as tar,
     ):
-        tar.addfile(_head(NAME, len(text), moment), io.BytesIO(text))
+        for name, content in ((NAME, text), (DIGEST, _digest_line(text))):
+            tar.addfile(_head(name, len(content), moment), io.BytesIO(content))
         for done, (entry, source) in enumerate(zip(manifest.files, sources, strict=True), 1):
             _add(tar, _head(entry.path, entry.size, moment), source, entry.sha256)
             on_file(done, len(sources))
@@ -126,9 +129,16 @@ def read_archive(
                     f"{entry.path} is not what was backed up", where=archive, remedy=REMEDY
                 )
             on_file(done, len(manifest.files))
-        if tar.next() is not None:
+        if tar.next() is not None or not _ends(tar):
             raise InputError("it holds more than it lists", where=archive, remedy=REMEDY)
     return manifest
+
+
+def _ends(tar: tarfile.TarFile) -> bool:
+    """Tell whether nothing but a tar's padding follows; what is compressed is then whole too."""
+    stream = cast(_Forward, tar.fileobj)
+    padding = stream.rest(tarfile.RECORDSIZE)
+    return len(padding) <= tarfile.RECORDSIZE and not any(padding)
 
 
 def _copied(tar: tarfile.TarFile, member: tarfile.TarInfo, place: Path | None) -> str:
@@ -153,9 +163,12 @@ def _manifest(tar: tarfile.TarFile, archive: Path) -> Manifest:
     member = tar.next()
     if member is None or member.name != NAME or member.size > LARGEST_MANIFEST:
         raise InputError("this is no backup of a study", where=archive, remedy=REMEDY)
-    _require_plain(member, NAME, member.size, archive)
-    source = cast(IO[bytes], tar.extractfile(member))
-    text = b"".join(iter(lambda: source.read(BLOCK), b""))
+    text = _text(tar, member, NAME, archive)
+    digest = tar.next()
+    if digest is None or digest.size > LARGEST_DIGEST:
+        raise InputError("this is no backup of a study", where=archive, remedy=REMEDY)
+    if _text(tar, digest, DIGEST, archive) != _digest_line(text):
+        raise InputError(f"{NAME} is not what was written", where=archive, remedy=REMEDY)
     try:
         return Manifest.model_validate_json(text)
     except ValidationError as error:
@@ -164,6 +177,17 @@ def _manifest(tar: tarfile.TarFile, archive: Path) -> Manifest:
             where=archive,
             remedy=f"{REMEDY}; or a newer version of Motion Jury made it",
         ) from None
+
+
+def _text(tar: tarfile.TarFile, member: tarfile.TarInfo, name: str, archive: Path) -> bytes:
+    _require_plain(member, name, member.size, archive)
+    source = cast(IO[bytes], tar.extractfile(member))
+    return b"".join(iter(lambda: source.read(BLOCK), b""))
+
+
+def _digest_line(text: bytes) -> bytes:
+    """Return the manifest's SHA-256 as ``sha256sum`` writes it."""
+    return f"{hashlib.sha256(text).hexdigest()}  {NAME}\n".encode()
 
 
 def _require_plain(member: tarfile.TarInfo, path: str, size: int, archive: Path) -> None:
@@ -221,6 +245,13 @@ class _Forward:
         self._read += len(piece)
         self._last = piece[-1:] or self._last
         return piece
+
+    def rest(self, most: int) -> bytes:
+        """Read what follows to the end; a byte more than `most` where there is more."""
+        found = b""
+        while len(found) <= most and (piece := self._next(most + 1 - len(found))):
+            found += piece
+        return found
 
     def seek(self, offset: int) -> int:
         """Say where to read next."""

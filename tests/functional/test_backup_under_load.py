@@ -1,0 +1,164 @@
+"""A backup that is taken while participants answer holds all that was acknowledged before it."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+from collections.abc import Awaitable, Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select
+
+from studyapp.bench.databases import BACKENDS, Backend
+from studyapp.bench.fabricated_study import StudyShape, write_fabricated_study
+from studyapp.bench.study_server import HOST, study_server
+from studyapp.bench.throwaway_postgresql import programs, throwaway_postgresql
+from studyapp.bench.visitor import Ledger, Visitor
+from studyapp.bench.wire import Wire
+from studyapp.clock import Clock
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import Place, Response, StudySession, Trial
+from studyapp.services.database import Database, sqlite_url
+from studyapp.stages.backing_up.backing import Backup, back_up
+from studyapp.stages.backing_up.restoring import restore
+
+PEOPLE = 12
+TRIALS = 5
+QUESTIONS = 2
+SHAPE = StudyShape(
+    places=PEOPLE, trials=TRIALS - 1, practice=0, catch=1, seconds=2.0, file_bytes=20_000
+)
+
+Answers = dict[str, dict[str, str]]
+"""Values by trial and question."""
+
+
+@dataclass
+class Crowd:
+    """Participants who answer at the same time.
+
+    Attributes
+    ----------
+    ledger : Ledger
+        What they were told.
+    addresses : list of str
+        Where each of them goes on.
+    """
+
+    ledger: Ledger = field(default_factory=Ledger)
+    addresses: list[str] = field(default_factory=list)
+
+    def answers(self) -> Answers:
+        return {trial: dict(given) for trial, given in self.ledger.acknowledged.items()}
+
+    async def take_part(self, port: int, seed: int) -> None:
+        async with Wire(HOST, port) as wire:
+            visitor = self.visitor(wire, seed)
+            address = await visitor.enrol()
+            self.addresses.append(address)
+            await visitor.go_on(address, await visitor.begin(address))
+
+    async def go_on(self, port: int, address: str) -> None:
+        async with Wire(HOST, port) as wire:
+            visitor = self.visitor(wire, len(address))
+            page = (await wire.get(address, {"Accept": "text/html"})).body.decode()
+            await visitor.go_on(address, page)
+
+    def visitor(self, wire: Wire, seed: int) -> Visitor:
+        chance = random.Random(seed)  # noqa: S311 - it must be repeatable, not secret
+        return Visitor(wire=wire, ledger=self.ledger, chance=chance, patient=True)
+
+
+async def backed_up_meanwhile(
+    crowd: Crowd, port: int, take: Callable[[], Backup]
+) -> tuple[Answers, Backup]:
+    """Let the crowd take part, and back up when a third of all answers has been acknowledged.
+
+    Returns
+    -------
+    dict
+        What had been acknowledged when the backup began.
+    Backup
+    """
+    people = [asyncio.create_task(crowd.take_part(port, seed)) for seed in range(PEOPLE)]
+    while len(crowd.ledger.acknowledged) < PEOPLE * TRIALS // 3 and not crowd.ledger.errors:
+        await asyncio.sleep(0.01)
+    before = crowd.answers()
+    made = await asyncio.to_thread(take)
+    await asyncio.gather(*people)
+    return before, made
+
+
+async def together(goers: list[Awaitable[None]]) -> None:
+    await asyncio.gather(*goers)
+
+
+def stored(url: str) -> tuple[Answers, list[str], int]:
+    """Return all answers by trial, the tokens of the unfinished, and how many places are held."""
+    database = Database.open(url)
+    answers: Answers = {}
+    with database.reading() as session:
+        for trial in session.scalars(select(Trial)):
+            given = {each.question: str(each.value) for each in trial.responses}
+            assert len(given) == len(trial.responses) == (QUESTIONS if trial.answered_at else 0)
+            answers[trial.token] = given
+        for response in session.scalars(select(Response)):
+            assert response.trial is not None
+        unfinished = session.scalars(
+            select(StudySession.token).where(StudySession.completed_at.is_(None))
+        ).all()
+        held = session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all()
+    database.close()
+    return answers, list(unfinished), len(held)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_backup_under_load_holds_every_acknowledged_answer_and_serves_on(
+    backend: Backend, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if backend == "postgresql" and programs() is None:
+        pytest.skip("PostgreSQL is not installed")
+    live, copy = StudyFolder(tmp_path / "live"), StudyFolder(tmp_path / "copy")
+    live.root.mkdir()
+    write_fabricated_study(live.root, SHAPE)
+    with ExitStack() as stack:
+        urls = [sqlite_url(live.responses), sqlite_url(copy.responses)]
+        if backend == "postgresql":
+            server = stack.enter_context(throwaway_postgresql(durable=False))
+            urls = [server.url, server.create_database("restored")]
+        crowd = Crowd()
+        monkeypatch.setenv("DATABASE_URL", urls[0])
+        with study_server(live.root, tmp_path / "said", database_url=urls[0]) as serving:
+            before, made = asyncio.run(
+                backed_up_meanwhile(
+                    crowd,
+                    serving.port,
+                    lambda: back_up(live, tmp_path / "out.tar", Clock(), media=True),
+                )
+            )
+        assert crowd.ledger.errors == []
+        everything = crowd.answers()
+        assert len(everything) == PEOPLE * TRIALS
+
+        monkeypatch.setenv("DATABASE_URL", urls[1])
+        assert restore(made.path, copy, Clock()).missing == ()
+        restored, unfinished, held = stored(urls[1])
+        given = {trial: answers for trial, answers in restored.items() if answers}
+        assert len(before) >= PEOPLE * TRIALS // 3
+        assert before.items() <= given.items() <= everything.items()
+        assert held == made.manifest.participants
+
+        again = Crowd()
+        addresses = [each for each in crowd.addresses if each.rsplit("/", 1)[-1] in unfinished]
+        assert len(addresses) == len(unfinished) > 0
+        with study_server(copy.root, tmp_path / "said", database_url=urls[1]) as serving:
+            asyncio.run(together([again.go_on(serving.port, each) for each in addresses]))
+        assert again.ledger.errors == []
+        finished, nobody, _ = stored(urls[1])
+        assert nobody == []
+        assert {trial: finished[trial] for trial in given} == given
+        assert again.ledger.acknowledged.keys() == restored.keys() - given.keys()

@@ -1,0 +1,247 @@
+"""A backup is read as if somebody else had written it."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import io
+import tarfile
+import tracemalloc
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from motion.errors import InputError
+from studyapp.stages.backing_up.archive import (
+    DIGEST,
+    LARGEST_MANIFEST,
+    is_compressed,
+    read_archive,
+    read_manifest,
+    write_archive,
+)
+from studyapp.stages.backing_up.manifest import NAME, Manifest, StoredFile
+
+FILES = {
+    "study.toml": b"name = 'tiny'\n",
+    "speech/segments.csv": b"x" * 512,
+    "videos/pairs/" + "ü" * 60 + "/000.mp4": bytes(range(256)) * 5000,
+    "responses.db": bytes(4096 * 3),
+}
+
+
+def entry(path: str, content: bytes) -> StoredFile:
+    return StoredFile(path=path, size=len(content), sha256=hashlib.sha256(content).hexdigest())
+
+
+def manifest_of(files: dict[str, bytes]) -> Manifest:
+    return Manifest(
+        motionjury="0.1.0",
+        made_at=datetime(2026, 5, 4, 12, tzinfo=UTC),
+        origin="somewhere",
+        schema_name="0001",
+        rows={"responses": 2},
+        files=tuple(entry(path, content) for path, content in files.items()),
+    )
+
+
+def written(folder: Path, archive: Path, *, compressed: bool) -> Manifest:
+    manifest = manifest_of(FILES)
+    sources = []
+    for number, content in enumerate(FILES.values()):
+        sources.append(folder / str(number))
+        sources[-1].write_bytes(content)
+    with archive.open("wb") as stream:
+        write_archive(stream, manifest, sources, compressed=compressed, on_file=silent)
+    return manifest
+
+
+def silent(_done: int, _total: int) -> None:
+    """Show nothing."""
+
+
+def listing(manifest: bytes) -> list[tuple[tarfile.TarInfo | str, bytes]]:
+    """Return the first two parts of a backup."""
+    digest = hashlib.sha256(manifest).hexdigest()
+    return [(NAME, manifest), (DIGEST, f"{digest}  {NAME}\n".encode())]
+
+
+def forged(archive: Path, *members: tuple[tarfile.TarInfo | str, bytes]) -> Path:
+    """Write an archive of the parts given, whatever they are."""
+    with tarfile.open(archive, "w") as tar:
+        for head, content in members:
+            info = tarfile.TarInfo(head) if isinstance(head, str) else head
+            if info.isreg():
+                info.size = len(content)
+            tar.addfile(info, io.BytesIO(content))
+    return archive
+
+
+def as_json(manifest: Manifest) -> bytes:
+    return manifest.model_dump_json().encode()
+
+
+def unpack(archive: Path, into: Path) -> Manifest:
+    return read_archive(archive, lambda found: into / found.path, silent)
+
+
+@pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
+def test_what_was_written_is_read_again(name: str, tmp_path: Path) -> None:
+    archive = tmp_path / name
+    manifest = written(tmp_path, archive, compressed=is_compressed(name))
+
+    assert read_manifest(archive) == manifest
+    assert unpack(archive, tmp_path / "unpacked") == manifest
+    for path, content in FILES.items():
+        assert (tmp_path / "unpacked" / path).read_bytes() == content
+
+
+def test_the_same_study_at_the_same_moment_gives_the_same_bytes(tmp_path: Path) -> None:
+    for name in ("one.tar.gz", "two.tar.gz"):
+        written(tmp_path, tmp_path / name, compressed=True)
+
+    assert (tmp_path / "one.tar.gz").read_bytes() == (tmp_path / "two.tar.gz").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["out.tar", "out.tar.gz"])
+def test_no_flipped_or_missing_byte_stays_unnoticed(name: str, tmp_path: Path) -> None:
+    archive, broken = tmp_path / name, tmp_path / "broken"
+    written(tmp_path, archive, compressed=is_compressed(name))
+    whole = archive.read_bytes()
+    contents = [whole.index(content[:64]) for content in FILES.values() if content[:64] in whole]
+    said = [whole.index(word) for word in (b'"0.1.0"', b"2026-", b"somewhere") if word in whole]
+    # Of what is compressed, the last eight bytes are a check sum and the length.
+    for place in [*said, *contents] or [len(whole) // 3, len(whole) - 8, len(whole) - 4]:
+        broken.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+        with pytest.raises(InputError, match="Take another backup"):
+            read_archive(broken, lambda _: None, silent)
+    for length in (0, 1, 511, 513, len(whole) // 2, len(whole) - 11_000):
+        broken.write_bytes(whole[: max(0, length)])
+        with pytest.raises(InputError, match="Take another backup"):
+            read_archive(broken, lambda _: None, silent)
+
+
+def test_a_file_that_changes_meanwhile_is_named(tmp_path: Path) -> None:
+    for grown in (b"name = 'tiny'\n#", b"name", b"NAME = 'tiny'\n"):
+        (tmp_path / "study.toml").write_bytes(grown)
+        (tmp_path / "responses.db").write_bytes(b"")
+        manifest = manifest_of({"study.toml": FILES["study.toml"], "responses.db": b""})
+        sources = [tmp_path / "study.toml", tmp_path / "responses.db"]
+        with pytest.raises(InputError, match=r"study\.toml: the file changed"):
+            write_archive(io.BytesIO(), manifest, sources, compressed=False, on_file=silent)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "../study.toml",
+        "/etc/passwd",
+        "videos/../../x",
+        "videos//x",
+        "videos/./x",
+        "videos",
+        "videos/",
+        "study.toml/x",
+        ".bashrc",
+        "report/index.html",
+        "videos/a\0b",
+        "",
+    ],
+)
+def test_no_path_leads_out_of_the_study(path: str) -> None:
+    with pytest.raises(ValidationError, match="no file of a study"):
+        entry(path, b"")
+
+
+def hostile(kind: bytes, target: str) -> tarfile.TarInfo:
+    head = tarfile.TarInfo("study.toml")
+    head.type, head.linkname = kind, target
+    return head
+
+
+@pytest.mark.parametrize(
+    "kind", [tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.CHRTYPE, tarfile.FIFOTYPE, tarfile.DIRTYPE]
+)
+def test_links_devices_and_folders_are_refused(kind: bytes, tmp_path: Path) -> None:
+    manifest = manifest_of({"study.toml": b"", "responses.db": b""})
+    archive = forged(
+        tmp_path / "out.tar", *listing(as_json(manifest)), (hostile(kind, "/etc/passwd"), b"")
+    )
+
+    with pytest.raises(InputError, match=r"study\.toml is not what it should be"):
+        unpack(archive, tmp_path / "unpacked")
+
+    assert not (tmp_path / "unpacked").exists()
+
+
+BASE = {"study.toml": b"name", "responses.db": b"rows"}
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        ([("../x", b"name")], "study.toml is not what it should be"),
+        ([("study.toml", b"name and more")], "study.toml is not what it should be"),
+        ([("study.toml", b"eman")], "study.toml is not what was backed up"),
+        ([("study.toml", b"name")], "responses.db is missing"),
+        ([("responses.db", b"rows"), ("study.toml", b"name")], "study.toml is not what it"),
+        ([*BASE.items(), ("videos/x", b"")], "more than it lists"),
+    ],
+)
+def test_every_part_must_be_what_is_listed(
+    parts: list[tuple[str, bytes]], said: str, tmp_path: Path
+) -> None:
+    archive = forged(tmp_path / "out.tar", *listing(as_json(manifest_of(BASE))), *parts)
+
+    with pytest.raises(InputError, match=said):
+        unpack(archive, tmp_path / "unpacked")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text.replace(b'"format":1', b'"format":2'),
+        lambda text: text.replace(b"responses.db", b"study.toml"),
+        lambda text: text.replace(b"motionjury backup", b"holiday pictures"),
+        lambda text: text[:-5],
+        lambda _: b"\xff\xfe",
+    ],
+)
+def test_a_manifest_that_is_none_is_refused(
+    change: Callable[[bytes], bytes], tmp_path: Path
+) -> None:
+    text = change(as_json(manifest_of(BASE)))
+    archive = forged(tmp_path / "out.tar", *listing(text), *BASE.items())
+
+    with pytest.raises(InputError, match="what it says of itself is wrong"):
+        read_manifest(archive)
+
+
+def test_other_archives_are_no_backups(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="this is no backup"):
+        read_manifest(forged(tmp_path / "out.tar", ("holiday.jpg", b"")))
+    with pytest.raises(InputError, match="this is no backup"):
+        read_manifest(forged(tmp_path / "empty.tar"))
+
+
+def test_no_claim_of_size_fills_the_memory(tmp_path: Path) -> None:
+    """Long names and manifests are claimed in headers of some bytes, and compress to nothing."""
+    long_name = tarfile.TarInfo(NAME)
+    long_name.type, long_name.size = tarfile.GNUTYPE_LONGNAME, 1 << 30
+    manifest = tarfile.TarInfo(NAME)
+    manifest.size = LARGEST_MANIFEST + 1
+    for number, head in enumerate((long_name, manifest)):
+        archive = tmp_path / f"{number}.tar.gz"
+        with gzip.open(archive, "wb", compresslevel=1) as out:
+            out.write(head.tobuf(tarfile.GNU_FORMAT))
+            out.write(bytes(1 << 24))
+        tracemalloc.start()
+        try:
+            with pytest.raises(InputError):
+                read_manifest(archive)
+            assert tracemalloc.get_traced_memory()[1] < 8 << 20
+        finally:
+            tracemalloc.stop()

@@ -1,0 +1,344 @@
+"""A study comes back from its backup as it was, whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select
+
+from motion.errors import InputError
+from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import AuditLine, StudySession
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.database_copies import require_empty
+from studyapp.services.forgetting import forget
+from studyapp.services.pseudonyms import PseudonymKey
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
+from studyapp.services.withdrawing import withdraw
+from studyapp.stages.backing_up import backing, restoring
+from studyapp.stages.backing_up.backing import Backup, back_up
+from studyapp.stages.backing_up.checking import check_archive
+from studyapp.stages.backing_up.restoring import restore
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+PEOPLE = ("visit-of-one", "visit-of-two")
+
+
+@dataclass
+class Study:
+    """A study in which two people have answered two trials each."""
+
+    folder: StudyFolder
+    database: Database
+    people: list[Participant]
+    clock: SetClock
+    backups: Path
+
+    def back_up(self, name: str = "out.tar.gz", *, media: bool = False) -> Backup:
+        self.clock.advance(minutes=1)
+        return back_up(self.folder, self.backups / name, self.clock, media=media)
+
+
+@pytest.fixture
+def study(
+    tiny_study: Path,
+    tmp_path: Path,
+    empty_sqlite: Path,
+    clock: SetClock,
+    monkeypatch: pytest.MonkeyPatch,
+) -> Study:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    folder = StudyFolder(tiny_study)
+    shutil.copyfile(empty_sqlite, folder.responses)
+    database = Database.open(sqlite_url(folder.responses))
+    served = ServedStudy.read(tiny_study)
+    open_study(database, served, clock)
+    PseudonymKey.read_or_make(folder.pseudonym_key)
+    people = []
+    for name in PEOPLE:
+        people.append(Participant(database, served, clock).enrol(name).begin())
+        people[-1].take_trial()
+        people[-1].take_trial()
+    (tmp_path / "backups").mkdir()
+    return Study(folder, database, people, clock, tmp_path / "backups")
+
+
+@pytest.fixture
+def new(tmp_path: Path) -> StudyFolder:
+    """Return where a study is restored to."""
+    return StudyFolder(tmp_path / "new")
+
+
+def contents(root: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(root).as_posix(): path.read_bytes()
+        for path in root.rglob("*")
+        if path.is_file() and not path.name.startswith("responses.db")
+    }
+
+
+def mode(path: Path) -> int:
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+def test_everything_comes_back_and_participants_go_on(study: Study, new: StudyFolder) -> None:
+    made = study.back_up(media=True)
+
+    done = restore(made.path, new, study.clock)
+
+    assert contents(new.root) == contents(study.folder.root)
+    assert (done.missing, done.other, done.erased) == ((), (), None)
+    database = Database.open(sqlite_url(new.responses))
+    one = Participant(database, ServedStudy.read(new.root), study.clock, study.people[0].token)
+    assert one.trial().position == 3
+    assert one.take_all()
+    with database.reading() as session:
+        (line,) = session.scalars(select(AuditLine))
+        assert (line.event, line.detail) == (
+            "restored from a backup",
+            f"as it was on {made.manifest.made_at:%Y-%m-%d %H:%M:%S} UTC",
+        )
+    database.close()
+
+
+def test_only_its_owner_may_read_a_backup_and_what_leads_to_people(
+    study: Study, new: StudyFolder
+) -> None:
+    made = study.back_up()
+    restore(made.path, new, study.clock)
+
+    assert [mode(path) for path in (made.path, new.pseudonym_key, new.responses)] == [0o600] * 3
+    assert list(study.backups.iterdir()) == [made.path]
+
+
+def test_media_that_are_not_in_it_are_looked_for(study: Study, new: StudyFolder) -> None:
+    made = study.back_up()
+    assert len(made.manifest.media) == 17
+
+    missing = restore(made.path, new, study.clock).missing
+    shutil.rmtree(new.root)
+    shutil.copytree(study.folder.videos, new.videos)
+    (new.videos / "pairs" / "003.mp4").write_bytes(b"another one")
+    found = restore(made.path, new, study.clock)
+
+    assert "videos/pairs/003.mp4" in missing
+    assert len(missing) == 17
+    assert found.missing == ("speech/take.wav",)
+    assert found.other == ("videos/pairs/003.mp4",)
+
+
+def test_nothing_is_ever_overwritten(study: Study, new: StudyFolder) -> None:
+    made = study.back_up()
+    before = made.path.read_bytes()
+
+    with pytest.raises(InputError, match="never overwrite"):
+        study.back_up()
+    with pytest.raises(InputError, match=r"not empty: pseudonyms\.key"):
+        restore(made.path, study.folder, study.clock)
+    restore(made.path, new, study.clock)
+    with pytest.raises(InputError, match="the folder is not empty"):
+        restore(made.path, new, study.clock)
+
+    assert made.path.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", ["out.zip", "out", "nowhere/out.tar"])
+def test_where_a_backup_cannot_go_is_said_before_anything_is_copied(
+    study: Study, name: str
+) -> None:
+    with pytest.raises(InputError, match=r"is not there|a backup is a"):
+        study.back_up(name)
+
+    assert list(study.backups.iterdir()) == []
+
+
+def test_a_database_that_is_there_already_is_kept(
+    study: Study, new: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = study.back_up()
+    (tmp_path / "elsewhere.db").write_bytes(b"")
+    monkeypatch.setenv("DATABASE_URL", sqlite_url(tmp_path / "elsewhere.db"))
+
+    with pytest.raises(InputError, match="the database is not empty"):
+        restore(made.path, new, study.clock)
+
+    assert not new.root.exists()
+
+
+def fail(*_: object, **__: object) -> None:
+    raise OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize("step", ["media_amiss", "compact", "require_sound", "note_restored"])
+def test_a_restore_that_fails_leaves_nothing_or_all(
+    study: Study, new: StudyFolder, step: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = study.back_up()
+    monkeypatch.setattr(restoring, step, fail)
+
+    with pytest.raises(OSError, match="No space"):
+        restore(made.path, new, study.clock)
+
+    assert new.definition.exists() == new.responses.exists() == (step == "media_amiss")
+    assert new.root.exists() == (step == "media_amiss")
+
+
+def test_a_restore_that_was_killed_says_what_to_remove(study: Study, new: StudyFolder) -> None:
+    made = study.back_up()
+    (new.root / ".unfinished-restore-1234").mkdir(parents=True)
+    (new.root / "stimuli.json").write_text("{}")
+
+    with pytest.raises(
+        InputError, match=r"left \.unfinished-restore-1234 and stimuli\.json\. Remove these"
+    ):
+        restore(made.path, new, study.clock)
+
+
+def test_a_full_disk_leaves_no_half_backup(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(backing, "write_archive", fail)
+
+    with pytest.raises(InputError, match="No space left on device"):
+        study.back_up()
+
+    assert list(study.backups.iterdir()) == []
+
+
+def test_a_disk_without_links_takes_backups_too(
+    study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "link", fail)
+
+    made = study.back_up()
+
+    assert check_archive(made.path, lambda _done, _total: None) == made.manifest
+    assert list(study.backups.iterdir()) == [made.path]
+    with pytest.raises(InputError, match="never overwrite"):
+        backing._name(made.path, made.path)
+
+
+def test_a_folder_keeps_the_newest_backups_of_this_study_alone(
+    study: Study, tmp_path: Path
+) -> None:
+    another = shutil.copytree(study.folder.root, tmp_path / "elsewhere" / "study")
+    other = back_up(StudyFolder(another), study.backups, study.clock)
+    (study.backups / "study-20200101T000000Z.tar.gz").write_bytes(b"not made by this command")
+    by_hand = study.back_up("by-hand.tar.gz")
+    made = []
+    for _ in range(4):
+        study.clock.advance(minutes=1)
+        made.append(back_up(study.folder, study.backups, study.clock, keep=2))
+
+    assert made[-1].removed == (made[1].path,)
+    assert {path.name for path in study.backups.iterdir()} == {
+        "study-20200101T000000Z.tar.gz",
+        *(each.path.name for each in (other, by_hand, *made[2:])),
+    }
+    with pytest.raises(InputError, match="only a folder"):
+        back_up(study.folder, study.backups / "x.tar", study.clock, keep=2)
+
+
+def test_who_was_forgotten_since_comes_back_only_where_nobody_says_so(
+    study: Study, new: StudyFolder, tmp_path: Path
+) -> None:
+    earlier = study.back_up("earlier.tar.gz")
+    key = PseudonymKey.read(study.folder.pseudonym_key)
+    code = study.people[0].take_all()
+    early = study.back_up("between.tar.gz")
+    forget(study.database, code, key, study.clock)
+    withdraw(study.database, study.people[1].token, study.clock)
+    later = study.back_up("later.tar.gz")
+
+    back = restore(earlier.path, new, study.clock)
+    gone = restore(
+        earlier.path, StudyFolder(tmp_path / "gone"), study.clock, forgotten_in=later.path
+    )
+
+    assert back.erased is None
+    assert people(new) == dict.fromkeys(PEOPLE, 2)
+    assert gone.erased is not None
+    assert (gone.erased.forgotten, gone.erased.withdrawn) == (1, 1)
+    assert people(StudyFolder(tmp_path / "gone")) == {None: 0, PEOPLE[1]: 0}
+    for name in (PEOPLE[0].encode(), study.people[0].token.encode()):
+        assert name not in (tmp_path / "gone" / "responses.db").read_bytes()
+    with pytest.raises(InputError, match="older than the one to be restored"):
+        restore(later.path, StudyFolder(tmp_path / "wrong"), study.clock, forgotten_in=early.path)
+    assert not (tmp_path / "wrong").exists()
+
+
+def people(folder: StudyFolder) -> dict[str | None, int]:
+    """Return how many trials each participant has answered."""
+    database = Database.open(sqlite_url(folder.responses))
+    with database.reading() as session:
+        found = {
+            known.visit: sum(trial.answered_at is not None for trial in known.trials)
+            for known in session.scalars(select(StudySession))
+        }
+    database.close()
+    return found
+
+
+def test_a_study_moves_from_sqlite_to_postgresql_and_back(
+    study: Study,
+    new: StudyFolder,
+    tmp_path: Path,
+    postgresql: ThrowawayPostgresql,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = study.back_up(media=True)
+    url = postgresql.create_database("restored")
+    monkeypatch.setenv("DATABASE_URL", url)
+    password = url.split(":")[2].split("@")[0]
+
+    said = restore(made.path, new, study.clock).database
+    again = back_up(new, study.backups / "again.tar", study.clock, media=True)
+    with pytest.raises(InputError, match="the database is not empty"):
+        restore(made.path, StudyFolder(tmp_path / "third"), study.clock)
+    monkeypatch.delenv("DATABASE_URL")
+    restore(again.path, StudyFolder(tmp_path / "back"), study.clock)
+
+    assert said.startswith("postgresql")
+    assert not new.responses.exists()
+    assert people(StudyFolder(tmp_path / "back")) == dict.fromkeys(PEOPLE, 2)
+    assert again.manifest.rows == made.manifest.rows | {"audit_lines": 1}
+    for text in (said, again.database, again.path.read_bytes().decode("latin-1")):
+        assert password not in text
+    postgresql.drop_database("restored")
+
+
+def test_postgresql_stays_empty_where_the_files_cannot_take_their_place(
+    study: Study,
+    new: StudyFolder,
+    postgresql: ThrowawayPostgresql,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = study.back_up()
+    url = postgresql.create_database("unfilled")
+    monkeypatch.setenv("DATABASE_URL", url)
+    monkeypatch.setattr(shutil, "move", fail)
+
+    with pytest.raises(OSError, match="No space"):
+        restore(made.path, new, study.clock)
+
+    require_empty(url)
+    assert not new.root.exists()
+    postgresql.drop_database("unfilled")
+
+
+def test_media_are_found_behind_links_and_no_circle_is_followed(
+    study: Study, tmp_path: Path
+) -> None:
+    shutil.move(study.folder.videos, tmp_path / "big-disk")
+    study.folder.videos.symlink_to(tmp_path / "big-disk")
+    (tmp_path / "big-disk" / "circle").symlink_to(study.folder.root)
+
+    paths = {file.path for file in study.back_up(media=True).manifest.files}
+
+    assert "videos/pairs/000.mp4" in paths
+    assert not [path for path in paths if "circle/videos" in path]
