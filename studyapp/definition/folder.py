@@ -56,6 +56,16 @@ class StudyFolder:
         return self.root / "rehearsal.json"
 
     @property
+    def rehearsal_findings(self) -> Path:
+        """Folder of what a rehearsal's participants were told, and of what came of it."""
+        return self.root / "rehearsal"
+
+    @property
+    def acknowledged(self) -> Path:
+        """What the simulated participants were told is stored, line by line."""
+        return self.rehearsal_findings / "acknowledged.jsonl"
+
+    @property
     def pseudonym_key(self) -> Path:
         """Key of the participants' pseudonyms; it is never exported."""
         return self.root / "pseudonyms.key"

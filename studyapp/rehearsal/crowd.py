@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from threading import Event
 from typing import Final
@@ -13,15 +13,26 @@ import httpx
 from motion.errors import InputError
 from studyapp.definition.study import Study
 from studyapp.rehearsal.connection import study_client
-from studyapp.rehearsal.examiner import Examiner
+from studyapp.rehearsal.examiner import Examiners
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
 from studyapp.rehearsal.probes import Probe
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import Roster
+from studyapp.rehearsal.visit import Departure
 
 STAGGER: Final = 0.05
 """Seconds between the first arrivals."""
+
+TakesPart = Callable[[Participant, str, bool], object]
+"""Lets a participant take part in the study at an address, who may have been away before."""
+
+
+def by_http(participant: Participant, server: str, is_back: bool) -> None:
+    """Let `participant` take part without a browser."""
+    with study_client(server) as client:
+        participant.take_part(client, is_back=is_back)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,28 +47,41 @@ class Crowd:
         Whom they are drawn from, and with which seed.
     eyes : Eyes
         How they see through the blinding.
+    ledger : Ledger
+        Where they note what they are told.
     server : str
         Address of the study's server.
     speed : float
         How much faster than real its clock runs.
+    examiners : Examiners
+        Who tries bad submissions, and which were tried.
+    takes_part : callable
+        By what means they take part.
     stop : Event
         Tells all of them to stop.
-    probes : list of Probe
-        Bad submissions that were tried.
     """
 
     study: Study
     truth: Truth
     eyes: Eyes
+    ledger: Ledger
     server: str
     speed: float
+    examiners: Examiners
+    takes_part: TakesPart = by_http
     stop: Event = field(default_factory=Event)
-    probes: list[Probe] = field(default_factory=list)
+
+    @property
+    def probes(self) -> list[Probe]:
+        """Bad submissions that were tried."""
+        return self.examiners.probes
 
     def take_part(self, roster: Roster, *, workers: int, on_done: Callable[[int], None]) -> None:
         """Let the rest of `roster` come, `workers` at a time; the first error stops everybody.
 
-        The first who is new tries bad submissions on every kind of page.
+        One of those who are new tries bad submissions on every kind of page; where that one leaves
+        on the way, the next who comes does. Who leaves to come back comes back after everybody
+        else has come.
 
         Parameters
         ----------
@@ -66,34 +90,44 @@ class Crowd:
         workers : int
             How many take part at the same time.
         on_done : callable
-            Called with the number of those who have finished, after each.
+            Called with the number of those who have finished, or left for good, after each.
 
         Raises
         ------
         InputError
             If a page lacks something, something bad is not refused, or the server is gone.
         """
+        away = self.ledger.read().away
         with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
+
+            def comes(name: str, *, delay: float, is_back: bool) -> Future[bool]:
+                may_examine = name in roster.awaited and not is_back
+                return pool.submit(
+                    self._one, name, delay=delay, is_back=is_back, may_examine=may_examine
+                )
+
             try:
-                visits = [
-                    pool.submit(
-                        self._one,
-                        name,
-                        delay=min(index, workers) * STAGGER,
-                        probing=name in roster.awaited[:1],
-                    )
+                visits = {
+                    comes(name, delay=min(index, workers) * STAGGER, is_back=name in away): name
                     for index, name in enumerate(roster.remaining)
-                ]
-                for done, visit in enumerate(as_completed(visits), start=1):
-                    visit.result()
-                    on_done(done)
+                }
+                done = 0
+                while visits:
+                    for visit in wait(visits, return_when=FIRST_COMPLETED).done:
+                        name = visits.pop(visit)
+                        if visit.result():
+                            done += 1
+                            on_done(done)
+                        else:
+                            visits[comes(name, delay=0.0, is_back=True)] = name
             finally:
                 self.stop.set()
                 pool.shutdown(cancel_futures=True)
 
-    def _one(self, name: str, *, delay: float, probing: bool) -> None:
+    def _one(self, name: str, *, delay: float, is_back: bool, may_examine: bool) -> bool:
+        """Let one participant come; return whether that was for the last time."""
         self.stop.wait(delay)
-        examiner = Examiner(name=name, study=self.study, eyes=self.eyes, probes=self.probes)
+        examiner = self.examiners.one(name, self.study, self.eyes, may_begin=may_examine)
         participant = Participant(
             name=name,
             study=self.study,
@@ -102,15 +136,24 @@ class Crowd:
             eyes=self.eyes,
             speed=self.speed,
             stop=self.stop,
-            answer=examiner.answer if probing else answer_trial,
-            fill=examiner.fill if probing else fill_form,
+            answer=examiner.answer if examiner else answer_trial,
+            fill=examiner.fill if examiner else fill_form,
+            ledger=self.ledger,
         )
-        with study_client(self.server) as client:
-            try:
-                participant.take_part(client)
-            except httpx.TransportError as error:
-                raise InputError(
-                    f"the study's server does not answer any more ({error})",
-                    where=self.server,
-                    remedy="Run the command again: it goes on where it was",
-                ) from error
+        if is_back:
+            self.ledger.returned(name)
+        try:
+            self.takes_part(participant, self.server, is_back)
+        except Departure as departure:
+            if departure.returns:
+                self.ledger.left(name)
+            else:
+                self.examiners.left(name)
+            return not departure.returns
+        except httpx.TransportError as error:
+            raise InputError(
+                f"the study's server does not answer any more ({error})",
+                where=self.server,
+                remedy="Run the command again: it goes on where it was",
+            ) from error
+        return True

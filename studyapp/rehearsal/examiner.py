@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from threading import Lock
 
 from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
@@ -58,3 +59,32 @@ class Examiner:
         )
         self.probes.extend(probes)
         return following
+
+
+@dataclass(frozen=True)
+class Examiners:
+    """Who of many participants tries bad submissions: one at a time, and another if that one left.
+
+    Attributes
+    ----------
+    probes : list of Probe
+        What all of them tried.
+    """
+
+    probes: list[Probe] = field(default_factory=list)
+    _present: dict[str, Examiner] = field(default_factory=dict)
+    _lock: Lock = field(default_factory=Lock, repr=False)
+
+    def one(self, name: str, study: Study, eyes: Eyes, *, may_begin: bool) -> Examiner | None:
+        """Return the examiner that `name` is; None where somebody else is, or nobody is needed."""
+        with self._lock:
+            if may_begin and not self._present:
+                self._present[name] = Examiner(
+                    name=name, study=study, eyes=eyes, probes=self.probes
+                )
+            return self._present.get(name)
+
+    def left(self, name: str) -> None:
+        """Let somebody else examine if `name`, who has left for good, did."""
+        with self._lock:
+            self._present.pop(name, None)

@@ -55,7 +55,13 @@ class Eyes:
             there, wanted = len(page.players), len(trial.videos)
             if there != wanted or not {video.token for video in trial.videos} <= tokens:
                 raise BrokenPageError(page, f"shows {there} videos, not the {wanted} of its trial")
-            return Sight(rater=_rater(session, trial.study_session), trial=seen(trial))
+            sitting = trial.study_session
+            planned = select(func.count()).where(Trial.study_session_id == sitting.id)
+            return Sight(
+                rater=rater_name(session, sitting),
+                trial=seen(trial),
+                trials=session.scalars(planned).one(),
+            )
 
     def stored(self, page: Page) -> tuple[StoredAnswer, ...]:
         """Return all answers of the participant who sees `page`."""
@@ -131,7 +137,7 @@ def seen(trial: Trial) -> SeenTrial:
     )
 
 
-def _rater(session: Session, sitting: StudySession) -> str:
+def rater_name(session: Session, sitting: StudySession) -> str:
     """Return the name of the rater that holds a place, as the first one or as a later one."""
     earlier = session.scalar(
         select(func.count())
@@ -140,7 +146,6 @@ def _rater(session: Session, sitting: StudySession) -> str:
             StudySession.arm == sitting.arm,
             StudySession.arm_design == sitting.arm_design,
             StudySession.number == sitting.number,
-            StudySession.completed_at.is_not(None),
             StudySession.id < sitting.id,
         )
     )

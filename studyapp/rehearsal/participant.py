@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import Event
 from typing import Final
@@ -11,13 +11,16 @@ from typing import Final
 import httpx
 
 from studyapp.definition.study import Study
+from studyapp.rehearsal.conduct import Conduct
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormFields
 from studyapp.rehearsal.judgement import Judgement, judge
+from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.raters import Rater
-from studyapp.rehearsal.visit import Visit
+from studyapp.rehearsal.sight import Sight
+from studyapp.rehearsal.visit import Departure, Visit
 from studyapp.web.about_participant import FORM_FIELD
 
 SAME_PAGE_AT_MOST: Final = 3
@@ -63,6 +66,8 @@ class Participant:
         How it answers trials.
     fill : callable
         How it fills in the forms of other pages.
+    ledger : Ledger or None
+        Where it notes what it was told is stored.
     """
 
     name: str
@@ -74,6 +79,7 @@ class Participant:
     stop: Event
     answer: AnswerTrial = answer_trial
     fill: FillForm = fill_form
+    ledger: Ledger | None = None
 
     @property
     def entrance(self) -> str:
@@ -89,13 +95,20 @@ class Participant:
             for question in self.study.form.asked(stage)
         }
 
-    def take_part(self, client: httpx.Client) -> str:
+    def take_part(self, client: httpx.Client, *, is_back: bool = False) -> str:
         """Go from the link to the end and return the completion code.
 
         A study session that was begun earlier is gone on with, if the server knows the link.
 
+        Parameters
+        ----------
+        is_back : bool
+            Whether it has been away already, so that it stays now.
+
         Raises
         ------
+        Departure
+            If it leaves on the way.
         BrokenPageError
             If a page lacks what a person would need, or leads nowhere.
         InterruptedRehearsal
@@ -105,16 +118,36 @@ class Participant:
         page = visit.open(self.entrance)
         before: tuple[str, str] | None = None
         same = 0
+        came_once_more = False
         while (code := page.completion_code) is None:
             step = (page.address, page.answer_form.trial if page.asks else page.next_form.action)
             same = same + 1 if step == before else 1
             if same > SAME_PAGE_AT_MOST:
                 raise BrokenPageError(page, "comes back though it was filled in as it asks")
             before = step
-            if page.asks:
-                page = self.answer(visit, page, self.judge(page))
-            else:
+            if not page.asks:
                 page = self.fill(visit, page, self.say(visit, page))
+                continue
+            sight = self.eyes.look(page)
+            position = sight.trial.position
+            conduct = self.conduct(sight)
+            if conduct.leaves_at == position and not is_back:
+                raise Departure(returns=conduct.returns)
+            if conduct.clicks_twice and not came_once_more:
+                page, came_once_more = visit.open(self.entrance), True
+                continue
+            visit = replace(
+                visit,
+                watches=conduct.watches,
+                thinks=conduct.thinks(position),
+                clicks_twice=conduct.clicks_twice,
+            )
+            judgement = self.judged(sight)
+            page = self.answer(visit, page, judgement)
+            if self.ledger is not None:
+                self.ledger.answered(self.name, position, judgement)
+        if self.ledger is not None:
+            self.ledger.completed(self.name, code)
         return code
 
     def say(self, visit: Visit, page: Page) -> FormFields:
@@ -128,6 +161,17 @@ class Participant:
 
     def judge(self, page: Page) -> Judgement:
         """Return this participant's answers to the trial on `page`."""
-        sight = self.eyes.look(page)
-        rater = Rater(population=self.population, seed=self.seed, name=sight.rater)
-        return judge(self.study, rater, sight.trial)
+        return self.judged(self.eyes.look(page))
+
+    def judged(self, sight: Sight) -> Judgement:
+        """Return this participant's answers to a trial that it has seen."""
+        return judge(self.study, self._rater(sight), sight.trial)
+
+    def conduct(self, sight: Sight) -> Conduct:
+        """Return how this participant takes part, as far as it is known once it sees a trial."""
+        return Conduct(
+            rater=self._rater(sight), trials=sight.trials, coverage=self.study.watching.coverage
+        )
+
+    def _rater(self, sight: Sight) -> Rater:
+        return Rater(population=self.population, seed=self.seed, name=sight.rater)

@@ -102,8 +102,8 @@ class Population:
             raise ValueError("a standard deviation is negative")
         if self.rating_spread <= 0:
             raise ValueError(f"rating_spread {self.rating_spread} is not above 0")
-        shares = {"overlooked": self.overlooked, "reasons": self.reasons, **self.kinds}
-        for name, share in shares.items():
+        own = (("overlooked", self.overlooked), ("reasons", self.reasons))
+        for name, share in (*own, *self.kinds.items()):
             if not 0 <= share <= 1:
                 raise ValueError(f"{name} {share} is no share")
         if sum(self.kinds.values()) > 1 + 1e-9:

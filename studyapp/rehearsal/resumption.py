@@ -6,22 +6,32 @@ import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from datetime import timedelta
 from typing import Final
 
-from sqlalchemy import select
+from sqlalchemy import select, update
+from sqlalchemy.orm import selectinload
 
 from motion.errors import InputError
 from motion.segment import Segment
+from studyapp.clock import Clock
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import Stimuli, read_stimuli
 from studyapp.definition.study import Study
-from studyapp.models import Place, StudySession
+from studyapp.models import StudySession
+from studyapp.rehearsal.conduct import Conduct
+from studyapp.rehearsal.eyes import rater_name
+from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.population import Population, default_population
+from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.truth import expectations
 from studyapp.services.database import Database
 
 _SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
+
+MOST_GONE: Final = 3
+"""Times as many may leave for good, and be replaced, as are asked for."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +44,8 @@ class Roster:
         How many are asked for.
     finished : tuple of str
         Those who have their completion code, also if they are more than are asked for now.
+    gone : tuple of str
+        Those who have left for good.
     halfway : tuple of str
         Those asked for who are in the middle of their study session. They are to come back
         before anybody new comes, so that their places are not thought abandoned.
@@ -43,6 +55,7 @@ class Roster:
 
     wanted: int
     finished: tuple[str, ...]
+    gone: tuple[str, ...]
     halfway: tuple[str, ...]
     awaited: tuple[str, ...]
 
@@ -82,6 +95,7 @@ def prepare(
         note = f"The answers of an earlier rehearsal were removed: {difference}."
     for ending in _SQLITE_ENDINGS:
         folder.rehearsal.with_name(folder.rehearsal.name + ending).unlink(missing_ok=True)
+    Ledger(folder.acknowledged).remove()
     write_truth(folder.rehearsal_truth, truth)
     return truth, note
 
@@ -89,7 +103,9 @@ def prepare(
 def _digest(study: Study, segments: Sequence[Segment], stimuli: Stimuli) -> str:
     """Return what changes with anything that decides trials, pages or videos of the study."""
     videos = sorted(made.key for made in (*stimuli.clips, *stimuli.pairs, *stimuli.copies))
-    state = json.dumps([study.model_dump(), [asdict(segment) for segment in segments], videos])
+    # Whom it simulates, the rehearsal itself compares.
+    told = study.model_dump(exclude={"rehearsal"})
+    state = json.dumps([told, [asdict(segment) for segment in segments], videos])
     return hashlib.sha256(state.encode()).hexdigest()
 
 
@@ -106,25 +122,85 @@ def _difference(folder: StudyFolder, truth: Truth) -> str:
     return "" if earlier == truth else "its participants were drawn from another population"
 
 
-def call_roster(database: Database, count: int) -> Roster:
+def call_roster(database: Database, count: int, truth: Truth) -> Roster:
     """Return where the simulated participants stand, of whom `count` are asked for.
 
     For everybody who finished and was excluded, so that the place is open again, one more is
-    asked for; at most as many as there are in the first place.
+    asked for, at most as many as there are in the first place; and one for everybody who left for
+    good, at most `MOST_GONE` times as many.
     """
-    with database.reading() as session:
-        rows = session.execute(
-            select(StudySession.recruiter_participant, StudySession.completed_at, Place.id).join(
-                StudySession.place, isouter=True
-            )
-        ).all()
-    known = {row.recruiter_participant: row.completed_at for row in rows}
-    excluded = sum(row.completed_at is not None and row.id is None for row in rows)
-    wanted = count + min(excluded, count)
+    sittings = _sittings(database)
+    finished = [each.name for each in sittings if each.is_finished]
+    excluded = sum(each.is_finished and not each.has_place for each in sittings)
+    gone = [each.name for each in sittings if each.is_gone(truth)]
+    wanted = count + min(excluded, count) + min(len(gone), MOST_GONE * count)
     names = [f"rehearsal-{number:05d}" for number in range(wanted)]
+    known = {each.name for each in sittings}
+    over = {*finished, *gone}
     return Roster(
         wanted=wanted,
-        finished=tuple(name for name in known if known[name] is not None),
-        halfway=tuple(name for name in names if name in known and known[name] is None),
+        finished=tuple(finished),
+        gone=tuple(gone),
+        halfway=tuple(name for name in names if name in known and name not in over),
         awaited=tuple(name for name in names if name not in known),
     )
+
+
+def let_time_pass(database: Database, roster: Roster, lease_minutes: int) -> None:
+    """Let the leases end of those who left for good, and of nobody else.
+
+    It is their last sign of life that is set back, since nobody waits that long in a rehearsal;
+    their places are then given to others as they are in the study itself. Those in the middle of
+    their study session are on their way back, however long ago the rehearsal was stopped.
+    """
+    now = Clock().now()
+    for names, moment in (
+        (roster.gone, now - timedelta(minutes=lease_minutes + 1)),
+        (roster.halfway, now),
+    ):
+        with database.writing() as session:
+            session.execute(
+                update(StudySession)
+                .where(StudySession.recruiter_participant.in_(names))
+                .values(last_active_at=moment)
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Sitting:
+    """What is stored of one simulated participant."""
+
+    name: str
+    rater: str
+    is_finished: bool
+    has_place: bool
+    trials: int
+    settled: int
+
+    def is_gone(self, truth: Truth) -> bool:
+        """Tell whether it has left for good: it does so once it sees a certain trial."""
+        rater = Rater(population=truth.population, seed=truth.seed, name=self.rater)
+        conduct = Conduct(rater=rater, trials=self.trials, coverage=0.0)
+        leaves_at = None if conduct.returns else conduct.leaves_at
+        return not self.is_finished and leaves_at is not None and self.settled >= leaves_at - 1
+
+
+def _sittings(database: Database) -> list[_Sitting]:
+    """Return what is stored of every simulated participant, in the order of their arrival."""
+    with database.reading() as session:
+        sittings = session.scalars(
+            select(StudySession)
+            .order_by(StudySession.id)
+            .options(selectinload(StudySession.place), selectinload(StudySession.trials))
+        )
+        return [
+            _Sitting(
+                name=sitting.recruiter_participant or "",
+                rater=rater_name(session, sitting),
+                is_finished=sitting.completed_at is not None,
+                has_place=sitting.place is not None,
+                trials=max(1, len(sitting.trials)),
+                settled=sum(trial.settled for trial in sitting.trials),
+            )
+            for sitting in sittings
+        ]

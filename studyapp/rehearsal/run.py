@@ -13,13 +13,15 @@ from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.rehearsal.crowd import Crowd
+from studyapp.rehearsal.examiner import Examiners
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.findings import Findings, findings
+from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.lock import only_rehearsal
 from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.probes import Probe
 from studyapp.rehearsal.record import Truth
-from studyapp.rehearsal.resumption import call_roster, prepare
+from studyapp.rehearsal.resumption import call_roster, let_time_pass, prepare
 from studyapp.rehearsal.server import rehearsal_server
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
@@ -41,6 +43,8 @@ class RehearsalResult:
         Participants who have their completion code, all runs of this rehearsal together.
     kept : int
         How many of them had it before this run.
+    left : int
+        Participants who left on the way, for good.
     probes : tuple of Probe
         Bad submissions that were tried in this run; they changed nothing.
     truth : Truth
@@ -55,6 +59,7 @@ class RehearsalResult:
 
     completed: int
     kept: int
+    left: int
     probes: tuple[Probe, ...]
     truth: Truth
     findings: Findings
@@ -108,29 +113,38 @@ def rehearse(
     with only_rehearsal(folder), ExitStack() as opened:
         truth, note = prepare(folder, seed=seed, population=population)
         database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
-        roster = call_roster(database, count)
+        roster = call_roster(database, count, truth)
         kept = len(roster.finished)
         show = on_done or _show_nothing
         show(roster.wanted - len(roster.remaining), roster.wanted)
-        probes: list[Probe] = []
+        examiners = Examiners()
         if roster.remaining:
             server = opened.enter_context(rehearsal_server(folder, speed=speed))
-        # Who is excluded may open the place again, so that somebody else is awaited.
+        # Who is excluded or leaves may open the place again, so that somebody else is awaited.
         while roster.remaining:
+            let_time_pass(database, roster, study.lease_minutes)
             there = roster.wanted - len(roster.remaining)
-            crowd = Crowd(study=study, truth=truth, eyes=Eyes(database), server=server, speed=speed)
+            crowd = Crowd(
+                study=study,
+                truth=truth,
+                eyes=Eyes(database),
+                ledger=Ledger(folder.acknowledged),
+                server=server,
+                speed=speed,
+                examiners=examiners,
+            )
             crowd.take_part(
                 roster,
                 workers=workers,
                 on_done=partial(_show_more, show, there=there, wanted=roster.wanted),
             )
-            probes += crowd.probes
-            roster = call_roster(database, count)
+            roster = call_roster(database, count, truth)
         found = findings(database, study, truth.expected)
     return RehearsalResult(
         completed=len(roster.finished),
         kept=kept,
-        probes=tuple(probes),
+        probes=tuple(examiners.probes),
+        left=len(roster.gone),
         truth=truth,
         findings=found,
         note=note,

@@ -49,10 +49,14 @@ class Sight:
     ----------
     rater : str
         Names the rater by its place, whoever holds it: a place's answers are the same in every
-        rehearsal with the same seed. Whoever replaces somebody excluded is another rater.
+        rehearsal with the same seed. Whoever replaces somebody who was excluded, or who left, is
+        another rater.
     trial : SeenTrial
         What is to be judged.
+    trials : int
+        How many there are in the whole study session.
     """
 
     rater: str
     trial: SeenTrial
+    trials: int

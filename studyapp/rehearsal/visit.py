@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from threading import Event
 
@@ -10,6 +11,20 @@ import httpx
 from studyapp.rehearsal.forms import Form, FormFields
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.players import Player
+
+
+class Departure(Exception):  # noqa: N818 - it is no error
+    """A participant has left.
+
+    Attributes
+    ----------
+    returns : bool
+        Whether to come back later.
+    """
+
+    def __init__(self, *, returns: bool) -> None:
+        super().__init__()
+        self.returns = returns
 
 
 class InterruptedRehearsal(Exception):  # noqa: N818 - it is no error
@@ -28,38 +43,62 @@ class Visit:
         Set when the rehearsal is to stop.
     speed : float
         How fast the rehearsal's clock runs; videos are played in that time.
+    watches : float
+        Share of each video that is watched, in [0, 1].
+    thinks : float
+        Seconds on that clock between the last video and the answers.
+    clicks_twice : bool
+        Whether every button is pressed twice, as fast as that goes.
     """
 
     client: httpx.Client
     stop: Event
     speed: float
+    watches: float = 1.0
+    thinks: float = 0.0
+    clicks_twice: bool = False
 
     def open(self, address: str) -> Page:
         """Return the page at `address`, after redirects."""
         return _page(self.client.get(address))
 
     def send(self, page: Page, form: Form, answers: FormFields | None = None) -> Page:
-        """Send `form` of `page` with `answers` and return the page that follows."""
+        """Send `form` of `page` with `answers` and return the page that follows.
+
+        Raises
+        ------
+        BrokenPageError
+            If it is not taken; from who clicks twice, both must be.
+        """
         data = page.filled(form, answers or {})
         if self.stop.is_set():
             raise InterruptedRehearsal
-        return _page(self.client.post(page.target(form), data=data))
+        target = page.target(form)
+        if not self.clicks_twice:
+            return _page(self.client.post(target, data=data))
+        with ThreadPoolExecutor(2) as clicks:
+            sent = [clicks.submit(self.client.post, target, data=data) for _ in range(2)]
+            return [_page(each.result()) for each in sent][-1]
 
     def watch(self, page: Page) -> None:
-        """Play each video on `page` to its end on the rehearsal's clock, one after the other.
+        """Play the videos on `page` on the rehearsal's clock, one after the other, and think.
 
         The reports say no more than the truth: the intervals that the clock let pass.
         """
         for player in page.players:
             self._stream(page, player.source, "video")
-            if self.stop.wait(player.duration / self.speed):
-                raise InterruptedRehearsal
+            self._wait(player.duration * self.watches)
             self._report(page, player)
+        self._wait(self.thinks)
 
     def listen(self, page: Page) -> None:
         """Fetch what can be listened to on `page`."""
         for source in page.sounds:
             self._stream(page, source, "audio")
+
+    def _wait(self, seconds: float) -> None:
+        if self.stop.wait(seconds / self.speed):
+            raise InterruptedRehearsal
 
     def _stream(self, page: Page, source: str, kind: str) -> None:
         opening = self.client.get(source, headers={"Range": "bytes=0-1023"})
@@ -72,7 +111,7 @@ class Visit:
             )
 
     def _report(self, page: Page, player: Player) -> None:
-        played = {"batch": 0, "intervals": [[0.0, player.duration]]}
+        played = {"batch": 0, "intervals": [[0.0, player.duration * self.watches]]}
         told = self.client.post(player.watched_address, json=played)
         if told.is_error:
             raise BrokenPageError(

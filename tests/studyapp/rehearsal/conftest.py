@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 
@@ -94,7 +95,7 @@ def participant(folder: StudyFolder, eyes: Eyes) -> Participant:
     return Participant(
         name="p1",
         study=folder.study(),
-        population=default_population(folder.study()),
+        population=replace(default_population(folder.study()), kinds={}),
         seed=1,
         eyes=eyes,
         speed=SPEED,

@@ -189,7 +189,7 @@ def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
 def test_a_rehearsal_says_what_was_put_in_and_what_is_found(
     folder: StudyFolder, participant: Participant
 ) -> None:
-    result = rehearse(folder, participants=2, seed=1, workers=2)
+    result = rehearse(folder, participants=2, seed=1, workers=2, population=participant.population)
     assert (result.completed, result.kept) == (2, 0)
     study = folder.study()
     assert {(row.part, row.question) for row in result.findings.rows} == {

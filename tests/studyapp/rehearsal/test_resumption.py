@@ -9,10 +9,12 @@ import pytest
 
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Place, StudySession, StudyVersion
-from studyapp.rehearsal.population import default_population
-from studyapp.rehearsal.record import read_truth
+from studyapp.rehearsal.population import Population, default_population
+from studyapp.rehearsal.record import Truth, read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
 from studyapp.services.database import Database, sqlite_url
+
+TRUTH = Truth(seed=1, study="", population=Population(quality={}), expected=())
 
 
 @pytest.fixture
@@ -103,7 +105,7 @@ def store(database: Database, *sittings: tuple[str, bool, int | None]) -> None:
 
 def test_the_roster_tells_who_is_where(database: Database) -> None:
     store(database, ("rehearsal-00002", True, 0), ("rehearsal-00001", False, 1))
-    roster = call_roster(database, 4)
+    roster = call_roster(database, 4, TRUTH)
     assert roster.finished == ("rehearsal-00002",)
     assert roster.halfway == ("rehearsal-00001",)
     assert roster.awaited == ("rehearsal-00000", "rehearsal-00003")
@@ -111,11 +113,11 @@ def test_the_roster_tells_who_is_where(database: Database) -> None:
 
 def test_somebody_else_is_awaited_for_who_was_excluded(database: Database) -> None:
     store(database, ("rehearsal-00000", True, None), ("rehearsal-00001", True, 0))
-    roster = call_roster(database, 2)
+    roster = call_roster(database, 2, TRUTH)
     assert (roster.wanted, roster.awaited) == (3, ("rehearsal-00002",))
 
 
 def test_no_more_are_awaited_than_twice_as_many_as_there_are_places(database: Database) -> None:
     store(database, *((f"rehearsal-{number:05d}", True, None) for number in range(4)))
-    roster = call_roster(database, 2)
+    roster = call_roster(database, 2, TRUTH)
     assert (roster.wanted, roster.remaining) == (4, ())
