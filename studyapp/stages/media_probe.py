@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, Self
+from typing import Any, ClassVar, Final, Literal, Self
 
 import av
 
@@ -19,7 +19,18 @@ DURATION_TOLERANCE: Final = 0.1
 """Seconds by which a video may be longer or shorter than its segment."""
 
 
-def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> str | None:
+FlawKind = Literal["damaged", "no picture", "no sound", "length"]
+
+
+@dataclass(frozen=True)
+class Flaw:
+    """What is wrong with a video, and in words that follow its name."""
+
+    kind: FlawKind
+    what: str
+
+
+def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> Flaw | None:
     """Return what is wrong with a video that should last `seconds`; None where nothing is.
 
     Its index is read and its first frame decoded, not the whole of it.
@@ -36,16 +47,16 @@ def flaw_of(video: Path, seconds: float, *, sound: bool = True) -> str | None:
     try:
         with av.open(str(video)) as container:
             if not container.streams.video:
-                return "has no picture"
+                return Flaw("no picture", "has no picture")
             if sound and not container.streams.audio:
-                return "has no sound"
+                return Flaw("no sound", "has no sound")
             lasts = (container.duration or 0) / av.time_base
             if abs(lasts - seconds) > DURATION_TOLERANCE:
-                return f"lasts {lasts:.2f} s, its segment {seconds:.2f} s"
+                return Flaw("length", f"lasts {lasts:.2f} s, its segment {seconds:.2f} s")
             if next(container.decode(video=0), None) is None:
-                return "has no frame"
+                return Flaw("no picture", "has no frame")
     except (av.FFmpegError, OSError):
-        return "cannot be played: it is damaged or no video"
+        return Flaw("damaged", "cannot be played: it is damaged or no video")
     return None
 
 
@@ -180,6 +191,44 @@ def structure_of(video: Path) -> VideoStructure | None:
             )
     except (av.FFmpegError, OSError):
         return None
+
+
+def plays_at_once(video: Path) -> bool | None:
+    """Tell whether a video's index comes before its pictures, so that it plays while it loads.
+
+    Returns
+    -------
+    bool or None
+        None where the file is no MP4 that has both.
+    """
+    places: dict[bytes, int] = {}
+    size = video.stat().st_size
+    with video.open("rb") as file:
+        at = 0
+        while at + 8 <= size and len(places) < 2:
+            file.seek(at)
+            header = file.read(16)
+            length, kind = int.from_bytes(header[:4], "big"), header[4:8]
+            if length == 1:
+                length = int.from_bytes(header[8:16], "big")
+            if kind in (b"moov", b"mdat"):
+                places.setdefault(kind, at)
+            # 0: the box goes on to the end of the file (ISO/IEC 14496-12, 4.2).
+            at = at + length if length >= 8 else size
+    if len(places) < 2:
+        return None
+    return places[b"moov"] < places[b"mdat"]
+
+
+def written_in(video: Path) -> tuple[str, ...]:
+    """Return what a video's file says of itself: brands, titles, comments, names of streams."""
+    try:
+        with av.open(str(video)) as container:
+            tables = [container.metadata, *(stream.metadata for stream in container.streams)]
+    except (av.FFmpegError, OSError):
+        return ()
+    said = [f"{key}: {value}" for table in tables for key, value in table.items()]
+    return tuple(sorted(said))
 
 
 def loudness_of(video: Path) -> float | None:

@@ -18,8 +18,8 @@ from studyapp.definition.study import GROUND_TRUTH, Study
 from studyapp.rehearsal.record import read_truth
 from studyapp.stages.analysed_tasks import compared
 from studyapp.stages.measuring import measure_study
-from studyapp.stages.preflight import study_notes
 from studyapp.stages.report_strips import study_stills
+from studyapp.stages.study_notes import study_notes
 
 
 def study_subject(

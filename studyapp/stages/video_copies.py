@@ -148,7 +148,10 @@ def _originals(
 
 def _flaw_of(file: Path, segment: Segment, *, sound: bool) -> str | None:
     """Return why participants cannot be shown a copy of `file`; None where they can."""
-    return flaw_of(file, segment.duration, sound=sound) if file.is_file() else "is missing"
+    if not file.is_file():
+        return "is missing"
+    flaw = flaw_of(file, segment.duration, sound=sound)
+    return None if flaw is None else flaw.what
 
 
 def _copy_of(stimulus: Stimulus, original: _Original, lasts: Fraction) -> VideoCopy:

@@ -12,9 +12,10 @@ import tomlkit
 from motion.freeze import moving_channels
 from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.finding import Severity
+from studyapp.stages.checking.finding import Severity
 from studyapp.stages.generation import generate
-from studyapp.stages.motion_checks import motion_findings
+from studyapp.stages.checking.material import Material
+from studyapp.stages.checking.motion_checks import motion_findings
 from studyapp.stages.recordings import Take, import_take
 from studyapp.stages.shown_motion import read_motion_shown
 from studyapp.web.app import create_app
@@ -44,7 +45,8 @@ def test_no_frozen_channel_moves_in_any_motion_shown(
     assert shown
     assert not any(moving_channels(clip) & {*FROZEN} for clip in shown.values())
     assert any("hands" in moving_channels(clip) for clip in shown.values())
-    said = [f.what for f in motion_findings(folder, study) if f.severity is not Severity.NOTE]
+    found = motion_findings(Material.of(folder, study))
+    said = [f.what for f in found if f.severity is not Severity.NOTE]
     assert not [what for what in said for channel in FROZEN if what.startswith(channel)]
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from motion.audio import Audio, write_wav
 from renderer.encoder import SOUND_RATE, VideoWriter
-from studyapp.stages.media_probe import flaw_of, loudness_of
+from studyapp.stages.media_probe import Flaw, flaw_of, loudness_of
 
 
 @pytest.fixture
@@ -21,13 +21,13 @@ def test_a_whole_video_has_no_flaw(video: Path) -> None:
 
 
 def test_a_video_of_another_length_is_told(video: Path) -> None:
-    assert flaw_of(video, 5.0) == "lasts 2.00 s, its segment 5.00 s"
+    assert flaw_of(video, 5.0) == Flaw("length", "lasts 2.00 s, its segment 5.00 s")
 
 
 def test_sound_alone_is_no_video(tmp_path: Path) -> None:
     sound = tmp_path / "sound.wav"
     write_wav(sound, Audio(samples=[0.0] * 16_000, sample_rate=16_000))
-    assert flaw_of(sound, 1.0) == "has no picture"
+    assert flaw_of(sound, 1.0) == Flaw("no picture", "has no picture")
 
 
 def test_a_video_without_sound_is_told(video: Path, tmp_path: Path) -> None:
@@ -38,7 +38,7 @@ def test_a_video_without_sound_is_told(video: Path, tmp_path: Path) -> None:
             if packet.dts is not None:
                 packet.stream = stream
                 target.mux(packet)
-    assert flaw_of(silent, 2.0) == "has no sound"
+    assert flaw_of(silent, 2.0) == Flaw("no sound", "has no sound")
 
 
 def test_the_loudness_of_a_video_is_that_of_its_sound(tmp_path: Path) -> None:

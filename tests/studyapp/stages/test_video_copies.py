@@ -16,8 +16,11 @@ from studyapp.definition.media import Media
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.design.stimulus import Stimulus
 from studyapp.services.served_study import ServedStudy
-from studyapp.stages.finding import Severity
-from studyapp.stages.media_checks import media_findings
+from studyapp.stages.checking.finding import Severity
+from studyapp.stages.checking.finished_video_checks import finished_video_findings
+from studyapp.stages.checking.material import Material
+from studyapp.stages.checking.shown_video_checks import shown_video_findings
+from studyapp.stages.checking.sound_checks import sound_findings
 from studyapp.stages.rendering import render
 from tests.encoded import Told, write_video
 from tests.finished_study import write_finished_study
@@ -48,11 +51,13 @@ def study(tmp_path: Path, usual: Path) -> Callable[..., StudyFolder]:
 
 
 def errors(folder: StudyFolder, severity: Severity = Severity.ERROR) -> list[str]:
-    return [
-        finding.what
-        for finding in media_findings(folder, folder.study())
-        if finding.severity is severity
+    material = Material.of(folder, folder.study())
+    found = [
+        *finished_video_findings(material),
+        *shown_video_findings(material),
+        *sound_findings(material),
     ]
+    return [finding.what for finding in found if finding.severity is severity]
 
 
 def shown(folder: StudyFolder, condition: str, segment: str = "one") -> Path:
@@ -171,7 +176,7 @@ def test_what_only_tools_would_see_is_warned_of(
     folder = study(ours=ours)
     render(folder, processes=1)
 
-    warnings = errors(folder, Severity.WARNING)
+    warnings = [w for w in errors(folder, Severity.WARNING) if w.startswith("files tell")]
 
     assert [said in warning for warning in warnings] == [True]
 
@@ -180,6 +185,6 @@ def test_a_louder_finished_video_is_warned_of(study: Callable[..., StudyFolder])
     folder = study(ours=Told(sound=LOUD))
     render(folder, processes=1)
 
-    (warning,) = errors(folder, Severity.WARNING)
+    (warning,) = [w for w in errors(folder, Severity.WARNING) if "louder" in w]
 
     assert warning.startswith("videos/ours/one.mp4 is 12.1 LU louder than videos/")

@@ -6,12 +6,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.media import Media
-from studyapp.definition.study import Study
 from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content
-from studyapp.stages.finding import Finding, Severity
+from studyapp.stages.checking.finding import Finding, error, note
+from studyapp.stages.checking.material import Material
+
+PAGE_WEIGHT: Final = note("page-weight", "how many megabytes of video participants load")
+PAGE_HEAVY: Final = error(
+    "page-heavy",
+    "a page loads more than watching.megabytes_per_page allows",
+    "Make the videos smaller (video.size, video.frame_rate, or shorter segments) and render again, "
+    "or allow more if all participants have fast connections",
+)
 
 MEGABYTE: Final = 10**6
 
@@ -50,39 +56,24 @@ def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> Wei
     return Weight(heaviest=max(with_next, default=0), total=sum(pages))
 
 
-def weight_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
+def weight_findings(material: Material) -> Iterator[Finding]:
     """Say how much participants load, and whether a page loads more than the study allows."""
-    if not folder.stimuli.exists():
-        return
-    segments = tuple(folder.segments_of(study))
-    media = Media.of(folder, study)
-    sizes = {}
-    for content in study.contents(segments):
-        found = media.find(content)
-        if found is not None and found.file.is_file():
-            sizes[content] = found.file.stat().st_size
+    sizes = {content: video.file.stat().st_size for content, video in material.shown.items()}
     if not sizes:
         return
-    weights = [
-        weight_of(study.plan(arm, number, segments), sizes)
-        for arm in study.arms
-        for number in range(min(arm.places, PLACES))
-    ]
+    weights = [weight_of(plan, sizes) for _, plans in material.planned for plan in plans[:PLACES]]
     heaviest = max(weight.heaviest for weight in weights)
     total = max(weight.total for weight in weights)
-    yield Finding(
-        Severity.NOTE,
+    yield PAGE_WEIGHT.found(
         f"a page loads up to {_megabytes(heaviest)} of videos, its own and those of the next one; "
-        f"a participant loads up to {_megabytes(total)} in all",
+        f"a participant loads up to {_megabytes(total)} in all"
     )
-    allowed = study.watching.megabytes_per_page
+    allowed = material.study.watching.megabytes_per_page
     if heaviest > allowed * MEGABYTE:
-        yield Finding(
-            Severity.ERROR,
+        yield PAGE_HEAVY.found(
             f"a page loads up to {_megabytes(heaviest)} of videos, more than the "
             f"{allowed:g} MB that watching.megabytes_per_page allows",
-            "Make the videos smaller (video.size, video.frame_rate, or shorter segments) and "
-            "render again, or allow more if all participants have fast connections",
+            where="watching.megabytes_per_page",
         )
 
 

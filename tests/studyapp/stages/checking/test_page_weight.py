@@ -8,8 +8,9 @@ from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
 from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Stimulus
-from studyapp.stages.finding import Severity
-from studyapp.stages.page_weight import Weight, weight_findings, weight_of
+from studyapp.stages.checking.finding import Severity
+from studyapp.stages.checking.material import Material
+from studyapp.stages.checking.page_weight import Weight, weight_findings, weight_of
 from tests.finished_study import write_finished_study, write_short_video
 
 
@@ -50,7 +51,7 @@ def test_a_page_above_the_budget_is_an_error_with_a_remedy(
     with folder.definition.open("a") as file:
         file.write(f"\n[watching]\nmegabytes_per_page = {allowed}\n")
 
-    findings = list(weight_findings(folder, folder.study()))
+    findings = list(weight_findings(Material.of(folder, folder.study())))
 
     said = [finding for finding in findings if finding.severity is Severity.ERROR]
     assert len(said) == errors

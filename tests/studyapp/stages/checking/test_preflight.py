@@ -10,15 +10,15 @@ import pytest
 import tomlkit
 
 from motion.audio import Audio
-from motion.errors import InputError
 from motion.formats import read_clip, write_clip
 from renderer.encoder import SOUND_RATE, VideoWriter
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
-from studyapp.stages.finding import Finding, Severity
+from studyapp.stages.checking.finding import Severity
+from studyapp.stages.checking.preflight import check
 from studyapp.stages.generation import generate
-from studyapp.stages.preflight import check, study_notes
 from studyapp.stages.recordings import Take, import_take
+from studyapp.stages.study_notes import study_notes
 
 
 def pretend_rendered(folder: StudyFolder, video: Path) -> None:
@@ -145,8 +145,10 @@ def test_segments_that_differ_in_loudness_are_warned_of(ready: StudyFolder) -> N
 
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
     (ready.speech / "take.wav").unlink()
-    with pytest.raises(InputError, match=r"segments.csv, line 2.*take.wav"):
-        check(ready)
+    (found,) = [each for each in check(ready) if each.severity is Severity.ERROR]
+    assert found.name == "speech-unreadable"
+    assert found.where.endswith("segments.csv, line 2")
+    assert "take.wav" in found.what
 
 
 def test_a_video_of_another_length_than_its_speech_is_an_error(ready: StudyFolder) -> None:
@@ -225,7 +227,7 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     (note,) = study_notes(ready.study())
     assert "rule_based against broken" in note
     pretend_rendered(ready, video)
-    assert Finding(Severity.NOTE, note.rstrip(".")) in check(ready)
+    assert note.rstrip(".") in findings_of(ready, Severity.NOTE)
 
 
 def _give_coefficients(folder: StudyFolder) -> None:
@@ -255,17 +257,20 @@ def test_every_broken_clip_is_an_error_beside_all_other_findings(ready: StudyFol
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("torn")
     errors = findings_of(ready, Severity.ERROR)
-    assert [error.split(": ")[0] for error in errors] == [
-        str(ready.clip("ground_truth", segments[0])),
-        str(ready.clip("broken", segments[1])),
+    assert [found.where for found in check(ready) if found.name == "motion-unreadable"] == [
+        f"motion/ground_truth/{segments[0]}.npz",
+        f"motion/broken/{segments[1]}.npz",
     ]
+    assert len(errors) == 2
     assert findings_of(ready, Severity.WARNING) == before
 
 
 def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
     np.save(ready.root / "face.npy", np.ones((3, 3)))
     change(ready, "video", "expression_matrix", value="face.npy")
-    assert any("face.npy" in what for what in findings_of(ready, Severity.ERROR))
+    (found,) = [each for each in check(ready) if each.severity is Severity.ERROR]
+    assert found.name == "body-unusable"
+    assert "face.npy" in found.where
 
 
 def test_the_exclusion_rules_are_told_in_their_order(ready: StudyFolder) -> None:

@@ -1,0 +1,144 @@
+"""Everything that can go wrong before a study is launched."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from typing import Final
+
+from pydantic import ValidationError
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.reading import parse_text, read_text
+from studyapp.definition.recruitment import Recruitment
+from studyapp.definition.study import Study
+from studyapp.stages.checking.address_checks import address_findings
+from studyapp.stages.checking.balance_checks import balance_findings
+from studyapp.stages.checking.catch_checks import catch_picture_findings
+from studyapp.stages.checking.design_checks import design_findings
+from studyapp.stages.checking.expected_time import expected_time
+from studyapp.stages.checking.finding import Finding, Severity, error
+from studyapp.stages.checking.finished_video_checks import finished_video_findings
+from studyapp.stages.checking.material import Material
+from studyapp.stages.checking.motion_checks import motion_findings
+from studyapp.stages.checking.pace import Pace, pace_of_pilot, pace_of_study
+from studyapp.stages.checking.page_checks import page_findings
+from studyapp.stages.checking.page_weight import weight_findings
+from studyapp.stages.checking.pay_checks import pay_findings
+from studyapp.stages.checking.recruiting_checks import code_findings, recruiting_findings
+from studyapp.stages.checking.serving_checks import probe_findings, serving_findings
+from studyapp.stages.checking.shown_video_checks import shown_video_findings
+from studyapp.stages.checking.sound_checks import sound_findings
+from studyapp.stages.checking.time_checks import minutes_needed, time_findings
+
+STUDY_FILE: Final = error(
+    "study-file",
+    "study.toml cannot be read: a key is unknown, missing or out of range",
+    "Correct these keys",
+)
+SPEECH_UNREADABLE: Final = error(
+    "speech-unreadable",
+    "the study has no usable speech, so that nothing else can be looked at",
+    "Bring recordings in with 'motionjury import'",
+)
+VIDEO_LIST_UNREADABLE: Final = error(
+    "video-list-unreadable",
+    "stimuli.json is damaged",
+    "Delete it and run 'motionjury render' again",
+)
+
+
+def check(
+    folder: StudyFolder, *, address: str | None = None, pilot: StudyFolder | None = None
+) -> list[Finding]:
+    """Return everything worth knowing before launch, errors first.
+
+    Parameters
+    ----------
+    address : str, optional
+        Where participants will come to; the study is asked for there.
+    pilot : StudyFolder, optional
+        A study that people have taken, whose pace tells how long this one takes.
+
+    Raises
+    ------
+    InputError
+        If the pilot tells nothing.
+    """
+    pace = None if pilot is None else pace_of_pilot(pilot)
+    findings = list(_findings(folder, pace))
+    if address is not None:
+        findings += address_findings(address)
+    order = list(Severity)
+    return sorted(findings, key=lambda finding: order.index(finding.severity))
+
+
+def _findings(folder: StudyFolder, pace: Pace | None) -> Iterator[Finding]:
+    text = read_text(folder.definition)
+    try:
+        study = parse_text(text, where=folder.definition)
+    except InputError as wrong:
+        yield from _file_findings(text, wrong)
+        return
+    yield from page_findings(study)
+    yield from recruiting_findings(study)
+    try:
+        material = Material.of(folder, study)
+    except InputError as missing:
+        kind = VIDEO_LIST_UNREADABLE if folder.stimuli.name in missing.where else SPEECH_UNREADABLE
+        yield kind.found(missing.what, where=missing.where, remedy=missing.remedy or None)
+        yield from pay_findings(study, study.page.minutes)
+        return
+    yield from _material_findings(material, study, pace)
+
+
+def _material_findings(material: Material, study: Study, pace: Pace | None) -> Iterator[Finding]:
+    """Look at everything; only a study without errors is served on trial."""
+    expected = expected_time(material)
+    findings = [
+        *finished_video_findings(material),
+        *shown_video_findings(material),
+        *sound_findings(material),
+        *weight_findings(material),
+        *motion_findings(material),
+        *catch_picture_findings(material),
+        *design_findings(material),
+        *balance_findings(material),
+        *serving_findings(material),
+    ]
+    if expected is None:
+        findings += pay_findings(study, None)
+    else:
+        seen = pace or _own_pace(material)
+        findings += time_findings(study, expected, seen)
+        findings += pay_findings(study, minutes_needed(expected, seen))
+    yield from findings
+    if not any(found.severity is Severity.ERROR for found in findings):
+        yield from probe_findings(material)
+
+
+def _own_pace(material: Material) -> Pace | None:
+    """Return the pace of who has finished the study; None also where its database is unusable."""
+    try:
+        return pace_of_study(material)
+    except InputError:
+        return None
+
+
+def _file_findings(text: str, wrong: InputError) -> Iterator[Finding]:
+    """Say what is wrong with a study file that cannot be used, its codes by their own names."""
+    codes: list[Finding] = []
+    try:
+        recruitment = Recruitment.model_validate(tomllib.loads(text).get("recruitment", {}))
+    except (tomllib.TOMLDecodeError, ValidationError):
+        recruitment = Recruitment()
+    codes += code_findings(recruitment)
+    yield from codes
+    said = {*recruitment.guessable_codes(), *recruitment.codes_alike()}
+    rest = wrong.what
+    for problem in said:
+        rest = rest.replace(problem, "")
+    for problem in rest.split("; "):
+        if problem.strip("; "):
+            yield STUDY_FILE.found(problem, where="study.toml", remedy=wrong.remedy)

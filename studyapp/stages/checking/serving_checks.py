@@ -1,0 +1,182 @@
+"""Whether the study can be served from here: its database, its disk, its videos piece by piece."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from flask import Flask
+
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.definition.versioning import design_digest
+from studyapp.services.database import Database, database_url_of, sqlite_url
+from studyapp.services.known_designs import answered_another_design
+from studyapp.services.probing import for_probing, token_of_a_video
+from studyapp.services.recruiting.prolific_draft import places_of
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.sitting_times import arrivals
+from studyapp.stages.checking.finding import Finding, error, note, warning
+from studyapp.stages.checking.material import Material
+from studyapp.stages.disk_space import as_text
+from studyapp.web.app import create_app
+from studyapp.web.running import running
+
+DATABASE_UNUSABLE: Final = error(
+    "database-unusable",
+    "the database that answers go to cannot be opened",
+    "Check DATABASE_URL, that its server runs, and that the folder is writable",
+)
+DATABASE_OLDER: Final = note(
+    "database-older",
+    "an older version made the database",
+    "Make a copy; 'motionjury serve' brings it to the newest schema",
+)
+DESIGN_CHANGED: Final = error(
+    "design-changed",
+    "people have taken part in another design than study.toml has",
+    "Undo the change, or serve it with --new-version: earlier answers are kept apart",
+)
+ANSWERS_THERE: Final = note(
+    "answers-there", "people have taken part already", "Their answers stay and count"
+)
+NOT_REHEARSED: Final = note(
+    "not-rehearsed",
+    "no simulated participant has taken the study yet",
+    "Run 'motionjury rehearse': it tells whether the design can answer the question",
+)
+FOLDER_UNWRITABLE: Final = error(
+    "folder-unwritable",
+    "answers would be written into a folder that may not be written",
+    "Give yourself the right to write there, or set DATABASE_URL",
+)
+DISK_FULL: Final = error(
+    "disk-full",
+    "the disk has no room for the answers",
+    "Make room, or set DATABASE_URL to a database elsewhere",
+)
+DISK_SHORT: Final = warning(
+    "disk-short",
+    "the disk has little room beside the answers that will come",
+    "Make room before participants come",
+)
+CANNOT_BE_SERVED: Final = error(
+    "cannot-be-served", "the study's own server does not start", "Mend what it says"
+)
+NO_BYTE_RANGES: Final = error(
+    "no-byte-ranges",
+    "videos are not sent piece by piece, without which Safari plays none",
+    "Serve the study with 'motionjury serve', and let proxies pass the header Range",
+)
+
+BYTES_PER_PARTICIPANT: Final = 400_000
+"""What a study session of 30 trials leaves in the database, watch evidence included, at most."""
+
+SPARE: Final = 10**9
+"""Bytes that should stay free: a full disk loses answers of all that runs on it."""
+
+_PIECE: Final = 100
+
+
+def serving_findings(material: Material) -> Iterator[Finding]:
+    """Say whether answers can be stored, and where."""
+    yield from _database_findings(material)
+    yield from _room_findings(material.folder, material.study)
+    if not material.folder.rehearsal.exists():
+        yield NOT_REHEARSED.found(NOT_REHEARSED.means)
+
+
+def _database_findings(material: Material) -> Iterator[Finding]:
+    url = database_url_of(material.folder.root)
+    try:
+        database = Database.open_for_reading(url, of_any_age=True)
+    except InputError as unusable:
+        yield DATABASE_UNUSABLE.found(
+            unusable.what, where=unusable.where, remedy=unusable.remedy or None
+        )
+        return
+    if database is None:
+        return
+    try:
+        current = Database.open_for_reading(url)
+    except InputError as older:
+        database.close()
+        yield DATABASE_OLDER.found(older.what, where=older.where)
+        return
+    database.close()
+    if current is None:
+        return
+    try:
+        count = arrivals(current)
+        if count:
+            yield ANSWERS_THERE.found(f"{count} participants have come already")
+        if answered_another_design(current, design_digest(material.study, material.segments)):
+            yield DESIGN_CHANGED.found(DESIGN_CHANGED.means, where="study.toml")
+    finally:
+        current.close()
+
+
+def _room_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
+    """Say whether the folder can be written, and has room for the answers of all places."""
+    if database_url_of(folder.root) != sqlite_url(folder.responses):
+        return
+    if not os.access(folder.root, os.W_OK):
+        yield FOLDER_UNWRITABLE.found(f"{folder.root} may not be written", where=str(folder.root))
+        return
+    needed = places_of(study) * BYTES_PER_PARTICIPANT
+    free = shutil.disk_usage(folder.root).free
+    said = (
+        f"{as_text(free)} are free on this disk, and {places_of(study)} participants' answers may "
+        f"need {as_text(needed)}"
+    )
+    if free < needed:
+        yield DISK_FULL.found(said, where="responses.db")
+    elif free < needed + SPARE:
+        yield DISK_SHORT.found(said, where="responses.db")
+
+
+def probe_findings(material: Material) -> Iterator[Finding]:
+    """Serve the study to one participant on a database that is thrown away, and ask for a video.
+
+    For studies without errors: a server does not start for others.
+    """
+    root = material.folder.root
+    try:
+        served = for_probing(ServedStudy.read(root))
+        with tempfile.TemporaryDirectory() as scratch:
+            app = create_app(
+                root,
+                database_url=sqlite_url(Path(scratch) / "probe.db"),
+                rehearsal_speed=1.0,
+                served=served,
+            )
+            yield from _range_findings(app, served)
+    except InputError as refused:
+        yield CANNOT_BE_SERVED.found(
+            refused.what, where=refused.where, remedy=refused.remedy or None
+        )
+
+
+def _range_findings(app: Flask, served: ServedStudy) -> Iterator[Finding]:
+    with app.app_context():
+        here = running()
+    try:
+        token = token_of_a_video(here.database, served, Clock())
+        response = app.test_client().get(
+            f"/media/{token}.mp4", headers={"Range": f"bytes=0-{_PIECE - 1}"}
+        )
+        with response:
+            got = len(response.data)
+        if response.status_code != 206 or got != _PIECE:
+            yield NO_BYTE_RANGES.found(
+                f"asked for {_PIECE} bytes of a video, the study's server answered "
+                f"{response.status_code} with {got}"
+            )
+    finally:
+        here.database.close()
