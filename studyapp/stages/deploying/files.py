@@ -1,0 +1,186 @@
+"""The files of a deployment: what each is called, where it goes, and what stands in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from motion.errors import InputError
+from motion.listing import listed
+from studyapp.stages.deploying.deployment import Deployment
+from studyapp.stages.deploying.escaping import ESCAPES
+
+TEMPLATES: Final = Path(__file__).parent / "templates"
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeployedFile:
+    """One file.
+
+    Attributes
+    ----------
+    name : str
+        By which it is asked for.
+    text : str
+    place : PurePosixPath or None
+        Where it goes on the server; None where it stays beside the others and is used from there.
+    mode : int
+        Who may read, write and run it there.
+    keeps : bool
+        Whether one that is there already stays: people write into it.
+    """
+
+    name: str
+    text: str
+    place: PurePosixPath | None
+    mode: int
+    keeps: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Kind:
+    name: str
+    template: str
+    place: Callable[[Deployment], str] | None
+    needs: tuple[str, str] | None = None
+    mode: int = 0o644
+    keeps: bool = False
+
+    def belongs_to(self, deployment: Deployment) -> bool:
+        return self.needs is None or getattr(deployment, self.needs[0]) == self.needs[1]
+
+
+KINDS: Final = (
+    _Kind(
+        name="serve.service",
+        template="serve.service",
+        place=lambda d: f"/etc/systemd/system/{d.unit}.service",
+    ),
+    _Kind(
+        name="environment",
+        template="environment.env",
+        place=lambda d: f"/etc/motionjury/{d.name}.env",
+        mode=0o600,
+        keeps=True,
+    ),
+    _Kind(
+        name="backup.service",
+        template="backup.service",
+        place=lambda d: f"/etc/systemd/system/{d.unit}-backup.service",
+    ),
+    _Kind(
+        name="backup.timer",
+        template="backup.timer",
+        place=lambda d: f"/etc/systemd/system/{d.unit}-backup.timer",
+    ),
+    _Kind(
+        name="journald.conf",
+        template="journald.conf",
+        place=lambda _d: "/etc/systemd/journald.conf.d/motionjury.conf",
+    ),
+    _Kind(
+        name="command",
+        template="command.sh",
+        place=lambda d: f"/usr/local/sbin/{d.unit}",
+        mode=0o755,
+    ),
+    _Kind(
+        name="Caddyfile",
+        template="host.caddy",
+        place=lambda _d: "/etc/caddy/Caddyfile",
+        needs=("proxy", "caddy"),
+    ),
+    _Kind(
+        name="study.caddy",
+        template="study.caddy",
+        place=lambda d: f"/etc/caddy/motionjury/{d.name}.caddy",
+        needs=("proxy", "caddy"),
+    ),
+    _Kind(
+        name="host.nginx",
+        template="host.nginx",
+        place=lambda d: f"/etc/nginx/conf.d/{d.host}.conf",
+        needs=("proxy", "nginx"),
+    ),
+    _Kind(
+        name="study.nginx",
+        template="study.nginx",
+        place=lambda d: f"/etc/nginx/motionjury/{d.host}/{d.name}.conf",
+        needs=("proxy", "nginx"),
+    ),
+    _Kind(
+        name="database.sql",
+        template="database.sql",
+        place=None,
+        needs=("database", "postgresql"),
+    ),
+    _Kind(name="Containerfile", template="image.container", place=None),
+    _Kind(name="install", template="install.sh", place=None, mode=0o755),
+)
+
+NAMES: Final = tuple(kind.name for kind in KINDS)
+
+
+def deployed_files(deployment: Deployment) -> tuple[DeployedFile, ...]:
+    """Return all files of `deployment`."""
+    installed = tuple(
+        _made(kind, deployment)
+        for kind in KINDS
+        if kind.belongs_to(deployment) and kind.name != "install"
+    )
+    install = next(kind for kind in KINDS if kind.name == "install")
+    return (*installed, _made(install, deployment, files=installed))
+
+
+def deployed_file(deployment: Deployment, name: str) -> DeployedFile:
+    """Return the file of `deployment` that is called `name`.
+
+    Raises
+    ------
+    InputError
+        If it has none of that name.
+    """
+    files = {file.name: file for file in deployed_files(deployment)}
+    if name in files:
+        return files[name]
+    kind = next((kind for kind in KINDS if kind.name == name), None)
+    if kind is not None and kind.needs is not None:
+        option, value = kind.needs
+        raise InputError(
+            f"there is a file {name} for the {option} {value} alone",
+            where=f"{option} {getattr(deployment, option)}",
+            remedy=f"Add --{option} {value}",
+        )
+    raise InputError(
+        "there is no such file", where=name, remedy=f"Choose one of {listed(list(files))}"
+    )
+
+
+def _made(
+    kind: _Kind, deployment: Deployment, *, files: tuple[DeployedFile, ...] = ()
+) -> DeployedFile:
+    ending = Path(kind.template).suffix
+    text = _environment(ending).get_template(kind.template).render(study=deployment, files=files)
+    place = None if kind.place is None else PurePosixPath(kind.place(deployment))
+    return DeployedFile(name=kind.name, text=text, place=place, mode=kind.mode, keeps=kind.keeps)
+
+
+@cache
+def _environment(ending: str) -> Environment:
+    """Return what renders templates of one kind: each value is escaped for that kind of file."""
+    escape = ESCAPES[ending]
+    return Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        finalize=lambda value: escape(str(value)),
+        # What is made are files of a server, of which none is HTML.
+        autoescape=False,  # noqa: S701
+    )

@@ -1,0 +1,11 @@
+-- As PostgreSQL's own user, once or again:
+--     sudo -u postgres psql --set ON_ERROR_STOP=1 --file database.sql
+-- Debian's PostgreSQL lets the system's user of that name in, and nobody by password.
+SELECT 'CREATE ROLE motionjury LOGIN'
+WHERE NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'motionjury') \gexec
+
+SELECT 'CREATE DATABASE "{{ study.database_name }}" OWNER motionjury'
+    ' TEMPLATE template0 ENCODING ''UTF8'' LOCALE ''C.UTF-8'''
+WHERE NOT EXISTS (SELECT FROM pg_database WHERE datname = '{{ study.database_name }}') \gexec
+
+REVOKE ALL ON DATABASE "{{ study.database_name }}" FROM PUBLIC;

@@ -1,0 +1,36 @@
+#!/bin/sh
+# Put the files beside this script where they belong. As root, once or again: a file there that
+# says something else is kept beside the new one, with '.before' at its end.
+set -eu
+cd "$(dirname "$0")"
+
+install_file() { # name, place, mode
+    if [ -e "$2" ] && cmp --silent "$1" "$2"; then
+        return
+    fi
+    install -D --backup=simple --suffix=.before --owner=root --group=root --mode="$3" "$1" "$2"
+    echo "$2"
+}
+
+{% for file in files if file.place %}
+{% if file.keeps %}
+[ -e {{ file.place }} ] || install_file {{ file.name }} {{ file.place }} {{ "%03o" | format(file.mode) }}
+{% else %}
+install_file {{ file.name }} {{ file.place }} {{ "%03o" | format(file.mode) }}
+{% endif %}
+{% endfor %}
+
+# Answers and keys are for the study's server alone.
+folder='{{ study.folder }}'
+chown --recursive motionjury:motionjury "$folder"
+chmod --recursive u=rwX,g=,o= "$folder"
+{% if study.proxy == "nginx" %}
+# nginx may pass through to the videos, and read those.
+chgrp www-data "$folder"
+chmod 710 "$folder"
+chgrp --recursive www-data "$folder/videos"
+chmod --recursive g=rX "$folder/videos"
+{% endif %}
+
+systemctl daemon-reload
+systemctl restart systemd-journald

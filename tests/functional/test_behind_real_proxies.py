@@ -1,0 +1,169 @@
+"""A study session through the proxies, as `motionjury deploy` sets them up."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import urljoin
+
+import httpx
+import pytest
+
+from studyapp.stages.deploying.deployment import PROXIES, Proxy
+from tests.functional.proxies import Proxied, behind, is_installed
+from tests.studyapp.researchers_at_hand import PASSWORD
+from tests.studyapp.web.page_reader import PageReader
+from tests.studyapp.web.walking import filled
+
+pytestmark = pytest.mark.slow
+
+PREFIX = "/studies/one"
+TOKEN = re.compile(r"(?:take|media|join)/([\w-]{20,})")
+
+
+@pytest.fixture(params=PROXIES, scope="module")
+def proxied(
+    request: pytest.FixtureRequest,
+    tiny_study_template: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[Proxied]:
+    proxy: Proxy = request.param
+    if not is_installed(proxy):
+        pytest.skip(f"{proxy}, or openssl, is not installed")
+    root = tmp_path_factory.mktemp(proxy)
+    # A folder's name may hold what means something in the files of a proxy.
+    study = root / "50% {x};# of it" / "my-study"
+    shutil.copytree(tiny_study_template, study)
+    with behind(proxy, study, root, prefix=PREFIX) as served:
+        yield served
+
+
+class Participant:
+    """Goes through the study over HTTPS, and notes every token that a log might hold."""
+
+    def __init__(self, client: httpx.Client, address: str) -> None:
+        self.client = client
+        self.tokens: set[str] = set()
+        self.page = self.read(client.get(address))
+
+    def read(self, answer: httpx.Response) -> PageReader:
+        if answer.status_code == 303:
+            answer = self.client.get(urljoin(str(answer.url), answer.headers["location"]))
+        assert answer.status_code == 200, answer.text
+        self.address = str(answer.url)
+        self.tokens.update(TOKEN.findall(self.address), TOKEN.findall(answer.text))
+        return PageReader(answer.text)
+
+    def go_on(self) -> None:
+        """Watch what is shown, and send the page's form."""
+        for video in self.page.soup.select("video"):
+            self.watch(str(video["src"]), str(video["data-watched-url"]))
+        to = urljoin(self.address, self.page.action)
+        self.page = self.read(self.client.post(to, data=filled(self.page)))
+
+    def watch(self, source: str, report_to: str) -> None:
+        started = time.monotonic()
+        self.video = self.client.get(urljoin(self.address, source), headers={"Range": "bytes=0-"})
+        assert self.video.status_code == 206
+        time.sleep(max(0.0, started + 2.1 - time.monotonic()))  # as long as a person watches it
+        played = {"batch": 0, "intervals": [[0.0, 2.0]]}
+        told = self.client.post(urljoin(self.address, report_to), json=played)
+        assert told.json()["missing"] == 0
+
+
+def headers_of(answer: httpx.Response) -> dict[str, str]:
+    return {name.lower(): value for name, value in answer.headers.items()}
+
+
+def test_a_participant_answers_and_the_proxy_adds_and_logs_nothing_that_tells(
+    proxied: Proxied,
+) -> None:
+    with proxied.client() as client:
+        one = Participant(client, proxied.address)
+        for _page in range(3):  # consent, instructions, a trial
+            one.go_on()
+        page = client.get(one.address)
+        video = urljoin(one.address, str(one.page.one("video")["src"]))
+        whole = client.get(video)
+        part = client.get(video, headers={"Range": "bytes=100-199"})
+        unchanged = client.get(video, headers={"If-Modified-Since": whole.headers["date"]})
+        beyond = client.get(video, headers={"Range": f"bytes={len(whole.content)}-"})
+
+    assert one.page.soup.select("#answers")
+    assert (page.headers["cache-control"], page.headers["referrer-policy"]) == (
+        "no-store",
+        "no-referrer",
+    )
+    assert "set-cookie" not in page.headers
+    assert page.headers["strict-transport-security"] == "max-age=31536000"
+    assert part.content == whole.content[100:200]
+    assert part.headers["content-range"] == f"bytes 100-199/{len(whole.content)}"
+    assert (unchanged.status_code, beyond.status_code) == (200, 416)
+    for answer in (whole, part):
+        assert answer.headers["content-type"] == "video/mp4"
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert not {"etag", "last-modified", "set-cookie", "x-accel-redirect"} & set(
+            headers_of(answer)
+        )
+        assert "videos" not in str(answer.headers)
+    assert one.tokens
+    assert not [token for token in one.tokens if token in proxied.written()]
+
+
+def test_nobody_reaches_the_files_or_another_path(proxied: Proxied) -> None:
+    with proxied.client() as client:
+        address = proxied.address.removesuffix(f"{PREFIX}/")
+        inside = proxied.deployment.inner_location
+        for path in (
+            f"{inside}/videos/pairs/000.mp4",
+            f"{inside}/study.toml",
+            f"{inside}/videos/../responses.db",
+            f"{PREFIX}{inside}/videos/pairs/000.mp4",
+            "/",
+            "/research/",
+            f"{PREFIX}2/",
+        ):
+            assert client.get(f"{address}{path}").status_code == 404, path
+        missing_slash = client.get(f"{address}{PREFIX}?PROLIFIC_PID=p%261")
+        assert missing_slash.is_redirect
+        assert missing_slash.headers["location"].endswith(f"{PREFIX}/?PROLIFIC_PID=p%261")
+        forged = {"Script_Name": "/evil", "SCRIPT_NAME": "/evil", "X-Forwarded-Prefix": "/evil"}
+        assert "/evil" not in client.get(proxied.address, headers=forged).text
+
+
+def test_researchers_cookies_are_for_https_and_their_path(proxied: Proxied) -> None:
+    said = (proxied.root / "study.log").read_text("utf-8")
+    link = re.search(r"https://\S+/join/\S+", said)
+    assert link is not None
+    with proxied.client() as client:
+        # What a visitor says of themselves is not believed.
+        lies = {"X-Forwarded-For": "6.6.6.6", "X-Forwarded-Proto": "http"}
+        join = PageReader(client.get(link[0], headers=lies).text)
+        code = join.value("main [name=form_code]", "value")
+        fields = {"name": "Ada", "password": PASSWORD, "again": PASSWORD, "form_code": code}
+        joined = client.post(urljoin(link[0], join.action), data=fields, headers=lies)
+        assert joined.headers["location"] == f"{PREFIX}/research/"
+        cookie = joined.headers["set-cookie"]
+        assert "Secure" in cookie
+        assert f"Path={PREFIX}/research" in cookie
+        overview = client.get(urljoin(link[0], joined.headers["location"]))
+        assert "How the study goes" in overview.text
+        assert overview.headers["x-frame-options"] == "DENY"
+    assert link[0].rpartition("/")[2] not in proxied.written()
+
+
+def test_while_the_study_is_away_no_address_is_logged(proxied: Proxied) -> None:
+    with proxied.client() as client:
+        one = Participant(client, proxied.address)
+        one.go_on()
+        proxied.server.send_signal(signal.SIGINT)
+        proxied.server.wait(timeout=30)
+
+        away = client.get(one.address)
+
+    assert away.status_code in (502, 503)
+    assert not [token for token in one.tokens if token in proxied.written()]

@@ -1,0 +1,229 @@
+"""The files of a server, read by the programs that will read them there."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import subprocess
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+from pathlib import Path, PurePosixPath
+
+import psycopg
+import pytest
+
+from motion.errors import InputError
+from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql
+from studyapp.stages.deploying.deployment import (
+    DATABASES,
+    PROXIES,
+    DatabaseKind,
+    Deployment,
+    Proxy,
+    planned_deployment,
+)
+from studyapp.stages.deploying.files import NAMES, deployed_file, deployed_files
+from studyapp.stages.deploying.writing import write_deployment
+
+HOSTILE = PurePosixPath("/srv/50% {x};# of it/%n/my-study")
+"""A folder whose name means something in every kind of file."""
+
+
+def deployment(
+    proxy: Proxy = "nginx", database: DatabaseKind = "postgresql", prefix: str = "/studies/one"
+) -> Deployment:
+    return planned_deployment(
+        title="100% gestures; {a} #b $c",
+        folder=HOSTILE,
+        host="study.example.org",
+        prefix=prefix,
+        proxy=proxy,
+        database=database,
+        contact="ada@example.org",
+    )
+
+
+ALL = [
+    deployment(proxy, database, prefix)
+    for proxy, database, prefix in product(PROXIES, DATABASES, ("", "/studies/one"))
+]
+
+
+def said_by(*command: str | Path, cwd: Path | None = None) -> str:
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
+    return f"{done.stdout}{done.stderr}" + (
+        f"\nexit status {done.returncode}" if done.returncode else ""
+    )
+
+
+def needs(program: str) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(shutil.which(program) is None, reason=f"{program} is not installed")
+
+
+@pytest.mark.parametrize("study", ALL, ids=lambda d: f"{d.proxy}-{d.database}-{d.prefix}")
+def test_every_file_is_whole_and_its_own(study: Deployment) -> None:
+    files = deployed_files(study)
+
+    assert len({file.name for file in files}) == len(files)
+    assert len({file.place for file in files if file.place}) == sum(bool(f.place) for f in files)
+    for file in files:
+        assert file.text.endswith("\n")
+        assert not re.search(r"\{\{|\{%|None|\t\n| \n", file.text), file.name
+    assert {file.mode for file in files if file.name == "environment"} == {0o600}
+
+
+def test_there_is_every_file_for_some_deployment() -> None:
+    assert {file.name for study in ALL for file in deployed_files(study)} == set(NAMES)
+
+
+def test_a_file_of_another_deployment_says_how_to_get_it() -> None:
+    with pytest.raises(InputError, match="--proxy nginx"):
+        deployed_file(deployment("caddy"), "host.nginx")
+    with pytest.raises(InputError, match="--database postgresql"):
+        deployed_file(deployment("caddy", "sqlite"), "database.sql")
+
+
+@needs("systemd-analyze")
+@pytest.mark.parametrize("database", DATABASES)
+def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path, database: DatabaseKind) -> None:
+    program = tmp_path / "bin" / "motionjury"
+    program.parent.mkdir()
+    program.write_text("#!/bin/sh\n", "utf-8")
+    program.chmod(0o755)
+    study = replace(deployment(database=database), installed=PurePosixPath(tmp_path))
+    units = [file for file in deployed_files(study) if "systemd/system" in str(file.place)]
+    for file in units:
+        assert file.place is not None
+        (tmp_path / file.place.name).write_text(file.text, "utf-8")
+    names = [tmp_path / file.place.name for file in units if file.place]
+
+    said = said_by("systemd-analyze", "verify", "--man=no", *names)
+
+    assert len(units) == 3
+    # What is said of other units of this machine is not ours.
+    assert [line for line in said.splitlines() if str(tmp_path) in line] == []
+    for service in (name for name in names if name.suffix == ".service"):
+        strict = ["--offline=true", "--threshold=20", "--no-pager"]
+        assert "exit status" not in said_by("systemd-analyze", "security", *strict, service)
+
+
+@needs("systemd-analyze")
+def test_systemd_would_say_it(tmp_path: Path) -> None:
+    unit = tmp_path / "wrong.service"
+    text = deployed_file(deployment(), "serve.service").text
+    unit.write_text(text.replace("Restart=always", "Restart=alwayz"), "utf-8")
+
+    assert str(unit) in said_by("systemd-analyze", "verify", "--man=no", unit)
+
+
+def test_the_unit_names_the_folder_as_one_word() -> None:
+    line = next(
+        line
+        for line in deployed_file(deployment(), "serve.service").text.splitlines()
+        if line.startswith("ExecStart=")
+    )
+
+    words = [word.replace("%%", "%") for word in shlex.split(line.removeprefix("ExecStart="))]
+
+    assert words[1:] == ["serve", str(HOSTILE), "--port", "8000"]
+
+
+@needs("nginx")
+@needs("openssl")
+@pytest.mark.parametrize("prefix", ["", "/studies/one"])
+def test_nginx_takes_its_files(tmp_path: Path, prefix: str) -> None:
+    openssl = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256"]
+    openssl += ["-nodes", "-subj", "/CN=a", "-keyout", "privkey.pem", "-out", "fullchain.pem"]
+    subprocess.run(openssl, cwd=tmp_path, check=True, capture_output=True)
+    study = deployment(prefix=prefix)
+    host = deployed_file(study, "host.nginx").text
+    for place in (
+        "/etc/nginx/motionjury/study.example.org",
+        "/etc/letsencrypt/live/study.example.org",
+    ):
+        assert place in host
+        host = host.replace(place, str(tmp_path))
+    (tmp_path / "study.conf").write_text(deployed_file(study, "study.nginx").text, "utf-8")
+    (tmp_path / "host.nginx").write_text(host.replace("/var/log/nginx", str(tmp_path)), "utf-8")
+    (tmp_path / "all").write_text(
+        f"pid {tmp_path}/pid;\nevents {{ }}\nhttp {{ include {tmp_path}/host.nginx; }}\n", "utf-8"
+    )
+
+    said = said_by("nginx", "-t", "-e", tmp_path / "error.log", "-c", tmp_path / "all")
+
+    assert "syntax is ok" in said
+    assert "test is successful" in said
+    assert "warn" not in said
+
+
+@needs("caddy")
+@pytest.mark.parametrize("prefix", ["", "/studies/one"])
+def test_caddy_takes_its_files(tmp_path: Path, prefix: str) -> None:
+    study = deployment("caddy", prefix=prefix)
+    host = deployed_file(study, "Caddyfile").text
+    assert "/etc/caddy/motionjury/" in host
+    host = host.replace("/etc/caddy/motionjury", str(tmp_path))
+    (tmp_path / "Caddyfile").write_text(host, "utf-8")
+    (tmp_path / "my-study.caddy").write_text(deployed_file(study, "study.caddy").text, "utf-8")
+
+    said = said_by("caddy", "adapt", "--validate", "--config", tmp_path / "Caddyfile")
+
+    assert "exit status" not in said
+    assert '"dial":"127.0.0.1:8000"' in said
+    assert said_by("caddy", "fmt", tmp_path / "Caddyfile") == host
+    assert said_by("caddy", "fmt", tmp_path / "my-study.caddy") == (
+        tmp_path / "my-study.caddy"
+    ).read_text("utf-8")
+
+
+@pytest.mark.parametrize("study", ALL, ids=lambda d: f"{d.proxy}-{d.database}-{d.prefix}")
+def test_no_proxy_forbids_frames_or_logs_addresses(study: Deployment) -> None:
+    texts = {file.name: file.text for file in deployed_files(study)}
+
+    assert not [name for name, text in texts.items() if "X-Frame-Options" in text]
+    if study.proxy == "nginx":
+        assert texts["host.nginx"].count("access_log off;") == texts["host.nginx"].count("server {")
+    else:
+        assert "exclude http.log.error" in texts["Caddyfile"]
+
+
+@pytest.mark.parametrize("study", ALL, ids=lambda d: f"{d.proxy}-{d.database}-{d.prefix}")
+def test_scripts_are_sound(tmp_path: Path, study: Deployment) -> None:
+    write_deployment(study, tmp_path / "out")
+    scripts: Sequence[Path] = [tmp_path / "out" / name for name in ("install", "command")]
+
+    for script in scripts:
+        assert said_by("sh", "-n", script) == ""
+        if shutil.which("shellcheck"):
+            assert said_by("shellcheck", script) == ""
+
+
+def test_postgresql_gets_a_database_of_utf_8_and_nothing_the_second_time(
+    tmp_path: Path, postgresql: ThrowawayPostgresql
+) -> None:
+    if shutil.which("psql") is None:
+        pytest.skip("psql is not installed")
+    study = replace(deployment(), name="deployed-here")
+    script = tmp_path / "database.sql"
+    # The role is another one here: that of the tests is there already, and owns all.
+    text = deployed_file(study, "database.sql").text
+    script.write_text(re.sub(r"\bmotionjury\b", "deployed_role", text), "utf-8")
+    address = postgresql.url.replace("+psycopg", "")
+    try:
+        for _run in range(2):
+            said = said_by("psql", address, "--set", "ON_ERROR_STOP=1", "--file", script)
+            assert "exit status" not in said, said
+        with psycopg.connect(address) as connection:
+            found = connection.execute(
+                "SELECT pg_get_userbyid(datdba), pg_encoding_to_char(encoding), datcollate, "
+                "has_database_privilege('public', datname, 'CONNECT') FROM pg_database "
+                "WHERE datname = 'motionjury_deployed_here'"
+            ).fetchone()
+    finally:
+        with psycopg.connect(address, autocommit=True) as connection:
+            connection.execute("DROP DATABASE IF EXISTS motionjury_deployed_here")
+            connection.execute("DROP ROLE IF EXISTS deployed_role")
+
+    assert found == ("deployed_role", "UTF8", "C.UTF-8", False)
