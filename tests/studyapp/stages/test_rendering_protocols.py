@@ -16,8 +16,8 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.services.served_study import ServedStudy
 from studyapp.stages.checking.finding import Severity
-from studyapp.stages.generation import generate
 from studyapp.stages.checking.preflight import check
+from studyapp.stages.generation import generate
 from studyapp.stages.recordings import Take, import_take
 from studyapp.stages.render_plan import RenderPlan
 from studyapp.stages.rendering import render
