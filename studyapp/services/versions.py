@@ -16,6 +16,8 @@ from studyapp.services.places import open_places, release_outdated, take_allocat
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 
+OPERATION_CHANGED = "operation changed"
+
 UNKNOWN_DESIGN = ""
 """Of data that were collected before designs were noted."""
 
@@ -151,6 +153,6 @@ def _note_operation(
     operation = operation_part(served.study)
     changes = operation_changes(version.operation, operation)
     if changes:
-        session.add(AuditLine(at=now, event="operation changed", detail="; ".join(changes)))
+        session.add(AuditLine(at=now, event=OPERATION_CHANGED, detail="; ".join(changes)))
         version.operation = operation
         session.flush()

@@ -12,6 +12,7 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.definition.form import LONGEST_TEXT
 from studyapp.services.database import Database, database_url_of
+from studyapp.services.interim.computing import FigureProcess
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web import entrance, health, media, participant, sound_check, withdrawal
@@ -86,6 +87,7 @@ def create_app(
         database=Database.open(url),
         clock=Clock(speed=rehearsal_speed or 1.0),
         folder=folder.resolve(),
+        figures=FigureProcess(folder.resolve(), url),
         accel_prefix=accel_prefix,
     )
     open_study(here.database, served, here.clock)

@@ -11,6 +11,7 @@ from flask import Flask, current_app
 from studyapp.clock import Clock
 from studyapp.definition.study import Study
 from studyapp.services.database import Database
+from studyapp.services.interim.computing import FigureProcess
 from studyapp.services.served_study import ServedStudy
 
 EXTENSION: Final = "motionjury"
@@ -24,6 +25,8 @@ class Running:
     ----------
     folder : Path
         The study folder.
+    figures : FigureProcess
+        Computes what pages of researchers show of the answers so far.
     accel_prefix : str or None
         Where a proxy in front finds that folder; None where this server sends the videos itself.
     """
@@ -32,6 +35,7 @@ class Running:
     database: Database
     clock: Clock
     folder: Path
+    figures: FigureProcess
     accel_prefix: str | None = None
 
     @property

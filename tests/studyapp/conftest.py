@@ -26,6 +26,7 @@ from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.emptying import empty
+from tests.studyapp.figures_at_hand import FiguresAtHand
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 DatabaseKind = Literal["sqlite", "postgresql"]
@@ -136,7 +137,8 @@ def app(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Flask
     made = create_app(tiny_study)
     with made.app_context():
         here = running()
-    attach(made, replace(here, clock=clock))
+    url = sqlite_url(tiny_study / "responses.db")
+    attach(made, replace(here, clock=clock, figures=FiguresAtHand(here.folder, url)))
     yield made
     here.database.close()
 

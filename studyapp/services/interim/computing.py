@@ -9,62 +9,77 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
+from threading import Thread
 from typing import Final
 
-from motion.errors import InputError
 from studyapp.services.interim.documents import What
 
 PROGRAM: Final = "studyapp.stages.so_far_process"
 """It belongs to a room above this one, and is called by name, as a stranger would."""
 
 SECONDS: Final = 120
-"""For 100,000 answers it takes about 10."""
+"""For 100,000 answers it takes about 15."""
 
 
-def compute(folder: Path, database_url: str, what: What, *, seconds: float = SECONDS) -> str:
-    """Return the document that the process hands over.
+class NoFiguresError(Exception):
+    """Nothing was computed; the message says why, in sentences."""
 
-    Parameters
+
+@dataclass(frozen=True)
+class FigureProcess:
+    """Computes figures of one study.
+
+    Attributes
     ----------
     folder : Path
         The study folder.
     database_url : str
         Where the answers are; handed over in the environment, since it may hold a password.
-    what : {'agreement', 'results'}
-        What is wanted.
-
-    Raises
-    ------
-    InputError
-        If the process says why it cannot, fails, or takes too long.
     """
-    # Without -P, a folder that happens to be called like a package would be taken for it.
-    command = [sys.executable, "-P", "-m", PROGRAM, str(folder), what]
-    environment = {
-        **os.environ,
-        "DATABASE_URL": database_url,
-        "OPENBLAS_NUM_THREADS": "1",
-        "OMP_NUM_THREADS": "1",
-    }
-    try:
-        done = subprocess.run(  # noqa: S603 - our own program
-            command, env=environment, capture_output=True, text=True, timeout=seconds, check=False
-        )
-    except subprocess.TimeoutExpired:
-        raise InputError(
-            f"computing took longer than {seconds:g} seconds and was stopped",
-            remedy="Run 'motionjury report' instead, on a machine with time for it",
-        ) from None
-    except OSError as error:
-        raise InputError(
-            f"the process could not be started ({error.strerror})",
-            remedy="Look at how much memory the server has left",
-        ) from error
-    if done.returncode:
-        said = done.stderr.strip().splitlines()
-        raise InputError(
-            said[-1] if said else f"the process ended with {done.returncode}",
-            remedy="Look at what 'motionjury report' says",
-        )
-    return done.stdout
+
+    folder: Path
+    database_url: str
+
+    def begin(self, job: Callable[[], None]) -> None:
+        """Have `job` done while the server goes on."""
+        Thread(target=job, name="figures", daemon=True).start()
+
+    def compute(self, what: What, *, seconds: float = SECONDS) -> str:
+        """Return the document that the process hands over.
+
+        Raises
+        ------
+        NoFiguresError
+            If the process says why it cannot, fails, or takes too long.
+        """
+        # Without -P, a folder that happens to be called like a package would be taken for it.
+        command = [sys.executable, "-P", "-m", PROGRAM, str(self.folder), what]
+        environment = {
+            **os.environ,
+            "DATABASE_URL": self.database_url,
+            "OPENBLAS_NUM_THREADS": "1",
+            "OMP_NUM_THREADS": "1",
+        }
+        try:
+            done = subprocess.run(  # noqa: S603 - our own program
+                command,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=seconds,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            raise NoFiguresError(
+                f"It took longer than {seconds:g} seconds and was stopped. 'motionjury report' "
+                "takes the time that it needs."
+            ) from None
+        except OSError as error:
+            raise NoFiguresError(f"The process could not be started ({error.strerror}).") from error
+        if done.returncode:
+            said = done.stderr.strip().splitlines()
+            raise NoFiguresError(said[-1] if said else f"It ended with {done.returncode}.")
+        return done.stdout

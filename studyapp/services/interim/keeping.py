@@ -5,21 +5,28 @@ All of it is in the database: any process of any host may ask, and any may go aw
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from threading import Thread
+from functools import partial
 from typing import Final
 
 from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
-from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.models import AuditLine, InterimFigures, StudySession
+from studyapp.models import (
+    AuditLine,
+    ExclusionDecision,
+    IntakeChange,
+    InterimFigures,
+    StudySession,
+    StudyVersion,
+)
 from studyapp.services.database import Database, Turn, take_turn
+from studyapp.services.interim.computing import FigureProcess, NoFiguresError
 from studyapp.services.interim.documents import What
-from studyapp.services.looks import EVENTS, answers_so_far
+from studyapp.services.looks import answers_so_far
+from studyapp.services.versions import OPERATION_CHANGED
 
 RESTS: Final[dict[What, timedelta]] = {
     "agreement": timedelta(minutes=10),
@@ -30,8 +37,6 @@ RESTS: Final[dict[What, timedelta]] = {
 GIVEN_UP_AFTER: Final = timedelta(minutes=5)
 """Whoever began to compute longer ago has gone away."""
 
-Compute = Callable[[What], str]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Kept:
@@ -39,6 +44,8 @@ class Kept:
 
     Attributes
     ----------
+    answers : int
+        How many there are now.
     document : str
         As it was computed last; empty where it never was.
     is_current : bool
@@ -49,38 +56,34 @@ class Kept:
         Why the last attempt failed; empty where it did not.
     """
 
+    answers: int
     document: str
     is_current: bool
     is_awaited: bool
     problem: str
 
 
-def kept_figures(database: Database, clock: Clock, what: What, compute: Compute) -> Kept:
+def kept_figures(database: Database, clock: Clock, what: What, figures: FigureProcess) -> Kept:
     """Return what was computed last, and have it computed anew where that is due.
 
-    Computing goes on after this returns.
-
-    Parameters
-    ----------
-    compute : callable
-        Gives the document, or raises `InputError`; called in a thread of its own.
+    Computing goes on after this returns. Before anybody has answered there is nothing to compute.
     """
     now = clock.now()
     with database.reading() as session:
-        state = _state(session)
+        answers, state = answers_so_far(session), _state(session)
         row = _row(session, what)
-    if _is_due(row, state, now, RESTS[what]) and (begun := _begin(database, what, state, now)):
-        Thread(
-            target=_fill, args=(database, clock, what, begun, compute), name=what, daemon=True
-        ).start()
-        return _kept(row, state, is_awaited=True)
-    return _kept(row, state, is_awaited=row is not None and _is_running(row, now))
-
-
-def _kept(row: InterimFigures | None, state: str, *, is_awaited: bool) -> Kept:
+    begun = None
+    if answers and _is_due(row, state, now, RESTS[what]):
+        begun = _begin(database, what, state, now)
+    if begun is not None:
+        figures.begin(partial(_fill, database, clock, what, begun, figures))
+        with database.reading() as session:
+            row = _row(session, what)
+    is_awaited = row is not None and _is_running(row, now)
     if row is None:
-        return Kept(document="", is_current=False, is_awaited=is_awaited, problem="")
+        return Kept(answers=answers, document="", is_current=False, is_awaited=False, problem="")
     return Kept(
+        answers=answers,
         document=row.document,
         is_current=row.state == state,
         is_awaited=is_awaited,
@@ -89,11 +92,20 @@ def _kept(row: InterimFigures | None, state: str, *, is_awaited: bool) -> Kept:
 
 
 def _state(session: Session) -> str:
-    """Return what figures depend on: answers, who is counted, and what researchers changed."""
-    changes = select(func.max(AuditLine.id)).where(AuditLine.event.not_in(EVENTS.values()))
+    """Return what figures depend on: answers, who is counted, and what researchers decided."""
     people = select(func.count(StudySession.completed_at), func.count(StudySession.withdrawn_at))
-    finished, withdrawn = session.execute(people).one()
-    return f"{answers_so_far(session)}-{finished}-{withdrawn}-{session.scalar(changes) or 0}"
+    decided = (
+        select(func.max(ExclusionDecision.id)),
+        select(func.max(IntakeChange.id)),
+        select(func.max(StudyVersion.id)),
+        select(func.max(AuditLine.id)).where(AuditLine.event == OPERATION_CHANGED),
+    )
+    numbers = (
+        answers_so_far(session),
+        *session.execute(people).one(),
+        *(session.scalar(query) or 0 for query in decided),
+    )
+    return "-".join(map(str, numbers))
 
 
 def _row(session: Session, what: What) -> InterimFigures | None:
@@ -125,13 +137,15 @@ def _begin(database: Database, what: What, state: str, now: datetime) -> datetim
         return now
 
 
-def _fill(database: Database, clock: Clock, what: What, begun: datetime, compute: Compute) -> None:
+def _fill(
+    database: Database, clock: Clock, what: What, begun: datetime, figures: FigureProcess
+) -> None:
     """Compute, and keep what comes of it."""
     with database.reading() as session:
         state = _state(session)
     try:
-        values = {"document": compute(what), "state": state, "problem": ""}
-    except InputError as error:
+        values = {"document": figures.compute(what), "state": state, "problem": ""}
+    except NoFiguresError as error:
         values = {"problem": str(error)}
     with database.writing() as session:
         session.execute(

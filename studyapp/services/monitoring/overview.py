@@ -141,6 +141,14 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
     )
 
 
+def places_so_far(database: Database, served: ServedStudy, now: datetime) -> PlaceCounts:
+    """Return how many places are done, active, stale and open, of all arms together."""
+    with database.reading() as session:
+        present = present_ones(sittings(session, served, now))
+        more = present_intake(session).more_places
+    return all_together(count_places(served.study.arms, present, more))
+
+
 def _forecast(present: Sequence[Sitting], places: PlaceCounts, now: datetime) -> Forecast:
     finished = [each.completed_at for each in present if each.completed_at is not None]
     began = min((each.consented_at for each in present), default=None)

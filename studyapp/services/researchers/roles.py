@@ -17,12 +17,13 @@ class Right(Enum):
     WATCH = "see how the study goes, what happened in each study session, and previews of trials"
     READ = "read what participants said about themselves, and the log of changes"
     STEER = "pause, resume, extend and close the study, and exclude participants from the analysis"
+    UNBLIND = "look at results before the end, which is logged"
     NAME = "see by which name a recruiter knows a participant"
     MANAGE = "invite researchers, change their roles, and shut them out"
 
 
 RIGHTS: Final[Mapping[Role, frozenset[Right]]] = {
     "viewer": frozenset({Right.KEEP_ACCOUNT, Right.WATCH}),
-    "analyst": frozenset({Right.KEEP_ACCOUNT, Right.WATCH, Right.READ, Right.STEER}),
+    "analyst": frozenset({Right.KEEP_ACCOUNT, Right.WATCH, Right.READ, Right.STEER, Right.UNBLIND}),
     "owner": frozenset(Right),
 }

@@ -20,6 +20,8 @@ WORDING: Final = {
     "day_or_time": wording.day_or_time,
     "span": wording.span,
     "share": wording.share,
+    "figure": wording.figure,
+    "interval": wording.interval,
 }
 
 

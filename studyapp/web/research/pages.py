@@ -19,6 +19,7 @@ from studyapp.web.research import (
     own_account,
     previewing,
     researchers,
+    unblinding,
     watching,
 )
 from studyapp.web.research.cookie import PREFIX
@@ -107,6 +108,8 @@ PAGES: Final = (
     Page("GET", "/newcomers", newcomers.newcomers, Right.STEER),
     Page("POST", "/newcomers/state", newcomers.steer_newcomers, Right.STEER),
     Page("POST", "/newcomers/more", newcomers.want_more, Right.STEER),
+    Page("GET", "/results", unblinding.results, Right.UNBLIND),
+    Page("POST", "/results", unblinding.ask_for_results, Right.UNBLIND),
     Page("GET", "/researchers", researchers.researchers, Right.MANAGE),
     Page("POST", "/researchers/invite", researchers.invite_researcher, Right.MANAGE),
     Page("POST", f"/links/{ROW}:link_id>/take-back", researchers.take_link_back, Right.MANAGE),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from flask import abort, redirect, request, url_for
@@ -12,6 +13,8 @@ from motion.errors import InputError
 from studyapp.services.audit import LINES, LONGEST_REASON, logged_changes
 from studyapp.services.database import Database
 from studyapp.services.exclusion import JUDGED
+from studyapp.services.interim.documents import AgreementDocument
+from studyapp.services.interim.keeping import Kept, kept_figures
 from studyapp.services.monitoring.choosing import Choice, chosen, page_of, pages_of
 from studyapp.services.monitoring.naming import number_called, pseudonyms_of
 from studyapp.services.monitoring.one_sitting import one_sitting
@@ -29,6 +32,14 @@ LARGEST: Final = 2**31 - 1
 """The largest number of a row."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class AgreementSoFar:
+    """What the overview shows of agreement; no document where none has been computed yet."""
+
+    kept: Kept
+    document: AgreementDocument | None
+
+
 def overview(data: Data) -> ResponseReturnValue:
     """Show how the study goes."""
     here = running()
@@ -37,10 +48,19 @@ def overview(data: Data) -> ResponseReturnValue:
     return page(
         "overview",
         data=data,
+        agreement=_agreement() if data == "study" else None,
         rehearsed=is_rehearsed(),
         found=found,
         refreshes=request.args.get("refresh") != "off",
     )
+
+
+def _agreement() -> AgreementSoFar:
+    """Return how far participants agree, as it was computed last."""
+    here = running()
+    kept = kept_figures(here.database, here.clock, "agreement", here.figures)
+    document = AgreementDocument.model_validate_json(kept.document) if kept.document else None
+    return AgreementSoFar(kept=kept, document=document)
 
 
 def study_sessions(data: Data) -> ResponseReturnValue:

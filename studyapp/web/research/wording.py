@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from typing import Final
+
+SHARES: Final = ("win_share", "own_speech", "rate")
+"""Measures that are parts of a whole."""
 
 
 def moment(at: datetime) -> str:
@@ -36,3 +40,19 @@ def span(seconds: float) -> str:
 def share(part: float, whole: float = 1.0) -> str:
     """Return a percentage; a dash where there is no whole."""
     return f"{part / whole:.0%}" if whole else "–"
+
+
+def figure(value: float | None, measure: str = "") -> str:
+    """Return a number with sensible digits; of a share, as a percentage; a dash for none."""
+    if value is None:
+        return "–"
+    return f"{100 * value:.1f} %" if measure in SHARES else f"{value:.2f}"
+
+
+def interval(low: float | None, high: float | None, measure: str = "") -> str:
+    """Return the ends of an interval in words; a dash for none."""
+    if low is None or high is None:
+        return "–"
+    if measure in SHARES:
+        return f"{100 * low:.1f} to {100 * high:.1f} %"
+    return f"{low:.2f} to {high:.2f}"

@@ -40,6 +40,8 @@ MAY = {
     ("GET", "/research/newcomers"): {"analyst", "owner"},
     ("POST", "/research/newcomers/state"): {"analyst", "owner"},
     ("POST", "/research/newcomers/more"): {"analyst", "owner"},
+    ("GET", "/research/results"): {"analyst", "owner"},
+    ("POST", "/research/results"): {"analyst", "owner"},
     ("GET", "/research/researchers"): {"owner"},
     ("POST", "/research/researchers/invite"): {"owner"},
     ("POST", "/research/links/<link_id>/take-back"): {"owner"},

@@ -1,0 +1,91 @@
+"""Results before the end: behind a page that says what looking costs, and asks why."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from flask import abort, redirect, request, url_for
+from flask.typing import ResponseReturnValue
+
+from analysis.peeking import LEVEL, equally_spaced, false_positive_rate
+from motion.errors import InputError
+from studyapp.services.interim.documents import ResultsDocument
+from studyapp.services.interim.keeping import kept_figures
+from studyapp.services.looks import LoggedLook, looks, note_look
+from studyapp.services.monitoring.overview import places_so_far
+from studyapp.services.monitoring.place_counts import PlaceCounts
+from studyapp.services.researchers.unblinding import HOLDS, unblind, unblinded_because
+from studyapp.web.research.page import page
+from studyapp.web.research.visitor import researcher, visitor_cookie
+from studyapp.web.running import running
+
+TABLED: Final = (1, 2, 3, 5, 10, 20)
+"""Numbers of looks that the page tells the rate of false positives for."""
+
+
+def results() -> ResponseReturnValue:
+    """Show results so far to whoever has said why, and log it; else ask why."""
+    here, token = running(), visitor_cookie()
+    because = unblinded_because(here.database, token or "", here.clock.now())
+    if not because:
+        return _asking()
+    kept = kept_figures(here.database, here.clock, "results", here.figures)
+    awaited = kept.is_awaited and not kept.is_current
+    document = None
+    if kept.document and not awaited:
+        document = ResultsDocument.model_validate_json(kept.document)
+        with here.database.writing() as session:
+            note_look(
+                session,
+                here.clock.now(),
+                document.basis.state,
+                way="page",
+                by=researcher().name,
+                reason=because,
+            )
+    return page(
+        "results",
+        kept=kept,
+        awaited=awaited,
+        found=document,
+        looks=looks(here.database),
+        because=because,
+    )
+
+
+def ask_for_results() -> ResponseReturnValue:
+    """Take the reason, and go on to the results."""
+    here, token, reason = running(), visitor_cookie(), request.form.get("reason", "")
+    if token is None:
+        abort(403)
+    try:
+        unblind(here.database, here.clock, token, by=researcher().name, reason=reason)
+    except InputError as error:
+        return _asking(error, reason), 422
+    return redirect(url_for("research.results"), 303)
+
+
+def _asking(problem: InputError | None = None, reason: str = "") -> str:
+    here = running()
+    made = looks(here.database)
+    places = places_so_far(here.database, here.served, here.clock.now())
+    return page(
+        "unblind",
+        problem=problem,
+        reason=reason,
+        looks=made,
+        places=places,
+        level=LEVEL,
+        rates=[(count, equally_spaced(count)) for count in TABLED],
+        without=_rate(made, places, looking=False),
+        looking=_rate(made, places, looking=True),
+        minutes=round(HOLDS.total_seconds() / 60),
+    )
+
+
+def _rate(made: list[LoggedLook], places: PlaceCounts, *, looking: bool) -> float:
+    """Return the rate of false positives at the end, with a look now or without one."""
+    seen = {look.finished for look in made if look.finished} | {places.wanted}
+    if looking and places.done:
+        seen.add(places.done)
+    return false_positive_rate(sorted(seen - {0}))
