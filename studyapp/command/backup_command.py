@@ -98,7 +98,8 @@ def _check(archive: Path, folder: StudyFolder | None) -> None:
 
 def contents(manifest: Manifest) -> str:
     """Return what is in a backup, in words."""
+    people = "participant" if manifest.participants == 1 else "participants"
     return (
-        f"{manifest.participants} participants with {manifest.answers} answers, as of "
+        f"{manifest.participants} {people} with {manifest.answers} answers, as of "
         f"{manifest.made_at:%Y-%m-%d %H:%M:%S} UTC"
     )

@@ -34,13 +34,13 @@ def run(command: click.Command, *arguments: object) -> str:
 def test_what_is_in_a_backup_and_who_is_back_is_said(study: Path, tmp_path: Path) -> None:
     archive = tmp_path / "out.tar.gz"
     said = run(backup_command, study, archive)
-    assert "Backed up 1 participants with 4 answers" in said
+    assert "Backed up 1 participant with 2 answers" in said
     assert f"from sqlite:///{study / 'responses.db'}" in said
     assert "media files are not in it (--with-media)" in said
     assert "Keep it as safe as the answers" in said
 
     said = run(restore_command, archive, tmp_path / "new")
-    assert "Restored 1 participants with 4 answers" in said
+    assert "Restored 1 participant with 2 answers" in said
     assert "media files are missing" in said
     assert "Whoever was forgotten after" in said
 
@@ -54,7 +54,7 @@ def test_a_backup_is_checked_alone_and_beside_its_media(study: Path, tmp_path: P
     archive = tmp_path / "out.tar"
     run(backup_command, study, archive)
 
-    assert "is whole: 1 participants" in run(backup_command, "--check", archive)
+    assert "is whole: 1 participant" in run(backup_command, "--check", archive)
     assert "that it does not hold are in" in run(backup_command, study, "--check", archive)
     next((study / "videos").rglob("*.mp4")).unlink()
     with pytest.raises(InputError, match=r"1 are missing .*--with-media"):
