@@ -16,6 +16,7 @@ _COMMANDS: Final = {
     "corpus": "Make speech and motion with known truth, to train and test on.",
     "demo": "Run the whole line on synthetic speech, from nothing to a report.",
     "deploy": "Write the files with which a server serves the study to the world.",
+    "exclude": "Leave a participant out of the analysis, with a reason, or take one in again.",
     "export": "Write the answers as tidy tables with a codebook, or as a folder for another lab.",
     "figure": "Make figures and videos for the paper.",
     "forget": "Erase a participant.",
