@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages worked-examples clean
+.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -96,6 +96,14 @@ screens: setup-browser  ## Take every page of every protocol, in every size, lig
 
 command-pages: $(VENV)/.installed  ## Bring docs/commands up to date with the commands' options.
 	$(BIN)/python -m studyapp.handbook.command_pages
+
+guide: setup-browser  ## Run docs/guide.md and the commands' examples in a fresh folder, and write what they print into them.
+	rm -rf build/guide
+	$(BIN)/python -m studyapp.handbook.guide build/guide
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/guide_pictures.py build/guide
+
+deploy-page: $(VENV)/.installed  ## Bring the files that docs/deploy.md shows up to date.
+	$(BIN)/python -m studyapp.handbook.deploy_page
 
 worked-examples: $(VENV)/.installed  ## Compute the worked examples in docs/ anew from published numbers.
 	$(BIN)/python -m analysis.published docs/worked-examples.md

@@ -1,5 +1,5 @@
 -- As PostgreSQL's own user, once or again:
---     sudo -u postgres psql --set ON_ERROR_STOP=1 --file database.sql
+--     sudo -u postgres psql --set ON_ERROR_STOP=1 < database.sql
 -- Debian's PostgreSQL lets the system's user of that name in, and nobody by password.
 SELECT 'CREATE ROLE motionjury LOGIN'
 WHERE NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'motionjury') \gexec
