@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
-from collections.abc import Mapping
+from decimal import Decimal
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import tomlkit
 
@@ -13,78 +14,104 @@ from generators.registry import generator_names, needs_model
 from motion.errors import InputError
 from motion.files import write_text
 from motion.segment import check_name
+from studyapp.definition.commented_keys import stated
+from studyapp.definition.completion_codes import draw_code
 from studyapp.definition.conditions import Condition
-from studyapp.definition.page import Language
+from studyapp.definition.pay import Pay, money
+from studyapp.definition.placed_conditions import keys_for, put_conditions_into
 from studyapp.definition.ranked_systems import condition_table, put_systems_into, with_reference
-from studyapp.definition.reading import ALIASES, parse_study
+from studyapp.definition.reading import ALIASES, parse_study, parse_text
+from studyapp.definition.recruitment import Prolific
 from studyapp.definition.study import Study
 from studyapp.definition.template_language import put_into_language, templates
+from studyapp.definition.wanted_study import WantedStudy
 
 TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES)
 """The protocols, and the papers whose studies they follow."""
 
+_EMPTY_LINES: Final = re.compile(r"\n{3,}")
+_AFTER_COMMENT: Final = re.compile(r"(\n#[^\n]*\n)\n(\[\[(?:sets|blocks)\]\])")
 
-def new_study(
-    path: Path,
-    *,
-    template: str = "pairwise",
-    language: Language = "en",
-    name: str,
-    title: str | None = None,
-    reference: str | None = None,
-    trials: int | None = None,
-    learned: Condition | None = None,
-    conditions: Mapping[str, Condition] | None = None,
-) -> Study:
+_PARTICIPANTS: Final = {"pairwise": "participants_per_comparison"}
+"""Protocols that say in another key than 'participants' how many there are."""
+
+
+def new_study(path: Path, **wanted: Any) -> Study:
     """Write a commented study file from a template and return what it says.
 
     Parameters
     ----------
     path : Path
         The study file to be made; an existing one is never overwritten.
-    template : str
-        One of `TEMPLATES`.
-    language : {'en', 'de', 'ja'}
-        What participants read in.
-    name, title : str
-        The study's name, and what participants see as its title.
-    reference : str, optional
-        The condition every other one is compared with; also the source of the template's
-        mismatched condition. For pairwise studies. For rankings, the condition that is shown
-        apart.
-    trials : int, optional
-        Pairs each participant judges. For pairwise studies.
-    learned : Condition, optional
-        A network's, which takes the place of the last stand-in of every block and is called as
-        its generator. For rankings.
-    conditions : mapping, optional
-        Replaces the template's conditions.
+    **wanted
+        What it is to say; see `studyapp.definition.wanted_study.WantedStudy`.
 
     Raises
     ------
     InputError
-        If the file exists, the template is unknown or does not have a key that is given, or the
-        result would not be a valid study.
+        As `drafted`, and if the file exists.
     """
+    refuse_existing(path)
+    text = drafted(WantedStudy(**wanted), where=path)
+    write_text(path, text)
+    return parse_text(text, where=path)
+
+
+def refuse_existing(path: Path) -> None:
+    """Raise `InputError` if there is a study file already."""
     if path.exists():
         raise InputError(
             "the study exists already",
             where=path,
             remedy="Edit that file, or choose another folder",
         )
+
+
+def drafted(wanted: WantedStudy, *, where: object) -> str:
+    """Return the text of a study file; nothing is written.
+
+    Parameters
+    ----------
+    wanted : WantedStudy
+        What it is to say.
+    where : object
+        What errors name.
+
+    Raises
+    ------
+    InputError
+        If the template is unknown or does not have a key that is given, or the result would not
+        be a valid study.
+    """
+    template = wanted.template
     if template not in TEMPLATES:
         raise InputError(
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
-    file = f"{ALIASES.get(template, template)}.toml"
-    text = templates().joinpath(file).read_text("utf-8")
-    is_ranking = ALIASES.get(template, template) == "ranking"
-    if is_ranking and reference is not None:
-        text = with_reference(text, check_name(reference, "condition"))
+    protocol = ALIASES.get(template, template)
+    file = f"{protocol}.toml"
+    text = _with_recruiting(templates().joinpath(file).read_text("utf-8"), wanted)
+    if wanted.conditions:
+        keys = keys_for(
+            protocol,
+            wanted.conditions,
+            reference=wanted.reference,
+            catch_videos=wanted.catch_videos,
+        )
+        text = stated(text, keys)
+    is_ranking = protocol == "ranking"
+    if is_ranking and wanted.reference is not None:
+        text = with_reference(text, check_name(wanted.reference, "condition"))
     document = tomlkit.parse(text)
-    put_into_language(document, file, language)
-    document["name"] = check_name(name, "study")
-    for key, value in (("title", title), ("reference", reference), ("trials", trials)):
+    put_into_language(document, file, wanted.language)
+    document["name"] = check_name(wanted.name, "study")
+    own = wanted.reference if wanted.conditions is None or is_ranking else None
+    for key, value in (
+        ("title", wanted.title),
+        ("reference", own),
+        ("trials", wanted.trials),
+        (_PARTICIPANTS.get(protocol, "participants"), wanted.participants),
+    ):
         if value is None:
             continue
         if key not in document:
@@ -93,23 +120,70 @@ def new_study(
                 remedy="Leave the option out and edit the study file",
             )
         document[key] = value
-    if trials is not None:
-        document["practice"] = min(int(document["practice"]), max(trials // 2, 0))
-    if conditions is not None:
-        table = tomlkit.table(is_super_table=True)
-        for condition, made in conditions.items():
-            table[condition] = condition_table(made)
-        document["conditions"] = table
-    elif reference is not None and not is_ranking:
-        _follow_reference(document, reference)
-    if is_ranking:
-        put_systems_into(document, reference=reference, learned=learned)
-    elif learned is not None:
+    if wanted.trials is not None:
+        document["practice"] = min(int(document["practice"]), max(wanted.trials // 2, 0))
+    _tell_participants(document, wanted)
+    if wanted.conditions is not None:
+        for name in wanted.conditions:
+            check_name(name, "condition")
+        put_conditions_into(
+            document,
+            protocol,
+            wanted.conditions,
+            reference=wanted.reference,
+            catch_videos=wanted.catch_videos,
+        )
+    elif wanted.reference is not None and not is_ranking:
+        _follow_reference(document, wanted.reference)
+    if is_ranking and wanted.conditions is None:
+        put_systems_into(document, reference=wanted.reference, learned=wanted.learned)
+    elif wanted.learned is not None:
         raise InputError(
             f"the template {template!r} has no condition that a network could take over",
             remedy="Leave the checkpoint out, and state it in the study file",
         )
-    return _write(path, document)
+    # What was taken out and put in leaves empty lines behind.
+    said = _EMPTY_LINES.sub("\n\n", tomlkit.dumps(document))
+    said = _AFTER_COMMENT.sub(r"\1\2", said)
+    parse_text(said, where=where)
+    return said
+
+
+def _with_recruiting(text: str, wanted: WantedStudy) -> str:
+    """State what the template has in comments: pay, how long it takes, and what recruiters need."""
+    if wanted.minutes is not None:
+        text = stated(text, {"minutes": wanted.minutes})
+    pay = wanted.pay or Pay()
+    keys = {key: str(value) for key, value in pay.model_dump().items() if value}
+    each = pay.each or Decimal(0)
+    if wanted.channel in ("prolific", "mturk"):
+        keys.pop("amount", None)
+    text = stated(text, keys, table="recruitment.pay")
+    if wanted.channel == "prolific":
+        codes = {key: draw_code() for key in Prolific().codes}
+        return stated(text, {"reward": int(each * 100), **codes}, table="recruitment.prolific")
+    if wanted.channel == "mturk":
+        return stated(text, {"reward": f"{each:.2f}"}, table="recruitment.mturk")
+    return text
+
+
+def _tell_participants(document: tomlkit.TOMLDocument, wanted: WantedStudy) -> None:
+    """Fill in what participants read before they agree, and where they come from."""
+    page: Any = document["page"]
+    recruitment: Any = document["recruitment"]
+    payment = wanted.payment
+    if payment is None and wanted.pay is not None and wanted.pay.each:
+        payment = money(wanted.pay.each, wanted.pay.currency)
+    for key, said in (
+        ("organisation", wanted.organisation),
+        ("contact", wanted.contact),
+        ("payment", payment),
+        ("ethics", wanted.ethics),
+    ):
+        if said is not None:
+            page[key] = said
+    if wanted.channel is not None:
+        recruitment["channel"] = wanted.channel
 
 
 def _follow_reference(document: tomlkit.TOMLDocument, reference: str) -> None:
