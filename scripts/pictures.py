@@ -61,8 +61,8 @@ def served(folder: StudyFolder) -> Iterator[tuple[str, Path]]:
             server.wait()
 
 
-def picture_participant(page: Page, address: str, database: Path) -> None:
-    """Go to the first trial, play it, and take the page."""
+def play_first_trial(page: Page, address: str, database: Path) -> None:
+    """Go to the first trial and play it for a moment."""
     page.goto(address)
     while page.query_selector("#answers") is None:
         if (field := page.query_selector("input[name=digits]")) is not None:
@@ -71,7 +71,6 @@ def picture_participant(page: Page, address: str, database: Path) -> None:
         page.wait_for_load_state()
     page.evaluate("document.querySelector('#pair').play()")
     page.wait_for_timeout(MOMENT * 1000)
-    page.screenshot(path=DOCS / "participant.png")
 
 
 def spoken(database: Path) -> str:
@@ -115,7 +114,8 @@ def main() -> None:
     with served(folder) as (address, database), sync_playwright() as browsers:
         browser = browsers.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
         page = browser.new_page(viewport={"width": 1366, "height": 768})
-        picture_participant(page, address, database)
+        play_first_trial(page, address, database)
+        page.screenshot(path=DOCS / "participant.png")
         page.set_viewport_size({"width": 1280, "height": 800})
         page.goto((folder.report / "report.html").resolve().as_uri())
         page.screenshot(path=DOCS / "report.png")

@@ -4,7 +4,8 @@
   run; ``sh fails`` is expected to be refused.
 - ``text``, right behind such a block: what it printed, its first and last lines.
   ``text 6+2`` keeps six and two.
-- ``toml FILE``: what a reader is told to set in FILE.
+- ``toml FILE``: what a reader is told to set in FILE; ``toml FILE -conditions.ours`` takes the
+  section ``conditions.ours`` out first.
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import IO, Final, cast
+from typing import IO, Any, Final, cast
 
 import tomlkit
 from tomlkit.items import Table
@@ -60,7 +61,7 @@ def run_page(
     printed: list[tuple[Fenced, str]] = []
     for at, block in enumerate(blocks):
         if block.language == "toml" and block.words:
-            _set(folder / block.words[0], block.body)
+            _edit(folder / block.words[0], block.body, without=block.words[1:])
         if block.language != "sh" or ELSEWHERE in block.words:
             continue
         if on_block is not None:
@@ -125,9 +126,15 @@ def _served(arguments: list[str], folder: Path, environment: dict[str, str]) -> 
     return "".join(said)
 
 
-def _set(path: Path, words: str) -> None:
-    """Put what a block says into a TOML file, keeping the rest and its comments."""
+def _edit(path: Path, words: str, *, without: Sequence[str]) -> None:
+    """Take sections out of a TOML file and put others in, keeping the rest and its comments."""
     document = tomlkit.parse(path.read_text(encoding="utf-8"))
+    for section in without:
+        *above, last = section.removeprefix("-").split(".")
+        table: Any = document
+        for key in above:
+            table = table[key]
+        table.pop(last)
     _merge(document, tomlkit.parse(words))
     write_text(path, tomlkit.dumps(document))
 
