@@ -8,8 +8,8 @@ from types import MappingProxyType
 from typing import Literal
 
 from analysis.metrics.conditions import StudyMetrics
+from analysis.results.known_values import KnownValue
 
-Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 Origin = Literal["participants", "rehearsal", "table", "none"]
 
 
@@ -21,34 +21,6 @@ class Excerpt:
     speaker: str = ""
     transcript: str = ""
     seconds: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class KnownValue:
-    """What simulated raters were given to prefer.
-
-    Attributes
-    ----------
-    about : str
-        The comparison (``first-second``) or the condition.
-    part : str
-        The set, block or task; empty where the study has none.
-    question : str
-        Name of the question.
-    measure : {'win_share', 'own_speech', 'mean_rating', 'mean_rank'}
-        What the number is.
-    value : float
-        Over all raters and all segments such as these: what an interval is an interval for.
-    on_these_segments : float
-        Over all raters, for the study's own segments, whose luck an estimate shares.
-    """
-
-    about: str
-    part: str = ""
-    question: str
-    measure: Measure
-    value: float
-    on_these_segments: float
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,9 @@ import click
 from studyapp.command.arguments import study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
-from studyapp.rehearsal.findings_table import findings_table
-from studyapp.rehearsal.run import rehearse
+from studyapp.definition.written_rehearsal import with_others
+from studyapp.rehearsal.population import default_population
+from studyapp.rehearsal.run import SPEED, WORKERS, RehearsalResult, rehearse
 
 
 @click.command("rehearse")
@@ -20,15 +21,79 @@ from studyapp.rehearsal.run import rehearse
     "study asks for by default.",
 )
 @click.option("--seed", type=click.IntRange(0, 2**32 - 1), default=1, show_default=True)
-def command(folder: StudyFolder, participants: int | None, seed: int) -> None:
-    """Let simulated participants take the study FOLDER over real HTTP."""
+@click.option(
+    "--share",
+    "shares",
+    multiple=True,
+    metavar="KIND=SHARE",
+    help="Share of one kind of participant instead of that in study.toml, such as careless=0.2; "
+    "docs/rehearsal.md lists the kinds. Can be repeated.",
+)
+@click.option(
+    "--strength",
+    "strengths",
+    multiple=True,
+    metavar="CONDITION[:QUESTION]=LOGITS",
+    help="How good a condition really is, instead of what study.toml states, such as static=-1 or "
+    "static:emotion=-0.5. Can be repeated.",
+)
+@click.option(
+    "--at-once",
+    type=click.IntRange(1, 256),
+    default=WORKERS,
+    show_default=True,
+    help="How many take part at the same time; it changes no answer.",
+)
+@click.option(
+    "--speed",
+    type=click.FloatRange(1, 1000),
+    default=SPEED,
+    show_default=True,
+    help="How much faster than real the clock runs. A slower one makes rules about time tell.",
+)
+def command(
+    folder: StudyFolder,
+    participants: int | None,
+    seed: int,
+    shares: tuple[str, ...],
+    strengths: tuple[str, ...],
+    at_once: int,
+    speed: float,
+) -> None:
+    """Let simulated participants take the study FOLDER over real HTTP.
+
+    Then analyse what they answered, and say whether the analysis finds what was put in. All of it
+    stays apart from real answers, in rehearsal.db and the folder rehearsal.
+    """
+    # The analysis takes a second to load, and nobody needs it for --help or a refusal.
+    from studyapp.stages.recovery.printed import recovery_lines
+    from studyapp.stages.recovery.recovering import recover
+    from studyapp.stages.recovery.writing import write_recovery
+
+    people = default_population(with_others(folder.study(), shares, strengths))
     with progress("rehearse", "participant") as show:
-        result = rehearse(folder, participants=participants, seed=seed, on_done=show)
+        result = rehearse(
+            folder,
+            participants=participants,
+            seed=seed,
+            population=people,
+            workers=at_once,
+            speed=speed,
+            on_done=show,
+        )
     if result.note:
         click.echo(f"note: {result.note}")
-    for line in findings_table(result.findings):
+    recovery = recover(folder)
+    page = write_recovery(folder, recovery)
+    for line in recovery_lines(recovery):
         click.echo(line)
-    click.echo(
+    click.echo(_said(result))
+    click.echo(f"What came of it is in {page}")
+
+
+def _said(result: RehearsalResult) -> str:
+    gone = f"{result.left} left on the way; " if result.left else ""
+    return (
         f"{result.completed} simulated participants completed the study, {result.kept} of them "
-        f"in an earlier run; {len(result.probes)} improper submissions changed nothing."
+        f"in an earlier run; {gone}{len(result.probes)} improper submissions changed nothing."
     )

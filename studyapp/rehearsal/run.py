@@ -15,7 +15,6 @@ from studyapp.definition.study import Study
 from studyapp.rehearsal.crowd import Crowd
 from studyapp.rehearsal.examiner import Examiners
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.findings import Findings, findings
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.lock import only_rehearsal
 from studyapp.rehearsal.population import Population
@@ -49,8 +48,6 @@ class RehearsalResult:
         Bad submissions that were tried in this run; they changed nothing.
     truth : Truth
         What the participants were given to prefer.
-    findings : Findings
-        What their answers say.
     note : str
         What became of an earlier rehearsal in the same folder; empty where there was none.
     seconds : float
@@ -62,7 +59,6 @@ class RehearsalResult:
     left: int
     probes: tuple[Probe, ...]
     truth: Truth
-    findings: Findings
     note: str
     seconds: float
 
@@ -139,14 +135,13 @@ def rehearse(
                 on_done=partial(_show_more, show, there=there, wanted=roster.wanted),
             )
             roster = call_roster(database, count, truth)
-        found = findings(database, study, truth.expected)
+        let_time_pass(database, roster, study.lease_minutes)
     return RehearsalResult(
         completed=len(roster.finished),
         kept=kept,
         probes=tuple(examiners.probes),
         left=len(roster.gone),
         truth=truth,
-        findings=found,
         note=note,
         seconds=time.monotonic() - started,
     )

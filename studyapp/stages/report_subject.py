@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from analysis.metrics.conditions import StudyMetrics
 from analysis.metrics.presets import REPORT
 from analysis.report.metric_section import PAPER_OF
-from analysis.report.subject import Excerpt, KnownValue, Origin, Subject
+from analysis.report.subject import Excerpt, Origin, Subject
 from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.protocols.pairwise import PairwiseStudy
@@ -18,6 +18,7 @@ from studyapp.definition.study import GROUND_TRUTH, Study
 from studyapp.rehearsal.record import read_truth
 from studyapp.stages.analysed_tasks import compared
 from studyapp.stages.measuring import measure_study
+from studyapp.stages.recovery.put_in import known_values
 from studyapp.stages.report_strips import study_stills
 from studyapp.stages.study_notes import study_notes
 
@@ -60,7 +61,7 @@ def study_subject(
         frozen=study.freeze,
         study_sha256=hashlib.sha256(folder.definition.read_bytes()).hexdigest(),
         seed=study.seed,
-        truth=_truth(folder) if origin == "rehearsal" else (),
+        truth=(known_values(read_truth(folder.rehearsal_truth)) if origin == "rehearsal" else ()),
         metrics=_metrics(folder, study, segments),
         stills=shown.stills,
         no_stills=shown.reason,
@@ -82,21 +83,6 @@ def _scale_labels(study: Study) -> Mapping[str, tuple[str, ...]]:
         for question in study.questions
         if len(question.values) == STEPS
     }
-
-
-def _truth(folder: StudyFolder) -> tuple[KnownValue, ...]:
-    """Return what the rehearsal's participants were given to prefer."""
-    return tuple(
-        KnownValue(
-            about=known.about,
-            part=known.part,
-            question=known.question,
-            measure=known.measure,
-            value=known.value,
-            on_these_segments=known.value_on_these_segments,
-        )
-        for known in read_truth(folder.rehearsal_truth).expected
-    )
 
 
 def _metrics(folder: StudyFolder, study: Study, segments: Sequence[Segment]) -> StudyMetrics | None:

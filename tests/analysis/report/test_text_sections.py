@@ -10,8 +10,8 @@ from analysis.report.diagnostics_section import diagnostics_section
 from analysis.report.flow_section import flow_section
 from analysis.report.limits_section import limits_section
 from analysis.report.methods_section import methods_section
-from analysis.report.subject import KnownValue
 from analysis.report.truth_section import truth_section
+from analysis.results.known_values import KnownValue
 from tests.analysis.report.made_reports import report_of, subject_of
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table
 
