@@ -32,17 +32,28 @@ def pages_to_run(only: tuple[str, ...] = ()) -> list[Path]:
 @click.option(
     "--only", multiple=True, help="A command whose page alone is run, as often as wanted."
 )
-def main(folder: Path, only: tuple[str, ...]) -> None:
+@click.option(
+    "--since", default="", help="A heading of the guide, such as '## Check', to go on at."
+)
+def main(folder: Path, only: tuple[str, ...], since: str) -> None:
     """Run the guide in FOLDER, and then the examples of all commands.
 
-    With --only, FOLDER is one that the guide has been run in before.
+    With --only and --since, FOLDER is one that the guide has been run in before.
     """
+    try:
+        _run(folder, only, since)
+    except InputError as error:
+        raise click.ClickException(str(error)) from error
+
+
+def _run(folder: Path, only: tuple[str, ...], since: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    if not only and any(folder.iterdir()):
+    if not (only or since) and any(folder.iterdir()):
         raise InputError("the folder is not empty", where=folder, remedy="Name one that is")
     for path in pages_to_run(only):
         before = path.read_text(encoding="utf-8")
-        after = run_page(before, folder.resolve(), on_block=click.echo)
+        first = since if path == GUIDE else ""
+        after = run_page(before, folder.resolve(), on_block=click.echo, since=first)
         if after != before:
             write_text(path, after)
             click.echo(f"Wrote {path}")

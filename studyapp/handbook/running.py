@@ -36,7 +36,12 @@ _IS_SERVED: Final = "/research/"
 
 
 def run_page(
-    page: str, folder: Path, *, on_block: Callable[[str], None] | None = None, until: str = ""
+    page: str,
+    folder: Path,
+    *,
+    on_block: Callable[[str], None] | None = None,
+    since: str = "",
+    until: str = "",
 ) -> str:
     """Run the commands of a page in `folder` and return the page with what they printed.
 
@@ -48,16 +53,17 @@ def run_page(
         Where they are run.
     on_block : callable, optional
         Called with each script before it is run.
-    until : str
-        Stop before these words of the page; run all of it by default.
+    since, until : str
+        Begin with these words of the page, and stop before those; run all of it by default.
 
     Raises
     ------
     InputError
         If a script fails that should not, or the other way round.
     """
+    start = page.index(since) if since else 0
     end = page.index(until) if until else len(page)
-    blocks = [block for block in fenced_blocks(page) if block.start < end]
+    blocks = [block for block in fenced_blocks(page) if start <= block.start < end]
     printed: list[tuple[Fenced, str]] = []
     for at, block in enumerate(blocks):
         if block.language == "toml" and block.words:

@@ -28,6 +28,19 @@ def test_commands_run_in_one_folder_after_each_other(tmp_path: Path) -> None:
     assert [block.body for block in fenced_blocks(page)][-1] == "kept\n"
 
 
+def test_a_part_of_a_page_is_run_alone(tmp_path: Path) -> None:
+    page = "# One\n" + page_of("echo 1") + "# Two\n" + page_of("echo 2") + "# Three\n"
+    page += page_of("echo 3")
+
+    page = run_page(page, tmp_path, since="# Two", until="# Three")
+
+    assert [b.body for b in fenced_blocks(page) if b.language == "text"] == [
+        "old\n",
+        "2\n",
+        "old\n",
+    ]
+
+
 def test_words_between_a_command_and_a_text_keep_the_text(tmp_path: Path) -> None:
     page = page_of("echo new", between="\nAnd this is a file:\n\n")
 
