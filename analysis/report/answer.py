@@ -8,6 +8,7 @@ from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.by_question import each_question
 from analysis.report.flow_words import is_half_finished, places_words
+from analysis.report.looks_section import looks_sentence
 from analysis.report.subject import Subject
 from analysis.report.verdicts import (
     SIGNIFICANCE,
@@ -50,7 +51,15 @@ def answer(report: TableReport, subject: Subject) -> tuple[str, ...]:
             for part in (certainty, _equivalent(report.results), _basis(report, subject))
             if part
         ),
-        " ".join([_not_shown(report, subject), *_unfinished(report, subject)]),
+        " ".join(
+            part
+            for part in (
+                _not_shown(report, subject),
+                *_unfinished(report, subject),
+                looks_sentence(report),
+            )
+            if part
+        ),
     )
 
 

@@ -10,6 +10,7 @@ from typing import Final
 from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Section
+from analysis.report.looks_section import looks_sentence
 from analysis.report.subject import Subject
 from analysis.report.verdicts import SIGNIFICANCE, verdicts
 from analysis.results.preference import FEWEST
@@ -89,6 +90,7 @@ def methods_section(report: TableReport, subject: Subject) -> Section:
             TESTS[report.protocol],
             *_family(report),
             *_margin(report),
+            *filter(None, (looks_sentence(report),)),
         ]
     return Section(
         anchor=ANCHOR,

@@ -17,6 +17,7 @@ from analysis.report.flow_words import flow_line
 from analysis.report.headline.heterogeneity import heterogeneity_section
 from analysis.report.headline.sections import first_picture, headline_sections
 from analysis.report.limits_section import limits_section
+from analysis.report.looks_section import looks_section
 from analysis.report.methods_section import methods_section
 from analysis.report.metric_section import metric_section
 from analysis.report.sensitivity_section import sensitivity_section
@@ -71,6 +72,7 @@ def _sections(
     yield against_people_section(report, subject)
     yield diagnostics_section(report, subject)
     yield truth_section((report, *more), subject)
+    yield looks_section(report)
     yield methods_section(report, subject)
     yield limits_section(report, subject)
 

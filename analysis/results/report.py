@@ -19,6 +19,7 @@ from analysis.metrics.conditions import StudyMetrics
 from analysis.results.flow import ArmState, Flow, participant_flow
 from analysis.results.grouping import ByQuestion
 from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out, table_rules
+from analysis.results.looks import NOT_LOGGED, LooksBefore
 from analysis.results.mismatch import MismatchResults, mismatch_results
 from analysis.results.pairwise import PairwiseResults, pairwise_results
 from analysis.results.quality import Quality, quality
@@ -91,6 +92,8 @@ class TableReport:
         How answers were given.
     sensitivity : tuple of Sensitivity
         Headline numbers with and without exclusions; empty where nobody is excluded.
+    looks : LooksBefore
+        Looks at results before the answers that are reported.
     metrics_against_people : mapping of question to AgainstPeople
         See `ByQuestion`; empty where no motion was measured.
     results : Results
@@ -111,6 +114,7 @@ class TableReport:
     remark: str
     quality: Quality
     sensitivity: tuple[Sensitivity, ...]
+    looks: LooksBefore = NOT_LOGGED
     metrics_against_people: ByQuestion[AgainstPeople] = field(default_factory=dict)
     results: Results
 
@@ -180,6 +184,7 @@ def analyse_answers(
     arm_of: Mapping[str, str] | None = None,
     metrics: StudyMetrics | None = None,
     recorded: str | None = None,
+    looks: LooksBefore = NOT_LOGGED,
 ) -> TableReport:
     """Analyse checked answers, of a platform's table or of a study.
 
@@ -199,6 +204,8 @@ def analyse_answers(
         Automatic metrics of the conditions, to be set beside the answers.
     recorded : str, optional
         The condition that is recorded motion.
+    looks : LooksBefore, optional
+        Of a study; see `looks_before`.
 
     Raises
     ------
@@ -225,6 +232,7 @@ def analyse_answers(
         remark=_remark(table, left_out),
         quality=quality(left_out.everyone),
         sensitivity=sensitivity(table, left_out),
+        looks=looks,
         metrics_against_people=beside,
         results=results,
     )

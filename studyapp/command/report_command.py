@@ -12,6 +12,7 @@ from motion.errors import InputError
 from studyapp.command.arguments import optional_study_folder
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.written_exclusion import read_exclusion
+from studyapp.services.audit import reason_given
 from studyapp.stages.reporting import report, report_table
 
 
@@ -52,6 +53,11 @@ from studyapp.stages.reporting import report, report_table
     "coverage<SHARE, time<SECONDS[,share=SHARE], straight_lining>=SHARE[,trials=N]. Can be "
     "repeated; planned rules stand in study.toml.",
 )
+@click.option(
+    "--reason",
+    help="Why you look at the results of a study; it stands in the study's log of looks and, "
+    "where you look before the end, in later reports.",
+)
 def command(
     folder: StudyFolder | None,
     responses: Path | None,
@@ -60,6 +66,7 @@ def command(
     max_catch_failures: int | None,
     margin: float | None,
     exclude: tuple[str, ...],
+    reason: str | None,
 ) -> None:
     """Write the report of the study FOLDER: preferences and metrics, side by side.
 
@@ -74,12 +81,14 @@ def command(
     added = [read_exclusion(text, where="--exclude") for text in exclude]
     if folder is not None:
         _refuse([name for name, value in of_table.items() if value is not None])
-        page = report(folder, exclude=added, margin=margin)
+        why = "" if reason is None else reason_given(reason)
+        page = report(folder, exclude=added, margin=margin, reason=why, warn=click.echo)
         click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
         return
     if responses is None or protocol is None or out is None:
         _refuse_incomplete([name for name in _NEEDED if of_table[name] is None])
         return
+    _refuse_of_table(reason)
     page = report_table(
         responses,
         protocol,
@@ -101,6 +110,15 @@ def _refuse(given: list[str]) -> None:
         raise InputError(
             f"{', '.join(given)} cannot be given with a study folder, which states all that itself",
             remedy="Leave out either the folder or the options",
+        )
+
+
+def _refuse_of_table(reason: str | None) -> None:
+    if reason is not None:
+        raise InputError(
+            "--reason is for a study, which has a log of looks; a table has none",
+            where="--reason",
+            remedy="Leave it out",
         )
 
 

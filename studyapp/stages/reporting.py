@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -15,6 +15,7 @@ from analysis.metrics.score_tables import metrics_document
 from analysis.report import Subject, write_report
 from analysis.report.page import TASKS
 from analysis.results.left_out import LeftOut
+from analysis.results.looks import LooksBefore
 from analysis.results.report import (
     Settings,
     Source,
@@ -32,6 +33,7 @@ from studyapp.stages.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks
 from studyapp.stages.answers import Answers, answers_to_report
 from studyapp.stages.excluding import StudyExclusions
 from studyapp.stages.report_arms import arm_of_each, arm_states, of_present_design
+from studyapp.stages.report_looks import earlier_looks, note_report
 from studyapp.stages.report_margin import study_margin
 from studyapp.stages.report_subject import study_subject
 
@@ -72,7 +74,12 @@ class _Task:
 
 
 def report(
-    folder: StudyFolder, *, exclude: Sequence[ExclusionSection] = (), margin: float | None = None
+    folder: StudyFolder,
+    *,
+    exclude: Sequence[ExclusionSection] = (),
+    margin: float | None = None,
+    reason: str = "",
+    warn: Callable[[str], None] | None = None,
 ) -> Path:
     """Write the report of `folder` and return its page.
 
@@ -87,6 +94,10 @@ def report(
         Exploratory rules, applied after those of the study file.
     margin : float, optional
         Margin of equivalence, where the study file states none; it is exploratory.
+    reason : str
+        Why results are looked at, for the log of looks.
+    warn : callable, optional
+        Told, in sentences, what looking before the end means; nothing where it is the end.
 
     Raises
     ------
@@ -103,6 +114,9 @@ def report(
     )
     tasks = _tasks(study, answers, rules, agreed.margin, subject)
     main = tasks[0]
+    remark = note_report(folder, study, answers, reason=reason)
+    if remark and warn is not None:
+        warn(remark)
     page = write_report(
         main.report,
         subject,
@@ -162,8 +176,9 @@ def _tasks(
     subject: Subject,
 ) -> list[_Task]:
     """Analyse what was answered, task by task; the one that the study is named after first."""
+    looks = earlier_looks(study, answers)
     return [
-        _analysed(study, task, margin, answers.stored, subject)
+        _analysed(study, task, margin, answers.stored, subject, looks)
         for task in analysed_tasks(study, answers, rules)
     ]
 
@@ -174,6 +189,7 @@ def _analysed(
     margin: float | None,
     stored: StoredAnswers | None,
     subject: Subject,
+    looks: LooksBefore,
 ) -> _Task:
     written = _with_exclusions(task.rows, task.left_out)
     return _Task(
@@ -190,6 +206,7 @@ def _analysed(
             arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
             metrics=subject.metrics,
             recorded=subject.recorded,
+            looks=looks,
         ),
         written=written,
     )

@@ -1,0 +1,72 @@
+"""Looks at results in reports: that a report is one, and which there were before."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from analysis.results.looks import NOT_LOGGED, Look, LooksBefore, looks_before
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.services.database import Database, database_url_of
+from studyapp.services.looks import note_look
+from studyapp.stages.answers import Answers
+from studyapp.stages.so_far import study_state
+
+
+def earlier_looks(study: Study, answers: Answers) -> LooksBefore:
+    """Return the looks at results before the answers that are reported.
+
+    Those at these very answers are left out: a report is no look before itself, so that it is the
+    same however often it is written, and by whom.
+    """
+    if answers.origin != "participants" or answers.stored is None:
+        return NOT_LOGGED
+    state = study_state(study, answers.stored)
+    rows: list[dict[Any, Any]] = answers.stored.looks.to_dict("records")
+    logged = [Look(**row) for row in rows]
+    return looks_before(logged, finished=state.finished, answers=state.answers)
+
+
+def note_report(folder: StudyFolder, study: Study, answers: Answers, *, reason: str) -> str:
+    """Log that the results of participants are reported, before they are.
+
+    Parameters
+    ----------
+    reason : str
+        Why, where it was said.
+
+    Returns
+    -------
+    str
+        What whoever reports must know of it, in sentences; empty where everybody has finished.
+    """
+    shared = folder.shared_answers.is_dir()
+    if shared or answers.origin != "participants" or answers.stored is None:
+        return ""
+    state = study_state(study, answers.stored)
+    problem = ""
+    try:
+        database = Database.open(database_url_of(folder.root))
+        try:
+            with database.writing() as session:
+                note_look(session, Clock().now(), state, way="report", reason=reason)
+        finally:
+            database.close()
+    except (InputError, SQLAlchemyError, OSError) as error:
+        problem = str(error).splitlines()[0]
+    if not state.is_interim:
+        return ""
+    logged = (
+        f"It could not be logged that you looked: {problem} Say so where you publish."
+        if problem
+        else "That you looked is logged, and later reports say so."
+    )
+    return (
+        f"{state.finished} of {state.planned} planned participants have finished. To stop, extend "
+        f"or change the study because of what the report shows makes false findings likelier. "
+        f"{logged}"
+    )
