@@ -45,6 +45,15 @@ from studyapp.rehearsal.run import SPEED, WORKERS, RehearsalResult, rehearse
     help="How many take part at the same time; it changes no answer.",
 )
 @click.option(
+    "--browser",
+    "browsers",
+    type=click.IntRange(0, 64),
+    default=0,
+    show_default=True,
+    help="How many of the first to come take part in a real browser, in real time; all others "
+    "without one.",
+)
+@click.option(
     "--speed",
     type=click.FloatRange(1, 1000),
     default=SPEED,
@@ -58,6 +67,7 @@ def command(
     shares: tuple[str, ...],
     strengths: tuple[str, ...],
     at_once: int,
+    browsers: int,
     speed: float,
 ) -> None:
     """Let simulated participants take the study FOLDER over real HTTP.
@@ -78,6 +88,7 @@ def command(
             seed=seed,
             population=people,
             workers=at_once,
+            browsers=browsers,
             speed=speed,
             on_done=show,
         )

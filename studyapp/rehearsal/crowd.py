@@ -12,6 +12,7 @@ import httpx
 
 from motion.errors import InputError
 from studyapp.definition.study import Study
+from studyapp.rehearsal.browser import by_browser
 from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.examiner import Examiners
 from studyapp.rehearsal.eyes import Eyes
@@ -24,9 +25,6 @@ from studyapp.rehearsal.visit import Departure
 
 STAGGER: Final = 0.05
 """Seconds between the first arrivals."""
-
-TakesPart = Callable[[Participant, str, bool], object]
-"""Lets a participant take part in the study at an address, who may have been away before."""
 
 
 def by_http(participant: Participant, server: str, is_back: bool) -> None:
@@ -55,8 +53,8 @@ class Crowd:
         How much faster than real its clock runs.
     examiners : Examiners
         Who tries bad submissions, and which were tried.
-    takes_part : callable
-        By what means they take part.
+    in_browser : frozenset of str
+        Who of them takes part in a real browser.
     stop : Event
         Tells all of them to stop.
     """
@@ -68,7 +66,7 @@ class Crowd:
     server: str
     speed: float
     examiners: Examiners
-    takes_part: TakesPart = by_http
+    in_browser: frozenset[str] = frozenset()
     stop: Event = field(default_factory=Event)
 
     @property
@@ -101,7 +99,7 @@ class Crowd:
         with ThreadPoolExecutor(workers, thread_name_prefix="participant") as pool:
 
             def comes(name: str, *, delay: float, is_back: bool) -> Future[bool]:
-                may_examine = name in roster.awaited and not is_back
+                may_examine = name in roster.awaited and name not in self.in_browser and not is_back
                 return pool.submit(
                     self._one, name, delay=delay, is_back=is_back, may_examine=may_examine
                 )
@@ -143,7 +141,8 @@ class Crowd:
         if is_back:
             self.ledger.returned(name)
         try:
-            self.takes_part(participant, self.server, is_back)
+            takes_part = by_browser if name in self.in_browser else by_http
+            takes_part(participant, self.server, is_back)
         except Departure as departure:
             if departure.returns:
                 self.ledger.left(name)

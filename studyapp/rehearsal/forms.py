@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from bs4 import BeautifulSoup, Tag
 
+from studyapp.rehearsal.labels import has_label
+
 Fields = tuple[tuple[str, str], ...]
 
 FormFields = Mapping[str, Sequence[str]]
@@ -41,6 +43,8 @@ class Form:
         Values of boxes that may be ticked.
     buttons : tuple of (name, value)
         Submit buttons; the name is empty where a button sends nothing itself.
+    unlabelled : tuple of str
+        Names of fields and buttons that no words belong to, by which a person would know them.
     """
 
     action: str
@@ -50,6 +54,7 @@ class Form:
     lines: Mapping[str, tuple[float, float]]
     boxes: Mapping[str, tuple[str, ...]]
     buttons: Fields
+    unlabelled: tuple[str, ...] = ()
 
     @property
     def trial(self) -> str:
@@ -67,11 +72,13 @@ class Form:
         Raises
         ------
         IncompleteFormError
-            If a question or a value is not offered, a question is left over, or there is no
-            button to send the form with.
+            If a question or a value is not offered, a question is left over, a field has no
+            label, or there is no button to send the form with.
         """
         if not self.buttons:
             raise IncompleteFormError("has no button to send its form with")
+        if self.unlabelled:
+            raise IncompleteFormError(f"has no words beside {', '.join(self.unlabelled)}")
         for name, values in answers.items():
             for value in values:
                 self._require_offered(name, value)
@@ -109,8 +116,11 @@ def read_form(soup: BeautifulSoup, form: Tag) -> Form:
     lines: dict[str, tuple[float, float]] = {}
     boxes: dict[str, tuple[str, ...]] = {}
     buttons: list[tuple[str, str]] = []
+    unlabelled: dict[str, None] = {}
     for control in _controls(soup, form):
         name, value = str(control.get("name", "")), str(control.get("value", ""))
+        if not has_label(soup, control):
+            unlabelled[repr(name) if name else "its button"] = None
         match _kind(control):
             case "hidden":
                 hidden.append((name, value))
@@ -139,6 +149,7 @@ def read_form(soup: BeautifulSoup, form: Tag) -> Form:
         lines=lines,
         boxes=boxes,
         buttons=tuple(buttons),
+        unlabelled=tuple(unlabelled),
     )
 
 

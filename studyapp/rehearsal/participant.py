@@ -151,12 +151,16 @@ class Participant:
         return code
 
     def say(self, visit: Visit, page: Page) -> FormFields:
+        """Return what this participant answers of what the form of `page` asks, having listened."""
+        visit.listen(page)
+        return self.said(page)
+
+    def said(self, page: Page) -> FormFields:
         """Return what this participant answers of what the form of `page` asks."""
         asked = page.next_form.asked
         known = {name: said for name, said in self.about.items() if name in asked}
         if not page.sounds:
             return known
-        visit.listen(page)
         return known | dict.fromkeys(sorted(asked - set(known)), (self.eyes.hear(page),))
 
     def judge(self, page: Page) -> Judgement:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+
+import httpx
 
 from studyapp.definition.study import Study
 from studyapp.design.asking import AnswerKey
@@ -66,9 +68,20 @@ class Prober:
         """Send `data`, which must be taken kindly and change nothing."""
         return self._tried(name, data, harmless=True)
 
+    def refused_report(self, name: str, report: Mapping[str, object]) -> Probe:
+        """Send a report of what was played, which must be refused and change nothing."""
+        return self._sent(
+            name, lambda: self.visit.client.post(self.target, json=report), harmless=False
+        )
+
     def _tried(self, name: str, data: FormData, *, harmless: bool) -> Probe:
+        return self._sent(
+            name, lambda: self.visit.client.post(self.target, data=data), harmless=harmless
+        )
+
+    def _sent(self, name: str, send: Callable[[], httpx.Response], *, harmless: bool) -> Probe:
         before = self.stored()
-        response = self.visit.client.post(self.target, data=data)
+        response = send()
         if self.stored() != before:
             raise BrokenPageError(self.page, f"was sent {name}, and stored it")
         if not (response.is_success if harmless else response.is_client_error):
@@ -112,16 +125,16 @@ def probe_trial(
     prober = Prober(
         visit=visit, page=page, target=page.target(form), stored=lambda: eyes.stored(page)
     )
-    early = (
-        [prober.refused("answers before the videos were watched", good)]
-        if study.watching.coverage > 0
-        else []
-    )
+    early = [*_unplayed(prober, page)]
+    if study.watching.coverage > 0:
+        early.append(prober.refused("answers before the videos were watched", good))
+    for token in eyes.later_trials(page)[:1]:
+        early.append(prober.refused("the trial that comes later", {**good, "trial": [token]}))
     visit.watch(page)
     refused = [prober.refused(name, data) for name, data in _spoilt(study, trial, judgement, good)]
     refused += _trouble(prober, page)
     following = visit.send(page, form, judgement.fields())
-    other = {**good, **_as_data(_other_answers(judgement))}
+    other = {**good, **as_data(other_answers(judgement))}
     late = [
         prober.harmless("the same answers twice", good),
         prober.refused("other answers to an answered trial", other),
@@ -145,9 +158,23 @@ def _spoilt(
     yield "a reason that is not offered", {**good, reasoned.reasons_field: ["no reason"]}
     second = dict.fromkeys(judgement.values, 2)
     if study.problem(trial, second):
-        data = _as_data(replace(judgement, values=second))
+        data = as_data(replace(judgement, values=second))
         yield "ranks that make no order", {**good, **data}
     yield "somebody else's trial", {**good, "trial": ["0" * len(good["trial"][0])]}
+
+
+def _unplayed(prober: Prober, page: Page) -> Iterator[Probe]:
+    """Report playing that makes no sense, or that is nobody's."""
+    address = page.players[0].watched_address
+    nobodys = address.rpartition("/")[0] + "/" + "0" * 32
+    played = {"batch": 0, "intervals": [[0.0, 1.0]]}
+    for name, target, report in (
+        ("playing reported without intervals", address, {"batch": 0}),
+        ("playing reported backwards", address, {"batch": 0, "intervals": [[1.0, 0.5]]}),
+        ("playing reported under a number below 0", address, {**played, "batch": -1}),
+        ("playing reported of nobody's video", nobodys, played),
+    ):
+        yield replace(prober, target=target).refused_report(name, report)
 
 
 def _trouble(prober: Prober, page: Page) -> list[Probe]:
@@ -166,7 +193,7 @@ def _trouble(prober: Prober, page: Page) -> list[Probe]:
     ]
 
 
-def _other_answers(judgement: Judgement) -> Judgement:
+def other_answers(judgement: Judgement) -> Judgement:
     """Return answers that are as good as those of `judgement`, and not the same."""
     up: dict[AnswerKey, int] = {}
     down: dict[AnswerKey, int] = {}
@@ -180,5 +207,6 @@ def _other_answers(judgement: Judgement) -> Judgement:
     return replace(judgement, values=down if dict(judgement.values) == up else up)
 
 
-def _as_data(judgement: Judgement) -> FormData:
+def as_data(judgement: Judgement) -> FormData:
+    """Return the fields of answers as a browser would send them."""
     return {name: list(values) for name, values in judgement.fields().items()}

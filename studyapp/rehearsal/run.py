@@ -12,9 +12,12 @@ from typing import Final
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
+from studyapp.rehearsal.browser import require_browser
+from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.crowd import Crowd
 from studyapp.rehearsal.examiner import Examiners
 from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.late_probes import probe_finished
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.lock import only_rehearsal
 from studyapp.rehearsal.population import Population
@@ -71,6 +74,7 @@ def rehearse(
     population: Population | None = None,
     speed: float = SPEED,
     workers: int = WORKERS,
+    browsers: int = 0,
     on_done: Callable[[int, int], None] | None = None,
 ) -> RehearsalResult:
     """Let simulated participants take the study over real HTTP.
@@ -93,6 +97,8 @@ def rehearse(
         How much faster than real the rehearsal's clock runs; at least 1.
     workers : int
         How many take part at the same time; it changes no answer.
+    browsers : int
+        How many of those who come first take part in a real browser, in real time.
     on_done : callable, optional
         Called with (finished participants, all participants).
 
@@ -101,11 +107,13 @@ def rehearse(
     InputError
         If the study is not ready or being rehearsed already, more participants are asked for
         than it has places, a page lacks what a participant needs, or something bad is not
-        refused.
+        refused; or if a browser is wanted and there is none.
     """
     started = time.monotonic()
     study = ServedStudy.read(folder.root).study
     count = _checked_count(folder, study, participants)
+    if browsers:
+        require_browser()
     with only_rehearsal(folder), ExitStack() as opened:
         truth, note = prepare(folder, seed=seed, population=population)
         database = opened.enter_context(closing(Database.open(sqlite_url(folder.rehearsal))))
@@ -114,7 +122,8 @@ def rehearse(
         show = on_done or _show_nothing
         show(roster.wanted - len(roster.remaining), roster.wanted)
         examiners = Examiners()
-        if roster.remaining:
+        came = bool(roster.remaining)
+        if came:
             server = opened.enter_context(rehearsal_server(folder, speed=speed))
         # Who is excluded or leaves may open the place again, so that somebody else is awaited.
         while roster.remaining:
@@ -128,6 +137,7 @@ def rehearse(
                 server=server,
                 speed=speed,
                 examiners=examiners,
+                in_browser=frozenset(roster.remaining[:browsers]),
             )
             crowd.take_part(
                 roster,
@@ -136,6 +146,9 @@ def rehearse(
             )
             roster = call_roster(database, count, truth)
         let_time_pass(database, roster, study.lease_minutes)
+        if came:
+            with study_client(server) as client:
+                examiners.probes.extend(probe_finished(client, study, Eyes(database)))
     return RehearsalResult(
         completed=len(roster.finished),
         kept=kept,

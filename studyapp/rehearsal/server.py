@@ -24,7 +24,7 @@ from studyapp.serving import run_server
 
 HOST: Final = "127.0.0.1"
 PROCESSES: Final = 2
-START_SECONDS: Final = 30.0
+START_SECONDS: Final = 120.0
 STOP_SECONDS: Final = 10.0
 
 

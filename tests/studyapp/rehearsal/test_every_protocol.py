@@ -17,6 +17,7 @@ from studyapp.models import Place, StudySession
 from studyapp.rehearsal.examiner import Examiner
 from studyapp.rehearsal.eyes import Eyes, seen
 from studyapp.rehearsal.judgement import Judgement, judge
+from studyapp.rehearsal.late_probes import probe_finished
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant, answer_trial
 from studyapp.rehearsal.population import default_population
@@ -70,6 +71,9 @@ def test_bad_submissions_are_refused_and_the_good_answers_are_stored(
     assert tried["other answers to an answered trial"] == 409
     assert tried["somebody else's trial"] == 403
     assert tried["trouble with somebody else's trial"] == 403
+    assert tried["the trial that comes later"] in {409, 422}
+    assert tried["playing reported of nobody's video"] == 403
+    assert tried["playing reported backwards"] == 422
     assert tried["trouble with somebody else's video"] == 422
     assert {status for name, status in tried.items() if name.startswith(("a ", "ques"))} == {422}
     assert {(question, number): value for _, question, number, value, _ in eyes.stored(page)} == (
@@ -122,6 +126,34 @@ def test_bad_submissions_of_every_kind_of_page_are_refused(
         assert tried[name] == status
     assert "no answer to the question 'work'" not in tried
     assert eyes.told(participant.name) == (1, 5)
+
+
+@pytest.mark.parametrize("folder", ["ratings", "rankings"], indirect=True)
+def test_after_the_end_and_in_anothers_name_nothing_is_taken(
+    app: Flask, folder: StudyFolder, participant: Participant, eyes: Eyes
+) -> None:
+    with browser(app) as client:
+        assert probe_finished(client, folder.study(), eyes) == ()
+        participant.take_part(client)
+        alone = probe_finished(client, folder.study(), eyes)
+        replace(participant, name="p2").take_part(client)
+        together = probe_finished(client, folder.study(), eyes)
+    assert {probe.name: probe.status for probe in alone} == {
+        "the last answers again after the end": 200,
+        "other answers after the end": 409,
+        "trouble after the end": 409,
+        "playing reported after the end": 409,
+        "beginning after the end": 200,
+        "withdrawing after the end": 409,
+        "answers of nobody": 404,
+    }
+    of_others = {probe.name: probe.status for probe in together[len(alone) :]}
+    assert of_others == {
+        "answers at another's address": 403,
+        "answers to another's trial": 403,
+        "trouble with another's video": 409,
+        "playing reported of another's video": 403,
+    }
 
 
 @pytest.mark.parametrize("folder", ["mismatch"], indirect=True)

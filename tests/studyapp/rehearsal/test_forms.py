@@ -6,12 +6,12 @@ from bs4 import BeautifulSoup
 from studyapp.rehearsal.forms import Form, IncompleteFormError, read_form
 
 RANKED = """<form method="post">
-  <select name="realism:1"><option value="">choose …</option><option value="1">1</option>
-    <option value="2">2</option></select>
-  <input type="number" name="age" min="18" max="99">
-  <input type="checkbox" name="fit:reasons" value="hands">
-  <input type="checkbox" name="fit:reasons" value="face">
-  <textarea name="comment"></textarea>
+  <select name="realism:1" aria-label="Rank of A"><option value="">choose …</option>
+    <option value="1">1</option><option value="2">2</option></select>
+  <label for="age">Age</label> <input type="number" id="age" name="age" min="18" max="99">
+  <label><input type="checkbox" name="fit:reasons" value="hands"> the hands</label>
+  <label><input type="checkbox" name="fit:reasons" value="face"> the face</label>
+  <span id="said">Anything else?</span> <textarea name="comment" aria-labelledby="said"></textarea>
   <button>Next</button>
 </form>"""
 ANSWERS = {"realism:1": ("2",), "age": ("31",), "comment": ("–",)}
@@ -54,11 +54,28 @@ def test_a_question_the_study_does_not_know_is_named() -> None:
 
 
 def test_boxes_that_must_be_ticked_are_ticked_and_others_are_not() -> None:
-    html = """<form method="post"><input type="checkbox" name="agree" required>
-      <input type="checkbox" name="newsletter"><input type="submit" value="Go"></form>"""
+    html = """<form method="post"><label><input type="checkbox" name="agree" required> Yes</label>
+      <label><input type="checkbox" name="newsletter"> News</label>
+      <input type="submit" value="Go"></form>"""
     assert form(html).filled({}) == {"agree": ["on"]}
 
 
 def test_a_disabled_button_does_not_count() -> None:
     with pytest.raises(IncompleteFormError, match="no button"):
         form(RANKED.replace("<button>", "<button disabled>")).filled(ANSWERS)
+
+
+@pytest.mark.parametrize(
+    ("lost", "named"),
+    [
+        (' aria-label="Rank of A"', "'realism:1'"),
+        ("Age", "'age'"),
+        (' for="age"', "'age'"),
+        (" the face", "'fit:reasons'"),
+        ("Anything else?", "'comment'"),
+        ("Next", "its button"),
+    ],
+)
+def test_a_field_or_button_without_words_is_named(lost: str, named: str) -> None:
+    with pytest.raises(IncompleteFormError, match=f"has no words beside {named}"):
+        form(RANKED.replace(lost, "")).filled(ANSWERS)

@@ -1,0 +1,222 @@
+"""Simulated participants in a real browser: they press what people press and see videos play."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+from motion.errors import InputError
+from studyapp.rehearsal.forms import FormFields
+from studyapp.rehearsal.pages import BrokenPageError, Page
+from studyapp.rehearsal.participant import SAME_PAGE_AT_MOST, Participant
+from studyapp.rehearsal.visit import Departure, InterruptedRehearsal
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Locator, Playwright
+    from playwright.sync_api import Page as Tab
+
+ARGUMENTS: Final = ("--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-sync")
+INSTALLED: Final = ("chromium", "chromium-browser", "google-chrome")
+WINDOW: Final = {"width": 1366, "height": 768}
+LOOKS_AGAIN: Final = 50
+"""Milliseconds between two looks at a page."""
+
+PATIENCE: Final = 60.0
+"""Seconds that a page may take for anything but the videos themselves."""
+
+REMEDY: Final = (
+    "Install both with: pip install 'motionjury[browser]' && playwright install chromium"
+)
+
+
+def require_browser() -> None:
+    """Start a browser and close it again.
+
+    Raises
+    ------
+    InputError
+        If Playwright, or a browser for it, is missing; says what to install.
+    """
+    with _browser():
+        pass
+
+
+def by_browser(participant: Participant, server: str, is_back: bool) -> None:
+    """Let `participant` take part in a browser of its own."""
+    with _browser() as browser:
+        tab = browser.new_page(base_url=server, viewport=WINDOW)  # type: ignore[arg-type]
+        _Window(participant=participant, tab=tab).take_part(is_back=is_back)
+
+
+@contextmanager
+def _browser() -> Iterator[Browser]:
+    try:
+        from playwright.sync_api import Error, sync_playwright
+    except ImportError:
+        raise InputError("Playwright, which drives a browser, is missing", remedy=REMEDY) from None
+    with sync_playwright() as playwright:
+        try:
+            browser = _launched(playwright)
+        except Error as error:
+            raise InputError(
+                f"no browser could be started ({str(error).splitlines()[0]})", remedy=REMEDY
+            ) from error
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+def _launched(playwright: Playwright) -> Browser:
+    """Return the system's own Chromium where there is one, else Playwright's."""
+    found = next(filter(None, map(shutil.which, INSTALLED)), None)
+    return playwright.chromium.launch(executable_path=found, args=ARGUMENTS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Window:
+    """One participant's browser window.
+
+    Attributes
+    ----------
+    participant : Participant
+        Who looks at it.
+    tab : playwright.sync_api.Page
+        What it shows.
+    """
+
+    participant: Participant
+    tab: Tab
+
+    def take_part(self, *, is_back: bool) -> None:
+        """Go from the link to the end; raises what `Participant.take_part` does."""
+        person = self.participant
+        complaints: list[str] = []
+        self.tab.on("pageerror", lambda error: complaints.append(str(error)))
+        self.tab.goto(person.entrance)
+        before, same = "", 0
+        while (code := (page := self._page()).completion_code) is None:
+            state = self._state()
+            same = same + 1 if state == before else 1
+            if same > SAME_PAGE_AT_MOST:
+                raise BrokenPageError(page, "comes back in a browser though it was filled in")
+            before = state
+            if page.asks:
+                self._answer(page, is_back=is_back)
+            else:
+                self._fill(self.tab.locator("main"), person.said(page))
+                self._press(self.tab.locator("main form[method=post] [type=submit]").first, state)
+            if complaints:
+                raise BrokenPageError(page, f"has a script that fails ({complaints[0]})")
+        if person.ledger is not None:
+            person.ledger.completed(person.name, code)
+
+    def _answer(self, page: Page, *, is_back: bool) -> None:
+        person = self.participant
+        sight = person.eyes.look(page)
+        position = sight.trial.position
+        conduct = person.conduct(sight)
+        if conduct.leaves_at == position and not is_back:
+            raise Departure(returns=conduct.returns)
+        judgement = person.judged(sight)
+        self._play_all(page)
+        self._fill(self.tab.locator("#answers"), judgement.fields())
+        self._wait("say that everything is done", lambda: self._has("#needed.complete"))
+        self._rest(conduct.thinks(position) / person.speed)
+        self._press(self.tab.locator("#next"), self._state(), twice=conduct.clicks_twice)
+        if person.ledger is not None:
+            person.ledger.answered(person.name, position, judgement)
+
+    def _play_all(self, page: Page) -> None:
+        """Press each play button and wait until its video has ended."""
+        buttons = self.tab.locator("main button.play")
+        self._wait("show a button to play each video", lambda: _shown(buttons, len(page.players)))
+        for number, player in enumerate(page.players):
+            buttons.nth(number).click()
+            ended = f"document.querySelectorAll('main video')[{number}].ended"
+            self._wait(
+                "play its video to the end",
+                partial(self.tab.evaluate, ended),
+                seconds=player.duration,
+            )
+        self._wait("see that its videos were played", lambda: self._has("#watched.complete"))
+
+    def _fill(self, form: Locator, answers: FormFields) -> None:
+        """Enter `answers` as a person does, the best of a ranking first."""
+        for name, values in sorted(answers.items(), key=lambda item: (item[0][:-1], item[1])):
+            field = form.locator(f'[name="{name}"]')
+            for value in values:
+                self._enter(form, field, value)
+
+    def _enter(self, form: Locator, field: Locator, value: str) -> None:
+        kind = field.first.evaluate("field => field.type")
+        if kind in ("radio", "checkbox"):
+            chosen = form.locator("label").filter(
+                has=field.and_(form.locator(f'[value="{value}"]'))
+            )
+            chosen.first.click()
+        elif kind == "select-one" and field.first.is_visible():
+            field.first.select_option(value)
+        elif kind == "select-one":
+            label = field.first.get_attribute("data-label")
+            question = form.locator("fieldset").filter(has=field)
+            question.locator(".card").get_by_text(label or "", exact=True).press(value)
+        else:
+            field.first.fill(value)
+            field.first.blur()
+
+    def _press(self, button: Locator, state: str, *, twice: bool = False) -> None:
+        """Press a button that leads on, and wait until another page is there."""
+        if twice:
+            button.dblclick()
+        else:
+            button.click()
+        self._wait("lead on", lambda: self._state() not in ("", state))
+
+    def _page(self) -> Page:
+        self._wait("load", lambda: self._state() != "")
+        return Page(self.tab.url, self.tab.content())
+
+    def _state(self) -> str:
+        """Return what tells one step of the way from the next; empty while a page is loading."""
+        from playwright.sync_api import Error
+
+        try:
+            return str(
+                self.tab.evaluate(
+                    "document.readyState !== 'complete' ? '' : [document.title,"
+                    " document.querySelector('h1')?.textContent,"
+                    " document.querySelector('[name=trial]')?.value, location.pathname].join('|')"
+                )
+            )
+        except Error:
+            # The page was left while it was looked at.
+            return ""
+
+    def _has(self, selector: str) -> bool:
+        return self.tab.locator(selector).count() > 0
+
+    def _wait(self, what: str, happened: Callable[[], object], *, seconds: float = 0.0) -> None:
+        deadline = time.monotonic() + seconds + PATIENCE
+        while not happened():
+            if self.participant.stop.is_set():
+                raise InterruptedRehearsal
+            if time.monotonic() > deadline:
+                page = Page(self.tab.url, self.tab.content())
+                said = self.tab.locator("[role=alert]:visible").all_inner_texts()
+                shown = f" (it says: {' '.join(said)})" if any(said) else ""
+                raise BrokenPageError(page, f"does not {what} in a browser{shown}")
+            self.tab.wait_for_timeout(LOOKS_AGAIN)
+
+    def _rest(self, seconds: float) -> None:
+        if self.participant.stop.wait(seconds):
+            raise InterruptedRehearsal
+
+
+def _shown(buttons: Locator, count: int) -> bool:
+    return buttons.count() >= count and buttons.first.is_visible()
