@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import get_args
+from typing import cast, get_args
 
 import click
 
+from motion.errors import InputError
+from motion.files import write_text
+from studyapp.command.agreeing import agreed
+from studyapp.command.init_options import LONGEST, read_amount, read_condition, read_currency
 from studyapp.command.network_options import NetworkOptions, network_options
-from studyapp.definition.creation import TEMPLATES, new_study
+from studyapp.definition.conditions import Condition
+from studyapp.definition.creation import TEMPLATES, drafted, refuse_existing
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.page import Language
+from studyapp.definition.pay import Pay
+from studyapp.definition.recruitment import Channel
+from studyapp.definition.wanted_study import WantedStudy
 
 
 @click.command("init")
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.option(
+    "--ask/--no-ask",
+    default=None,
+    help="Ask for everything, with the options as first answers. In a terminal it asks if there "
+    "are no options.",
+)
 @click.option("--template", type=click.Choice(TEMPLATES), default="pairwise", show_default=True)
 @click.option(
     "--language",
@@ -24,35 +39,156 @@ from studyapp.definition.page import Language
     help="What participants read in.",
 )
 @click.option(
+    "--condition",
+    "conditions",
+    multiple=True,
+    metavar="NAME=SOURCE",
+    help="A condition, in place of the template's; once for each. The source is 'files' (motion "
+    "that is imported), 'videos' (finished ones), a generator such as 'rule_based', or "
+    "'mismatched:OTHER'.",
+)
+@click.option(
     "--reference",
     help="The condition every other one is compared with; of rankings, the one shown apart.",
 )
+@click.option(
+    "--catch-videos",
+    is_flag=True,
+    help="Videos of a broken motion will be brought in videos/broken/ for catch trials.",
+)
 @click.option("--trials", type=click.IntRange(1, 500), help="Pairs each participant judges.")
+@click.option(
+    "--participants",
+    type=click.IntRange(1, 10_000),
+    help="How many take part; of pairwise studies, in each comparison.",
+)
+@click.option(
+    "--recruit",
+    "channel",
+    type=click.Choice(get_args(Channel)),
+    help="Where participants come from. For Prolific, codes are drawn.",
+)
+@click.option("--pay", metavar="AMOUNT", help="What each participant gets, such as 2.50.")
+@click.option("--currency", metavar="CODE", help="Of the pay, three letters.")
+@click.option("--hourly-minimum", metavar="AMOUNT", help="What an hour must pay at least.")
+@click.option("--minutes", type=click.IntRange(1, LONGEST), help="How long it takes.")
 @click.option("--title", help="What participants see as the study's title.")
+@click.option("--organisation", help="Who runs the study.")
+@click.option("--contact", help="Whom participants can ask.")
+@click.option("--ethics", help="Who approved the study.")
 @network_options
+@click.pass_context
 def command(
+    ctx: click.Context,
     folder: Path,
+    ask: bool | None,
     template: str,
     language: Language,
+    conditions: tuple[str, ...],
     reference: str | None,
+    catch_videos: bool,
     trials: int | None,
+    participants: int | None,
+    channel: str | None,
+    pay: str | None,
+    currency: str | None,
+    hourly_minimum: str | None,
+    minutes: int | None,
     title: str | None,
+    organisation: str | None,
+    contact: str | None,
+    ethics: str | None,
     network: NetworkOptions,
 ) -> None:
     """Make a study FOLDER with a commented study.toml that can be edited.
+
+    Without options it asks what the study is to be, shows what it will write, and writes it
+    then. A study file that is there is never overwritten.
 
     A template of rankings takes --checkpoint and what belongs to it: the network is then one of
     its conditions.
     """
     study_folder = StudyFolder(folder)
-    new_study(
-        study_folder.definition,
+    refuse_existing(study_folder.definition)
+    wanted = WantedStudy(
+        name=folder.resolve().name,
         template=template,
         language=language,
-        name=folder.resolve().name,
         title=title,
         reference=reference,
         trials=trials,
+        participants=participants,
+        conditions=_conditions(conditions),
+        catch_videos=catch_videos,
         learned=network.condition("diffsheg", folder.resolve()),
+        channel=cast("Channel | None", channel),
+        pay=_pay(channel, pay, currency, hourly_minimum),
+        minutes=minutes,
+        organisation=organisation,
+        contact=contact,
+        ethics=ethics,
     )
-    click.echo(f"{study_folder.definition} is ready. Next: 'motionjury import' brings in speech.")
+    if _is_asked(ctx, ask):
+        text = agreed(wanted, study_folder.definition)
+    else:
+        _require_known_pay(wanted)
+        text = drafted(wanted, where=study_folder.definition)
+    write_text(study_folder.definition, text)
+    click.echo(f"{study_folder.definition} is ready. Next: {_next(text)}.")
+
+
+def _is_asked(ctx: click.Context, ask: bool | None) -> bool:
+    """Tell whether there are questions: where they are wanted, or a person gave no option."""
+    if ask is not None:
+        return ask
+    given = [
+        name
+        for name in ctx.params
+        if name not in ("folder", "ask", "network")
+        and ctx.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT
+    ]
+    return not given and sys.stdin.isatty() and sys.stdout.isatty()
+
+
+def _conditions(given: tuple[str, ...]) -> dict[str, Condition] | None:
+    named = [read_condition(text) for text in given]
+    names = [name for name, _ in named]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"the condition {twice!r} is given twice", remedy="Name each once")
+    return dict(named) or None
+
+
+def _pay(
+    channel: str | None, amount: str | None, currency: str | None, least: str | None
+) -> Pay | None:
+    if amount is None and currency is None and least is None:
+        return None
+    code = "USD" if channel == "mturk" and currency is None else currency
+    pay = Pay(
+        amount=read_amount(amount or ""),
+        currency=read_currency(code) if code else "",
+        hourly_minimum=read_amount(least or ""),
+    )
+    if pay.problems():
+        raise InputError("an amount needs a currency", remedy="Give --currency, such as EUR")
+    return pay
+
+
+def _require_known_pay(wanted: WantedStudy) -> None:
+    """Raise `InputError` where a recruiting site would not be told what it must be."""
+    if wanted.channel not in ("prolific", "mturk"):
+        return
+    paid = wanted.pay is not None and wanted.pay.amount
+    missing = [*([] if paid else ["--pay"]), *([] if wanted.minutes else ["--minutes"])]
+    if missing:
+        raise InputError(
+            f"recruiting sites must be told {' and '.join(missing)}", remedy="Give it as well"
+        )
+
+
+def _next(text: str) -> str:
+    """Return what comes after a new study."""
+    if "videos = true" in (line.split("#")[0].strip() for line in text.splitlines()):
+        return "put your videos into videos/CONDITION/SEGMENT.mp4, then run 'motionjury check'"
+    return "'motionjury import' brings in speech"

@@ -57,6 +57,13 @@ def new_study(path: Path, **wanted: Any) -> Study:
     return parse_text(text, where=path)
 
 
+def template_participants(template: str) -> int:
+    """Return how many participants a template has; of pairwise studies, for each comparison."""
+    protocol = ALIASES.get(template, template)
+    text = templates().joinpath(f"{protocol}.toml").read_text("utf-8")
+    return int(tomllib.loads(text)[_PARTICIPANTS.get(protocol, "participants")])
+
+
 def refuse_existing(path: Path) -> None:
     """Raise `InputError` if there is a study file already."""
     if path.exists():

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import re
+from typing import Final, Literal
 
 from pydantic import Field
 
 from studyapp.definition.section import Section
 
 Language = Literal["en", "de", "ja"]
+
+_REACHABLE: Final = re.compile(r"\S@\S+\.\S|https?://|www\.|(\d[\s()/.-]*){6}")
+"""An e-mail address, the address of a page, or a telephone number."""
+
+
+def reaches_somebody(contact: str) -> bool:
+    """Tell whether `contact` says how to reach somebody, as far as a program can see."""
+    return _REACHABLE.search(contact) is not None
 
 
 class Page(Section):

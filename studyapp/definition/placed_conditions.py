@@ -55,6 +55,10 @@ def put_conditions_into(
         If they are too few or too many, or the reference is none of them.
     """
     names = list(conditions)
+    if len(names) < FEWEST_COMPARED:
+        raise InputError(
+            f"{len(names)} condition is nothing to compare", remedy="Name two or more of them"
+        )
     if reference is not None and reference not in names:
         raise InputError(
             f"the reference {reference!r} is none of the conditions",
@@ -66,9 +70,6 @@ def put_conditions_into(
     elif protocol in ("rating", "ranking"):
         shown = [name for name in names if name != reference or protocol == "rating"]
         _show_together(document, "sets" if protocol == "rating" else "blocks", shown)
-    elif len(names) < FEWEST_COMPARED:
-        document["realism"] = 0
-        document["catch"]["trials"] = 0
     if all(condition.videos for condition in conditions.values()):
         # Nothing in a finished video can be held still.
         document["freeze"] = []

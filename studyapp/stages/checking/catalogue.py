@@ -1,11 +1,13 @@
 """All that can be found, by where it is looked for: for the table of `docs/check.md`.
 
-``python -m studyapp.stages.checking.catalogue --write docs/check.md`` puts the table there.
+``python -m studyapp.stages.checking.catalogue --write docs`` puts the table there, and the schema
+of what `motionjury check --json` prints beside it.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType, ModuleType
@@ -30,6 +32,7 @@ from studyapp.stages.checking import (
     time_checks,
 )
 from studyapp.stages.checking.finding import FindingKind
+from studyapp.stages.checking.report import CheckRecord
 
 BEGIN, END = "<!-- findings: begin -->", "<!-- findings: end -->"
 
@@ -90,15 +93,22 @@ def with_table(page: str) -> str:
     return f"{before}{BEGIN}\n{chr(10).join(table())}\n{END}{after}"
 
 
+def schema() -> str:
+    """Return the JSON schema of what `motionjury check --json` prints."""
+    return f"{json.dumps(CheckRecord.model_json_schema(), indent=1)}\n"
+
+
 def main() -> None:
-    """Print the table, or put it into a page."""
+    """Print the table, or put it and the schema into the folder of documents."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", type=Path, metavar="FILE", help="a page with marks for it")
-    page = parser.parse_args().write
-    if page is None:
+    parser.add_argument("--write", type=Path, metavar="FOLDER", help="with a check.md")
+    documents = parser.parse_args().write
+    if documents is None:
         print("\n".join(table()))
-    else:
-        write_text(page, with_table(page.read_text(encoding="utf-8")))
+        return
+    page = documents / "check.md"
+    write_text(page, with_table(page.read_text(encoding="utf-8")))
+    write_text(documents / "check.schema.json", schema())
 
 
 if __name__ == "__main__":

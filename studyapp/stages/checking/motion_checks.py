@@ -109,7 +109,11 @@ def _body_findings(material: Material, clips: Mapping[str, list[MotionClip]]) ->
     try:
         body = shown_abilities(material.folder, study)
     except InputError as unusable:
-        yield BODY_UNUSABLE.found(unusable.what, where=unusable.where, remedy=unusable.remedy)
+        yield BODY_UNUSABLE.found(
+            unusable.what,
+            where=unusable.where.removeprefix(f"{material.folder.root}/"),
+            remedy=unusable.remedy,
+        )
         return
     shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
     for sentence in left_out(shown, body):

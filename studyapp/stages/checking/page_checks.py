@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Iterator
 from typing import Final, get_args
 
 from motion.listing import listed
-from studyapp.definition.page import Language
+from studyapp.definition.page import Language, reaches_somebody
 from studyapp.definition.study import Study
 from studyapp.definition.template_language import TEMPLATES_IN, still_english, templates
 from studyapp.stages.checking.finding import Finding, error, warning
@@ -65,9 +64,6 @@ TEXTS_UNTRANSLATED: Final = warning(
     "Translate them in study.toml; 'motionjury init --language' shows how they may read",
 )
 
-_REACHABLE: Final = re.compile(r"\S@\S+\.\S|https?://|www\.|(\d[\s()/.-]*){6}")
-"""An e-mail address, the address of a page, or a telephone number."""
-
 
 def page_findings(study: Study) -> Iterator[Finding]:
     """Say what participants are not told, and what still says what a template says."""
@@ -81,7 +77,7 @@ def page_findings(study: Study) -> Iterator[Finding]:
     ):
         if not given or not str(given).strip():
             yield kind.found(kind.means, where=key)
-    if page.contact.strip() and not _REACHABLE.search(page.contact):
+    if page.contact.strip() and not reaches_somebody(page.contact):
         yield CONTACT_UNREACHABLE.found(
             f"{page.contact!r} does not say how to reach anybody", where="page.contact"
         )

@@ -87,8 +87,12 @@ def _findings(folder: StudyFolder, pace: Pace | None) -> Iterator[Finding]:
         material = Material.of(folder, study)
     except InputError as missing:
         kind = VIDEO_LIST_UNREADABLE if folder.stimuli.name in missing.where else SPEECH_UNREADABLE
-        yield kind.found(missing.what, where=missing.where, remedy=missing.remedy or None)
-        yield from pay_findings(study, study.page.minutes)
+        yield kind.found(
+            missing.what,
+            where=missing.where.removeprefix(f"{folder.root}/"),
+            remedy=missing.remedy or None,
+        )
+        yield from pay_findings(study, None)
         return
     yield from _material_findings(material, study, pace)
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
+import httpx
 from flask import Flask
 
 from motion.errors import InputError
@@ -82,6 +83,8 @@ SPARE: Final = 10**9
 """Bytes that should stay free: a full disk loses answers of all that runs on it."""
 
 _PIECE: Final = 100
+_RANGE: Final = f"bytes=0-{_PIECE - 1}"
+_SECONDS: Final = 15.0
 
 
 def serving_findings(material: Material) -> Iterator[Finding]:
@@ -168,15 +171,27 @@ def _range_findings(app: Flask, served: ServedStudy) -> Iterator[Finding]:
         here = running()
     try:
         token = token_of_a_video(here.database, served, Clock())
-        response = app.test_client().get(
-            f"/media/{token}.mp4", headers={"Range": f"bytes=0-{_PIECE - 1}"}
-        )
+        response = app.test_client().get(f"/media/{token}.mp4", headers={"Range": _RANGE})
         with response:
-            got = len(response.data)
-        if response.status_code != 206 or got != _PIECE:
+            status, got = response.status_code, len(response.data)
+            elsewhere = response.location if 300 <= status < 400 else None
+        asked = "the study's server"
+        if elsewhere is not None:
+            asked = "the store that videos come from"
+            status, got = _from_store(elsewhere)
+        if status != 206 or got != _PIECE:
             yield NO_BYTE_RANGES.found(
-                f"asked for {_PIECE} bytes of a video, the study's server answered "
-                f"{response.status_code} with {got}"
+                f"asked for {_PIECE} bytes of a video, {asked} answered {status} with {got}"
             )
+    except httpx.HTTPError as lost:
+        yield NO_BYTE_RANGES.found(f"the store that videos come from cannot be reached: {lost}")
     finally:
         here.database.close()
+
+
+def _from_store(address: str) -> tuple[int, int]:
+    """Ask a store of videos for a piece; return its status, and how many bytes came."""
+    with httpx.stream("GET", address, headers={"Range": _RANGE}, timeout=_SECONDS) as answer:
+        # A store that knows no ranges would send all of it.
+        got = sum(len(piece) for piece, _ in zip(answer.iter_bytes(_PIECE), range(2), strict=False))
+        return answer.status_code, got

@@ -56,6 +56,11 @@ LOADS_BEFORE_PLAYING: Final = error(
     "a video's index comes last (no faststart), so that it plays only once all of it has come",
     "Delete the file and run 'motionjury render', which puts the index first",
 )
+SOUND_UNWANTED: Final = error(
+    "sound-unwanted",
+    "a video that is to be shown without sound has some",
+    "Delete the file and run 'motionjury render', which leaves the sound out",
+)
 STRUCTURE_TELLS: Final = warning(
     "structure-tells",
     "files tell conditions apart to those who take them to pieces",
@@ -115,7 +120,10 @@ def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
     flaw = flaw_of(found.file, found.duration, sound=shown.speech is not None)
     if flaw is not None:
         yield flaw_finding(flaw, name, "Delete the file and run 'motionjury render'")
-    elif plays_at_once(found.file) is False:
+        return
+    if shown.speech is None and (encoded := format_of(found.file)) and encoded.sound:
+        yield SOUND_UNWANTED.found(f"{name} has sound, and is to be shown without", where=name)
+    if plays_at_once(found.file) is False:
         yield LOADS_BEFORE_PLAYING.found(
             f"{name} has its index behind its pictures, so that it plays only once all of it has "
             "come",

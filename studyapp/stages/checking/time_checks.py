@@ -55,8 +55,8 @@ def time_findings(study: Study, expected: ExpectedTime, pace: Pace | None) -> It
         else ""
     )
     yield EXPECTED_DURATION.found(
-        f"a participant needs about {needed} minutes: {expected.videos / 60:.0f} of videos watched "
-        f"once, {expected.around / 60:.0f} of reading and answering{seen}",
+        f"a participant needs about {needed} minutes: {expected.videos / 60:.1f} of videos watched "
+        f"once, {expected.around / 60:.1f} of reading and answering{seen}",
         where="page.minutes",
     )
     told = study.page.minutes

@@ -1,0 +1,118 @@
+"""What `motionjury init` reads of options and answers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from decimal import Decimal
+from typing import Final
+
+from generators.registry import generator_names, needs_model, needs_source
+from motion.errors import InputError
+from motion.segment import check_name
+from studyapp.definition.conditions import Condition
+from studyapp.definition.pay import MONEY
+
+FILES: Final = "files"
+VIDEOS: Final = "videos"
+
+LONGEST: Final = 240
+"""Minutes that a study may take."""
+
+
+def read_condition(text: str) -> tuple[str, Condition]:
+    """Return a condition from ``NAME=SOURCE``.
+
+    Parameters
+    ----------
+    text : str
+        The source is ``files``, ``videos``, a generator, or ``mismatched:NAME``.
+
+    Raises
+    ------
+    InputError
+        If it is none of these.
+    """
+    name, equals, source = text.partition("=")
+    if not equals:
+        raise InputError(
+            f"{text!r} does not say where its motion comes from",
+            remedy="Give NAME=files, NAME=videos, NAME=rule_based or NAME=mismatched:OTHER",
+        )
+    return check_name(name.strip(), "condition"), read_source(source.strip())
+
+
+def read_source(text: str) -> Condition:
+    """Return a condition from where its motion comes from; see `read_condition`."""
+    kind, _, of = text.partition(":")
+    if kind in (FILES, VIDEOS) and not of:
+        return Condition(videos=kind == VIDEOS)
+    if kind not in generator_names():
+        raise InputError(
+            f"unknown source {text!r}",
+            remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(own_generators())}",
+        )
+    if needs_model(kind):
+        raise InputError(
+            f"the generator {kind!r} is a network and needs its weights",
+            remedy=f"Name the condition as a generator's own files ('{FILES}') here, and state "
+            "generator and checkpoint in study.toml (docs/diffsheg.md)",
+        )
+    if needs_source(kind) != bool(of):
+        says = "needs the condition it starts from" if needs_source(kind) else "needs no source"
+        example = f"{kind}:OTHER" if needs_source(kind) else kind
+        raise InputError(f"the generator {kind!r} {says}", remedy=f"Give {example}")
+    return Condition(generator=kind, source=check_name(of, "condition") if of else None)
+
+
+def own_generators() -> tuple[str, ...]:
+    """Return the generators that need no weights, as sources are written."""
+    return tuple(
+        f"{name}:OTHER" if needs_source(name) else name
+        for name in generator_names()
+        if not needs_model(name)
+    )
+
+
+def source_of(condition: Condition) -> str:
+    """Return the source of a condition as it is written in an option."""
+    if condition.generator is None:
+        return VIDEOS if condition.videos else FILES
+    return f"{condition.generator}:{condition.source}" if condition.source else condition.generator
+
+
+def read_amount(text: str) -> str:
+    """Return an amount of money as study files have it; empty for none.
+
+    Raises
+    ------
+    InputError
+        If it is no amount.
+    """
+    plain = text.replace(",", ".")
+    if re.fullmatch(r"\d+(\.\d)?", plain):
+        plain = f"{Decimal(plain):.2f}"
+    if not re.fullmatch(MONEY, plain):
+        raise InputError(f"{text!r} is no amount", remedy="Give one such as 2.50")
+    return "" if plain and not Decimal(plain) else plain
+
+
+def read_currency(text: str) -> str:
+    """Return a currency's three letters; `InputError` where they are none."""
+    if not re.fullmatch(r"[A-Za-z]{3}", text):
+        raise InputError(f"{text!r} is no currency", remedy="Give three letters, such as EUR")
+    return text.upper()
+
+
+def read_count(most: int, *, what: str) -> Callable[[str], int]:
+    """Return what reads a whole number of `what` from 1 to `most`."""
+
+    def read(text: str) -> int:
+        if not text.isdecimal() or not 1 <= int(text) <= most:
+            raise InputError(
+                f"{text!r} is no number of {what}",
+                remedy=f"Give a whole number from 1 to {most}",
+            )
+        return int(text)
+
+    return read
