@@ -16,6 +16,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.services.database import Database, database_url_of
+from studyapp.services.media_store.store import MediaStore
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web.app import create_app
@@ -76,6 +77,7 @@ def run_server(
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
     new_version: bool = False,
+    from_store: bool = False,
     on_ready: Callable[[], None] | None = None,
 ) -> None:
     """Serve the study in `folder` until the process is told to stop (SIGINT or SIGTERM).
@@ -94,20 +96,24 @@ def run_server(
         See `studyapp.web.app.create_app`.
     new_version : bool
         Whether a design that has changed since participants came becomes a new version.
+    from_store : bool
+        Whether participants load the videos from the store that they were published to.
     on_ready : callable, optional
         Called when the server listens.
 
     Raises
     ------
     InputError
-        Before anything is served: if the study or a video is missing, the address is taken, the
-        database cannot be used, `prefix` is no path, ``FORWARDED_ALLOW_IPS`` names no network,
-        or the design has changed and `new_version` is not given.
+        Before anything is served: if the study or a video is missing, here or in the store, the
+        address is taken, the database cannot be used, `prefix` is no path,
+        ``FORWARDED_ALLOW_IPS`` names no network, or the design has changed and `new_version` is
+        not given.
     """
     prefix = checked_prefix(prefix)
     believed_proxies()
     rehearsal = rehearsal_speed is not None
     served = ServedStudy.read(folder).opened_for(rehearsal=rehearsal)
+    store = MediaStore.of(folder, served) if from_store else None
     _require_free(host, port)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
     # The workers find the newest schema and version and need not make them all at once.
@@ -142,6 +148,7 @@ def run_server(
         accel_prefix=accel_prefix,
         prefix=prefix,
         served=served,
+        store=store,
     ).run()
 
 

@@ -25,6 +25,7 @@ _COMMANDS: Final = {
     "init": "Make a study folder with a commented study.toml.",
     "metrics": "Compute automatic metrics of a study, or of folders of motion files.",
     "plan": "Say how many participants and segments a study needs.",
+    "publish-media": "Bring the videos into an S3-compatible store.",
     "recruit": "Bring participants to the study, and pay those of a recruiting site.",
     "rehearse": "Let simulated participants take the study over real HTTP.",
     "render": "Render clips and side-by-side pairs.",
@@ -45,7 +46,7 @@ class _LazyCommands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
-        module = import_module(f"studyapp.command.{cmd_name}_command")
+        module = import_module(f"studyapp.command.{cmd_name.replace('-', '_')}_command")
         command: click.Command = module.command
         return command
 

@@ -35,6 +35,12 @@ from studyapp.web.sub_path import checked_prefix
     help="Leave the videos to nginx, which has the study folder under this internal location.",
 )
 @click.option(
+    "--media-store",
+    is_flag=True,
+    envvar="MOTIONJURY_MEDIA_STORE",
+    help="Let participants load the videos from the store that 'publish-media' has filled.",
+)
+@click.option(
     "--prefix",
     default="",
     metavar="PATH",
@@ -54,6 +60,7 @@ def command(
     workers: int,
     threads: int,
     accel_redirect: str | None,
+    media_store: bool,
     prefix: str,
     address: str | None,
     new_version: bool,
@@ -72,6 +79,7 @@ def command(
         accel_prefix=accel_redirect,
         prefix=prefix,
         new_version=new_version,
+        from_store=media_store,
         on_ready=lambda: _say_where(folder, where),
     )
 

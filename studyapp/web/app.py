@@ -13,6 +13,7 @@ from studyapp.clock import Clock
 from studyapp.definition.form import LONGEST_TEXT
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.interim.computing import FigureProcess
+from studyapp.services.media_store.store import MediaStore
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.web import entrance, health, media, participant, sound_check, withdrawal
@@ -45,6 +46,7 @@ def create_app(
     accel_prefix: str | None = None,
     prefix: str = "",
     served: ServedStudy | None = None,
+    store: MediaStore | None = None,
 ) -> Flask:
     """Make the application that serves the study in `folder`.
 
@@ -63,6 +65,8 @@ def create_app(
     served : ServedStudy, optional
         What was read of `folder` before; a process that takes another one's place then serves
         the same study, whatever has become of the files.
+    store : MediaStore, optional
+        Where participants load the videos from.
 
     Raises
     ------
@@ -89,6 +93,7 @@ def create_app(
         folder=folder.resolve(),
         figures=FigureProcess(folder.resolve(), url),
         accel_prefix=accel_prefix,
+        store=store,
     )
     open_study(here.database, served, here.clock)
     attach(app, here)
@@ -103,7 +108,11 @@ def create_app(
         # A rehearsal is looked at from the study's own server, where researchers have accounts.
         app.register_blueprint(research_pages())
     register_error_pages(app)
-    protect(app, recruitment=served.study.recruitment)
+    protect(
+        app,
+        recruitment=served.study.recruitment,
+        media="" if store is None else store.origin,
+    )
     if prefix:
         app.wsgi_app = SubPath(app.wsgi_app, prefix)  # type: ignore[method-assign]
     return app

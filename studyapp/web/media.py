@@ -6,10 +6,14 @@ from pathlib import Path
 from typing import IO, Final, cast
 from urllib.parse import quote
 
-from flask import Blueprint, Response, abort, request
+from flask import Blueprint, Response, abort, current_app, redirect, request
 from werkzeug.exceptions import RequestedRangeNotSatisfiable
 from werkzeug.wsgi import wrap_file
 
+from motion.errors import InputError
+from studyapp.design.stimulus import Content
+from studyapp.services.earlier_videos import earlier_contents
+from studyapp.services.media_store.store import KEPT_SECONDS as REDIRECT_SECONDS
 from studyapp.services.showing import content_of
 from studyapp.web.file_part import FilePart
 from studyapp.web.running import running
@@ -29,10 +33,31 @@ def video(token: str) -> Response:
     here = running()
     content = content_of(here.database, token)
     found = here.served.videos.get(content) if content is not None else None
-    if found is None:
+    if content is None or found is None:
         abort(404)
+    elsewhere = _in_store(token, content)
+    if elsewhere is not None:
+        return elsewhere
     response = send_video(found.file)
     response.headers["Cache-Control"] = f"private, max-age={KEPT_SECONDS}"
+    return response
+
+
+def _in_store(token: str, content: Content) -> Response | None:
+    """Send the browser to the store for `content`; None where this server has to send it."""
+    here = running()
+    if here.store is None or request.method != "GET":
+        return None
+    try:
+        address = here.store.address(content, earlier_contents(here.database, token))
+    except InputError as error:
+        # Such as keys that have expired. The file is here as well.
+        current_app.logger.error("A video is sent from here: %s", error.what)
+        return None
+    if address is None:
+        return None
+    response = cast(Response, redirect(address, 302))
+    response.headers["Cache-Control"] = f"private, max-age={REDIRECT_SECONDS}"
     return response
 
 

@@ -12,6 +12,7 @@ from studyapp.clock import Clock
 from studyapp.definition.study import Study
 from studyapp.services.database import Database
 from studyapp.services.interim.computing import FigureProcess
+from studyapp.services.media_store.store import MediaStore
 from studyapp.services.served_study import ServedStudy
 
 EXTENSION: Final = "motionjury"
@@ -29,6 +30,8 @@ class Running:
         Computes what pages of researchers show of the answers so far.
     accel_prefix : str or None
         Where a proxy in front finds that folder; None where this server sends the videos itself.
+    store : MediaStore or None
+        Where participants load the videos from instead.
     """
 
     served: ServedStudy
@@ -37,6 +40,7 @@ class Running:
     folder: Path
     figures: FigureProcess
     accel_prefix: str | None = None
+    store: MediaStore | None = None
 
     @property
     def study(self) -> Study:

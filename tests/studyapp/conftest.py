@@ -27,6 +27,7 @@ from studyapp.web.running import attach, running
 from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.emptying import empty
 from tests.studyapp.figures_at_hand import FiguresAtHand
+from tests.studyapp.s3_stand_in import Store, s3_stand_in, use_keys
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 DatabaseKind = Literal["sqlite", "postgresql"]
@@ -147,3 +148,11 @@ def app(tiny_study: Path, clock: SetClock, empty_sqlite: Path) -> Iterator[Flask
 def participant(opened: Database, served: ServedStudy, clock: SetClock) -> Participant:
     """Return a participant at the first trial."""
     return Participant(opened, served, clock).enrol().begin()
+
+
+@pytest.fixture
+def s3_store(monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
+    """Return an empty S3-compatible store, whose keys are in the environment."""
+    use_keys(monkeypatch)
+    with s3_stand_in() as running_store:
+        yield running_store

@@ -17,6 +17,7 @@ SMALL_FILES: Final = (
     "stimuli.json",
     "pseudonyms.key",
     "recruitment.json",
+    "published.json",
     "invitations.csv",
     "speech/segments.csv",
 )

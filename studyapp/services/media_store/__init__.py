@@ -1,0 +1,1 @@
+"""Videos in an S3-compatible store: participants fetch them there by addresses that expire."""

@@ -1,0 +1,255 @@
+"""Videos that participants load from a store tell them as little as those from this server."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import timedelta
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import httpx
+import pytest
+from flask import Flask
+from sqlalchemy import select
+from werkzeug.test import TestResponse
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import Video
+from studyapp.services.media_store.bucket import Bucket
+from studyapp.services.media_store.record import FILE, Place
+from studyapp.services.media_store.store import SIGNED_SECONDS, MediaStore
+from studyapp.services.served_study import ServedStudy
+from studyapp.stages.publishing import MARK_BYTES, publish
+from studyapp.web.app import create_app
+from studyapp.web.running import attach, running
+from tests.studyapp.s3_stand_in import (
+    BUCKET,
+    KEY,
+    SECRET,
+    Store,
+    forget_keys,
+    s3_stand_in,
+    use_keys,
+)
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.visitor import Visitor
+
+
+@pytest.fixture(scope="module")
+def published(
+    tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[Path, Store]]:
+    """Return a study whose videos are in a store, and that store; tests copy the study."""
+    folder = tmp_path_factory.mktemp("published") / "study"
+    shutil.copytree(tiny_study_template, folder)
+    with pytest.MonkeyPatch.context() as patch, s3_stand_in() as store:
+        use_keys(patch)
+        place = Place(bucket=BUCKET, folder="my-study/", endpoint=store.endpoint)
+        publish(StudyFolder(folder), place, silent)
+        yield folder, store
+
+
+@pytest.fixture
+def store(published: tuple[Path, Store]) -> Store:
+    """Return the store that holds the study's videos."""
+    _, store = published
+    store.asked.clear()
+    store.now = None
+    return store
+
+
+@pytest.fixture
+def study(published: tuple[Path, Store], tmp_path: Path, empty_sqlite: Path) -> Path:
+    """Return the folder of the published study, with an empty database."""
+    folder = tmp_path / "published"
+    shutil.copytree(published[0], folder)
+    shutil.copyfile(empty_sqlite, folder / "responses.db")
+    return folder
+
+
+@pytest.fixture
+def from_store(study: Path, store: Store, clock: SetClock) -> Iterator[Flask]:
+    """Return the application of a study whose videos are in the store."""
+    served = ServedStudy.read(study)
+    made = create_app(study, served=served, store=MediaStore.of(study, served))
+    with made.app_context():
+        here = running()
+    attach(made, replace(here, clock=clock))
+    yield made
+    here.database.close()
+
+
+def silent(_done: int, _total: int) -> None:
+    """Show nothing."""
+
+
+def redirects(app: Flask, clock: SetClock) -> list[TestResponse]:
+    """Take the study to its end, and return what was said of each video, in order."""
+    visitor = Visitor(app, clock).enrol().begin()
+    found = []
+    while not (page := visitor.page()).soup.select("#completion-code"):
+        found += [visitor.client.get(str(video["src"])) for video in page.soup.select("video")]
+        visitor.watch()
+        visitor.post(page)
+    return found
+
+
+def first_video(app: Flask, clock: SetClock) -> str:
+    Visitor(app, clock).enrol().begin().page()
+    with app.app_context(), running().database.reading() as session:
+        token = session.scalars(select(Video.token).order_by(Video.id)).first()
+    return f"/media/{token}.mp4"
+
+
+def test_a_video_is_loaded_from_the_store_by_byte_ranges(
+    from_store: Flask, clock: SetClock, store: Store
+) -> None:
+    address = first_video(from_store, clock)
+
+    answer = from_store.test_client().get(address)
+    piece = httpx.get(answer.location, headers={"Range": "bytes=4-11"})
+
+    assert answer.status_code == 302
+    assert answer.location.startswith(f"{store.endpoint}/{BUCKET}/my-study/")
+    assert (piece.status_code, piece.content[:4]) == (206, b"ftyp")
+    assert SECRET not in answer.location
+    assert store.gets()[0][0].startswith(f"/{BUCKET}/my-study/")
+
+
+def test_what_is_shown_again_cannot_be_told_from_what_is_new(
+    from_store: Flask, clock: SetClock
+) -> None:
+    with from_store.app_context():
+        served = running().served
+    known = {video.file.read_bytes() for video in served.videos.values()}
+    shown_again = 0
+    # Of four participants, some see the practice video again, others its mirrored pair.
+    for _ in range(4):
+        answers = redirects(from_store, clock)
+        loaded = [httpx.get(answer.location) for answer in answers]
+
+        contents = [each.content[:-MARK_BYTES] for each in loaded]
+        assert set(contents) <= known
+        shown_again += len(contents) - len(set(contents))
+        for told in (
+            [urlsplit(answer.location).path for answer in answers],
+            [each.headers["ETag"] for each in loaded],
+            [each.content for each in loaded],
+        ):
+            assert len(set(told)) == len(told)
+    assert shown_again > 0
+
+
+def test_addresses_differ_in_name_moment_and_signature_alone(
+    from_store: Flask, clock: SetClock
+) -> None:
+    answers = redirects(from_store, clock)
+
+    parts = [urlsplit(answer.location) for answer in answers]
+    assert len({(each.netloc, len(each.path), len(each.query)) for each in parts}) == 1
+    for each in parts:
+        query = parse_qs(each.query)
+        said = {"X-Amz-Date", "X-Amz-Signature"}
+        assert {name: query[name] for name in query.keys() - said} == {
+            "X-Amz-Algorithm": ["AWS4-HMAC-SHA256"],
+            "X-Amz-Credential": [f"{KEY}/{query['X-Amz-Date'][0][:8]}/here-1/s3/aws4_request"],
+            "X-Amz-Expires": [str(SIGNED_SECONDS)],
+            "X-Amz-SignedHeaders": ["host"],
+        }
+    headers = [dict(answer.headers) for answer in answers]
+    for each in headers:
+        del each["Location"]
+    assert all(each == headers[0] for each in headers)
+    assert headers[0]["Referrer-Policy"] == "no-referrer"
+    assert headers[0]["Cache-Control"] == "private, max-age=300"
+    assert "Set-Cookie" not in headers[0]
+
+
+def test_the_same_video_stays_where_it_is(from_store: Flask, clock: SetClock) -> None:
+    address = first_video(from_store, clock)
+
+    paths = {
+        urlsplit(from_store.test_client().get(f"{address}{again}").location).path
+        for again in ("", "?again=1", "?again=2")
+    }
+
+    assert len(paths) == 1
+
+
+def test_an_address_ends_and_no_other_can_be_made_of_it(
+    from_store: Flask, clock: SetClock, store: Store
+) -> None:
+    signed = from_store.test_client().get(first_video(from_store, clock)).location
+    other = next(name for name in store.objects if name not in signed)
+
+    assert httpx.get(signed).status_code == 200
+    swapped = signed.replace(urlsplit(signed).path, f"/{BUCKET}/{other}")
+    assert httpx.get(swapped).status_code == 403
+    longer = signed.replace(f"Expires={SIGNED_SECONDS}", "Expires=604800")
+    assert httpx.get(longer).status_code == 403
+    assert httpx.get(signed.partition("?")[0]).status_code == 403
+    store.now = store.moment() + timedelta(seconds=SIGNED_SECONDS + 1)
+    assert httpx.get(signed).status_code == 403
+
+
+def test_pages_may_load_from_the_store_and_from_nobody_else(
+    from_store: Flask, app: Flask, clock: SetClock, store: Store
+) -> None:
+    policies = []
+    for each in (from_store, app):
+        visitor = Visitor(each, clock).enrol().begin()
+        policies.append(visitor.client.get(visitor.address).headers["Content-Security-Policy"])
+    inside = from_store.test_client().get("/research/login").headers["Content-Security-Policy"]
+
+    assert f"media-src 'self' {store.endpoint}; " in policies[0]
+    assert f"connect-src 'self' {store.endpoint}; " in policies[0]
+    assert policies[0].replace(f" {store.endpoint}", "") == policies[1]
+    assert store.endpoint not in inside
+
+
+def test_nobody_is_sent_to_the_store_for_what_they_may_not_see(from_store: Flask) -> None:
+    assert from_store.test_client().get("/media/nobody.mp4").status_code == 404
+
+
+def test_this_server_sends_a_video_itself_where_the_store_cannot_serve(
+    from_store: Flask,
+    clock: SetClock,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    address = first_video(from_store, clock)
+
+    def no_keys(*_: object) -> str:
+        raise InputError("the store cannot be asked to sign an address (NoCredentialsError)")
+
+    assert from_store.test_client().head(address, buffered=True).status_code == 200
+    monkeypatch.setattr(Bucket, "address", no_keys)
+    answer = from_store.test_client().get(address, buffered=True)
+
+    assert answer.status_code == 200
+    assert answer.data[4:8] == b"ftyp"
+    assert "NoCredentialsError" in caplog.text
+    assert address not in caplog.text
+
+
+def test_what_is_not_in_the_store_as_it_is_here_is_said_before_serving(
+    study: Path, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    served = ServedStudy.read(study)
+    forget_keys(monkeypatch)
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.delenv(name)
+    for name in ("AWS_SHARED_CREDENTIALS_FILE", "AWS_CONFIG_FILE"):
+        monkeypatch.setenv(name, str(study / "none"))
+    with pytest.raises(InputError, match=r"sign an address .*AWS_ACCESS_KEY_ID"):
+        MediaStore.of(study, served)
+    with (study / "videos" / "pairs" / "003.mp4").open("ab") as video:
+        video.write(b"\0\0\0\x08free")
+    with pytest.raises(InputError, match=r"003\.mp4: the video is not in the store as it is here"):
+        MediaStore.of(study, served)
+    (study / FILE).unlink()
+    with pytest.raises(InputError, match="the videos were not published"):
+        MediaStore.of(study, served)
