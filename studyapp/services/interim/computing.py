@@ -20,8 +20,8 @@ from studyapp.services.interim.documents import What
 PROGRAM: Final = "studyapp.stages.so_far_process"
 """It belongs to a room above this one, and is called by name, as a stranger would."""
 
-SECONDS: Final = 120
-"""For 100,000 answers it takes about 15."""
+SECONDS: Final = 300
+"""For 100,000 answers it takes about 15, and longer where it has to give way to others."""
 
 
 class NoFiguresError(Exception):

@@ -34,7 +34,7 @@ RESTS: Final[dict[What, timedelta]] = {
 }
 """However many answers come in between, nothing is computed more often."""
 
-GIVEN_UP_AFTER: Final = timedelta(minutes=5)
+GIVEN_UP_AFTER: Final = timedelta(minutes=10)
 """Whoever began to compute longer ago has gone away."""
 
 

@@ -1,0 +1,83 @@
+"""Agreement and results so far in a real browser.
+
+With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
+"""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from studyapp.clock import Clock
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.looks import looks
+from studyapp.services.researchers.links import first_owner_link
+from studyapp.web.running import attach, running
+from tests.functional.browsing import IN_A_BROWSER, watched_page
+from tests.functional.every_page import shown
+from tests.functional.test_every_page_in_browser import SIZES, barriers, photograph
+from tests.studyapp.answered_study import answer_study
+from tests.studyapp.figures_at_hand import FiguresMeanwhile
+from tests.studyapp.researchers_at_hand import PASSWORD
+
+pytestmark = IN_A_BROWSER
+
+COMPUTED = 60_000
+"""Milliseconds that the figures may take on a machine with much to do."""
+
+
+def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier(
+    browser: Browser, tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    answer_study(tiny_study, people=4, stop_after=2)
+    found = {}
+
+    def look_at(page: Page, name: str) -> None:
+        photograph(page, f"research-{name}")
+        found[name] = barriers(page)
+        page.set_viewport_size(SIZES["phone"])
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), name
+        page.set_viewport_size(SIZES["laptop"])
+
+    with (
+        shown(tiny_study) as (address, app),
+        closing(Database.open(sqlite_url(tiny_study / "responses.db"))) as stored,
+        watched_page(browser, address) as page,
+    ):
+        with app.app_context():
+            here = running()
+        figures = FiguresMeanwhile(here.folder, here.figures.database_url)
+        attach(app, replace(here, figures=figures))
+        page.goto(f"{address}/research/join/{first_owner_link(stored, Clock())}")
+        page.get_by_label("Your name").fill("Ada Lovelace")
+        for label in ("New password", "The same once more"):
+            page.get_by_label(label).fill(PASSWORD)
+        page.get_by_role("button", name="Join").click()
+        agreement = page.get_by_role("region", name="How far participants agree")
+        expect(agreement.or_(page.get_by_text("It is being computed")).first).to_be_visible()
+        page.get_by_role("link", name="Results", exact=True).press("Enter")
+        expect(page.get_by_role("heading", level=1)).to_have_text("Results before the end")
+        expect(page.locator("main")).not_to_contain_text("rule_based")
+        look_at(page, "unblind")
+        reason = page.get_by_label("Reason, for the log and the report")
+        reason.fill("a video broke for two participants")
+        reason.press("Enter")
+        note = page.get_by_role("note")
+        expect(note).to_contain_text("Interim: 3 of 4 participants", timeout=COMPUTED)
+        expect(page.locator("main")).to_contain_text("rule_based against mismatched")
+        look_at(page, "results")
+        page.get_by_role("link", name="Overview").click()
+        expect(page.get_by_role("heading", level=1)).to_have_text("How the study goes")
+        while not agreement.count():
+            page.reload()
+        expect(agreement).to_contain_text("rhythm")
+        look_at(page, "overview-with-agreement")
+        [look] = looks(stored)
+        assert (look.researcher, look.finished, look.planned) == ("Ada Lovelace", 3, 4)
+
+    assert {name: each for name, each in found.items() if each} == {}
