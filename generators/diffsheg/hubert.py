@@ -183,7 +183,7 @@ def stand_in(*, full_size: bool = False) -> Hubert:
         name = f"stand-in for HuBERT, full size, seed {_SEED}"
     else:
         network = SoundContext(FEATURES, _SEED).eval()
-        name = f"stand-in for HuBERT, pitch bands of a second, seed {_SEED}"
+        name = f"stand-in for HuBERT, pitch bands and syllables of a second, seed {_SEED}"
     return Hubert(network=network, description=name, stands_in=True, identity=name)
 
 
