@@ -46,7 +46,7 @@ def figure(value: float | None, measure: str = "") -> str:
     """Return a number with sensible digits; of a share, as a percentage; a dash for none."""
     if value is None:
         return "–"
-    return f"{100 * value:.1f} %" if measure in SHARES else f"{value:.2f}"
+    return f"{100 * value:.1f} %" if measure in SHARES else _decimal(value)
 
 
 def interval(low: float | None, high: float | None, measure: str = "") -> str:
@@ -55,4 +55,8 @@ def interval(low: float | None, high: float | None, measure: str = "") -> str:
         return "–"
     if measure in SHARES:
         return f"{100 * low:.1f} to {100 * high:.1f} %"
-    return f"{low:.2f} to {high:.2f}"
+    return f"{_decimal(low)} to {_decimal(high)}"
+
+
+def _decimal(value: float) -> str:
+    return f"{value:.2f}".replace("-", "−")
