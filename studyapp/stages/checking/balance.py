@@ -61,17 +61,17 @@ def places_of_conditions(plans: Plans) -> Iterator[Share]:
 
     Of two beside each other that is the left side.
     """
-    first: Counter[tuple[str, frozenset[str], str]] = Counter()
-    shown: Counter[tuple[str, frozenset[str]]] = Counter()
+    first: Counter[tuple[str, tuple[str, ...], str]] = Counter()
+    shown: Counter[tuple[str, tuple[str, ...]]] = Counter()
     for trial in analysed(plans):
-        together = frozenset(trial.conditions)
+        together = tuple(sorted(set(trial.conditions)))
         if len(together) < len(trial.conditions):
             continue
         shown[trial.part, together] += 1
         first[trial.part, together, trial.conditions[0]] += 1
-    for (part, together), times in sorted(shown.items(), key=str):
-        for condition in sorted(together):
-            beside = " and ".join(sorted(together - {condition}))
+    for (part, together), times in sorted(shown.items()):
+        for condition in together:
+            beside = " and ".join(other for other in together if other != condition)
             yield Share(
                 what=f"{condition!r} stands {'left of' if len(together) == 2 else 'before'} "
                 f"{beside}",
