@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
+.PHONY: help rehearsal-tables setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -78,6 +78,9 @@ bench-validity: setup  ## Simulate studies with known truth: false positives, co
 
 bench-report: setup  ## Measure reports of a million answers, from tables and from a study's database.
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m studyapp.bench.report_benchmark
+
+rehearsal-tables: setup  ## Simulate rehearsals of the pairwise template, and put what they find into docs/rehearsal.md.
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m studyapp.bench.rehearsal_recovery --write docs/rehearsal.md
 
 bench-serve: setup setup-database  ## Measure the study's server under simulated participants.
 	$(BIN)/python -m studyapp.bench.serve_benchmark

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -48,9 +48,18 @@ def require_browser() -> None:
 
 def by_browser(participant: Participant, server: str, is_back: bool) -> None:
     """Let `participant` take part in a browser of its own."""
+    from playwright.sync_api import Error
+
     with _browser() as browser:
         tab = browser.new_page(base_url=server, viewport=WINDOW)  # type: ignore[arg-type]
-        _Window(participant=participant, tab=tab).take_part(is_back=is_back)
+        tab.set_default_timeout(1000 * PATIENCE)
+        try:
+            _Window(participant=participant, tab=tab).take_part(is_back=is_back)
+        except Error as error:
+            raise BrokenPageError(
+                Page(tab.url, tab.content()),
+                f"cannot be used in a browser ({' '.join(str(error).split()[:40])})",
+            ) from error
 
 
 @contextmanager
@@ -148,27 +157,29 @@ class _Window:
 
     def _fill(self, form: Locator, answers: FormFields) -> None:
         """Enter `answers` as a person does, the best of a ranking first."""
-        for name, values in sorted(answers.items(), key=lambda item: (item[0][:-1], item[1])):
-            field = form.locator(f'[name="{name}"]')
-            for value in values:
-                self._enter(form, field, value)
 
-    def _enter(self, form: Locator, field: Locator, value: str) -> None:
-        kind = field.first.evaluate("field => field.type")
+        def by_rank(item: tuple[str, Sequence[str]]) -> tuple[str, Sequence[str]]:
+            name, values = item
+            return name.rpartition(":")[0], values
+
+        for name, values in sorted(answers.items(), key=by_rank):
+            for value in values:
+                self._enter(form, name, value)
+
+    def _enter(self, form: Locator, name: str, value: str) -> None:
+        named = f'[name="{name}"]'
+        field = form.locator(named).first
+        kind = field.evaluate("field => field.type")
         if kind in ("radio", "checkbox"):
-            chosen = form.locator("label").filter(
-                has=field.and_(form.locator(f'[value="{value}"]'))
-            )
-            chosen.first.click()
-        elif kind == "select-one" and field.first.is_visible():
-            field.first.select_option(value)
+            form.locator(f'label:has({named}[value="{value}"])').click()
+        elif kind == "select-one" and field.is_visible():
+            field.select_option(value)
         elif kind == "select-one":
-            label = field.first.get_attribute("data-label")
-            question = form.locator("fieldset").filter(has=field)
-            question.locator(".card").get_by_text(label or "", exact=True).press(value)
+            cards = form.locator(f"fieldset:has({named}) .card")
+            cards.get_by_text(field.get_attribute("data-label") or "", exact=True).press(value)
         else:
-            field.first.fill(value)
-            field.first.blur()
+            field.fill(value)
+            field.blur()
 
     def _press(self, button: Locator, state: str, *, twice: bool = False) -> None:
         """Press a button that leads on, and wait until another page is there."""

@@ -1,0 +1,131 @@
+"""Simulated participants and real ones never meet, whoever counts, exports or backs up."""
+
+from __future__ import annotations
+
+import tarfile
+from contextlib import closing
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from flask import Flask
+from sqlalchemy import func, select
+
+from studyapp.clock import Clock
+from studyapp.command.backup_command import command as backup_command
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import Response, StudySession
+from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.record import Truth, write_truth
+from studyapp.rehearsal.resumption import prepare
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.monitoring.sittings import sittings
+from studyapp.services.served_study import ServedStudy
+from studyapp.stages.answers import answers_to_report, read_answers
+from studyapp.stages.exporting.writing import export
+from studyapp.web.app import create_app
+from studyapp.web.running import EXTENSION
+from tests.studyapp.answered_study import answer_study
+from tests.studyapp.rehearsal.steps import browser
+
+REAL = 2
+TRIALS = 6
+QUESTIONS = 2
+
+
+@pytest.fixture
+def rehearsed(
+    folder: StudyFolder, app: Flask, participant: Participant, monkeypatch: pytest.MonkeyPatch
+) -> StudyFolder:
+    """A study that two real people have taken part in, rehearsed by one while it is served."""
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    answer_study(folder.root, people=REAL)
+    truth = Truth(seed=1, study="", population=participant.population, expected=())
+    write_truth(folder.rehearsal_truth, truth)
+    before = rows(folder.responses)
+    served = create_app(folder.root)
+    with closing(served.extensions[EXTENSION].database), browser(served) as person:
+        assert person.get("/").status_code == 200
+        with browser(app) as client:
+            assert participant.take_part(client)
+        assert person.get("/").status_code == 200
+    assert rows(folder.responses) == before == (REAL, REAL * TRIALS * QUESTIONS)
+    assert rows(folder.rehearsal) == (1, TRIALS * QUESTIONS)
+    return folder
+
+
+def rows(path: Path) -> tuple[int, int]:
+    """Return how many study sessions and answers a database holds."""
+    with closing(Database.open(sqlite_url(path))) as database, database.reading() as session:
+        people = session.scalar(select(func.count()).select_from(StudySession))
+        answers = session.scalar(select(func.count()).select_from(Response))
+        return people or 0, answers or 0
+
+
+def counted_live(folder: StudyFolder) -> int:
+    served = ServedStudy.read(folder.root)
+    with (
+        closing(Database.open(sqlite_url(folder.responses))) as database,
+        database.reading() as session,
+    ):
+        return len(sittings(session, served, Clock().now()))
+
+
+def reported(folder: StudyFolder) -> int:
+    answers = answers_to_report(folder)
+    assert answers.origin == "participants"
+    assert answers.stored is not None
+    return len(answers.stored.study_sessions)
+
+
+def exported(folder: StudyFolder) -> int:
+    export(folder, folder.root / "out.csv", rehearsal=False)
+    return int(pd.read_csv(folder.root / "out.csv")["study_session"].nunique())
+
+
+def backed_up(folder: StudyFolder) -> int:
+    archive = folder.root.parent / "backup.tar"
+    done = CliRunner().invoke(
+        backup_command, [str(folder.root), str(archive)], catch_exceptions=False
+    )
+    assert f"Backed up {REAL} participants" in done.output
+    with tarfile.open(archive) as tar:
+        assert not [name for name in tar.getnames() if "rehears" in name]
+    return REAL
+
+
+def answered_under_another_address(folder: StudyFolder) -> int:
+    """Count what a report finds where the environment names a database."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DATABASE_URL", sqlite_url(folder.responses))
+        assert read_answers(folder, "rehearsal").stored is not None
+        return reported(folder)
+
+
+def test_only_real_people_are_counted(rehearsed: StudyFolder) -> None:
+    for count in (counted_live, reported, exported, backed_up, answered_under_another_address):
+        assert count(rehearsed) == REAL, count.__name__
+        assert rows(rehearsed.rehearsal) == (1, TRIALS * QUESTIONS)
+
+
+def test_rehearsing_anew_removes_simulated_answers_alone(rehearsed: StudyFolder) -> None:
+    before = rehearsed.responses.read_bytes()
+    prepare(rehearsed, seed=7)
+    assert not rehearsed.rehearsal.exists()
+    assert rehearsed.responses.read_bytes() == before
+    assert reported(rehearsed) == REAL
+
+
+def test_nobody_simulated_is_known_to_the_study_itself(
+    rehearsed: StudyFolder, participant: Participant
+) -> None:
+    with (
+        closing(Database.open(sqlite_url(rehearsed.rehearsal))) as database,
+        database.reading() as session,
+    ):
+        token = session.scalars(select(StudySession.token)).one()
+    served = create_app(rehearsed.root)
+    with closing(served.extensions[EXTENSION].database), browser(served) as person:
+        assert "completion-code" not in person.get(participant.entrance).text
+        assert person.get(f"/take/{token}").status_code == 404
