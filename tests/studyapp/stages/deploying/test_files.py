@@ -86,13 +86,12 @@ def test_a_file_of_another_deployment_says_how_to_get_it() -> None:
 
 
 @needs("systemd-analyze")
-@pytest.mark.parametrize("database", DATABASES)
-def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path, database: DatabaseKind) -> None:
+def test_systemd_finds_no_fault_and_little_exposure(tmp_path: Path) -> None:
     program = tmp_path / "bin" / "motionjury"
     program.parent.mkdir()
     program.write_text("#!/bin/sh\n", "utf-8")
     program.chmod(0o755)
-    study = replace(deployment(database=database), installed=PurePosixPath(tmp_path))
+    study = replace(deployment(), installed=PurePosixPath(tmp_path))
     units = [file for file in deployed_files(study) if "systemd/system" in str(file.place)]
     for file in units:
         assert file.place is not None
@@ -189,7 +188,7 @@ def test_no_proxy_forbids_frames_or_logs_addresses(study: Deployment) -> None:
         assert "exclude http.log.error" in texts["Caddyfile"]
 
 
-@pytest.mark.parametrize("study", ALL, ids=lambda d: f"{d.proxy}-{d.database}-{d.prefix}")
+@pytest.mark.parametrize("study", (ALL[0], ALL[-1]), ids=lambda d: d.proxy)
 def test_scripts_are_sound(tmp_path: Path, study: Deployment) -> None:
     write_deployment(study, tmp_path / "out")
     scripts: Sequence[Path] = [tmp_path / "out" / name for name in ("install", "command")]
