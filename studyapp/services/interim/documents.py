@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Final, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from studyapp.services.looks import StudyState
+
+FORMAT: Final = 1
+"""Of the documents; to be raised where they change, so that older ones are computed anew."""
 
 What = Literal["agreement", "results"]
 
@@ -92,14 +95,24 @@ class Basis(_Plain):
         return StudyState(finished=self.finished, planned=self.planned, answers=self.answers)
 
 
-class AgreementDocument(_Plain):
+class _Document(_Plain):
+    @classmethod
+    def read(cls, text: str) -> Self | None:
+        """Return what was kept; None where nothing was, or by another version."""
+        try:
+            return cls.model_validate_json(text)
+        except ValidationError:
+            return None
+
+
+class AgreementDocument(_Document):
     """Agreement so far, question by question."""
 
     basis: Basis
     rows: tuple[Agreed, ...] = Field(max_length=1000)
 
 
-class ResultsDocument(_Plain):
+class ResultsDocument(_Document):
     """Results so far, number by number."""
 
     basis: Basis

@@ -24,7 +24,7 @@ from studyapp.models import (
 )
 from studyapp.services.database import Database, Turn, take_turn
 from studyapp.services.interim.computing import FigureProcess, NoFiguresError
-from studyapp.services.interim.documents import What
+from studyapp.services.interim.documents import FORMAT, What
 from studyapp.services.looks import answers_so_far
 from studyapp.services.versions import OPERATION_CHANGED
 
@@ -101,6 +101,7 @@ def _state(session: Session) -> str:
         select(func.max(AuditLine.id)).where(AuditLine.event == OPERATION_CHANGED),
     )
     numbers = (
+        FORMAT,
         answers_so_far(session),
         *session.execute(people).one(),
         *(session.scalar(query) or 0 for query in decided),

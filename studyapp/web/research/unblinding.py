@@ -31,9 +31,8 @@ def results() -> ResponseReturnValue:
         return _asking()
     kept = kept_figures(here.database, here.clock, "results", here.figures)
     awaited = kept.is_awaited and not kept.is_current
-    document = None
-    if kept.document and not awaited:
-        document = ResultsDocument.model_validate_json(kept.document)
+    document = None if awaited else ResultsDocument.read(kept.document)
+    if document is not None:
         with here.database.writing() as session:
             note_look(
                 session,

@@ -59,8 +59,7 @@ def _agreement() -> AgreementSoFar:
     """Return how far participants agree, as it was computed last."""
     here = running()
     kept = kept_figures(here.database, here.clock, "agreement", here.figures)
-    document = AgreementDocument.model_validate_json(kept.document) if kept.document else None
-    return AgreementSoFar(kept=kept, document=document)
+    return AgreementSoFar(kept=kept, document=AgreementDocument.read(kept.document))
 
 
 def study_sessions(data: Data) -> ResponseReturnValue:
