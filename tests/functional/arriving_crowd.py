@@ -1,0 +1,112 @@
+"""Simulated participants who take part in a study that is served for real, not rehearsed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from threading import Event, Semaphore
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.rehearsal.connection import study_client
+from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.forms import FormFields
+from studyapp.rehearsal.judgement import Judgement
+from studyapp.rehearsal.pages import Page
+from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
+from studyapp.rehearsal.population import default_population
+from studyapp.rehearsal.visit import Visit
+from studyapp.services.database import Database, sqlite_url
+
+AS_REAL = 1.0
+"""How fast the clock runs of a study that is not rehearsed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArrivingCrowd:
+    """Attentive participants, each in a thread of their own.
+
+    Attributes
+    ----------
+    folder : StudyFolder
+        What is served.
+    server : str
+        Where.
+    remark : str
+        What each writes wherever something may be written freely.
+    here : Semaphore
+        Released by each who comes to the first trial.
+    may_answer : Event
+        What they wait for there.
+    """
+
+    folder: StudyFolder
+    server: str
+    remark: str
+    eyes: Eyes
+    pool: ThreadPoolExecutor
+    stop: Event
+    here: Semaphore = field(default_factory=lambda: Semaphore(0))
+    may_answer: Event = field(default_factory=Event)
+
+    def come(self, names: Sequence[str]) -> list[Future[str]]:
+        """Let participants come at once; each gives a completion code in the end."""
+        return [self.pool.submit(self._take_part, name) for name in names]
+
+    def _take_part(self, name: str) -> str:
+        study = self.folder.study()
+        participant = Participant(
+            name=name,
+            study=study,
+            population=replace(default_population(study), kinds={}),
+            seed=7,
+            eyes=self.eyes,
+            speed=AS_REAL,
+            stop=self.stop,
+            answer=self._answer,
+            fill=self._fill,
+        )
+        with study_client(self.server) as client:
+            return participant.take_part(client)
+
+    def _answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
+        """Watch in real time, and think in none."""
+        if not self.may_answer.is_set():
+            self.here.release()
+            self.may_answer.wait()
+        return answer_trial(replace(visit, thinks=0.0), page, judgement)
+
+    def _fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
+        said = {
+            name: (self.remark,) if name.endswith("remarks") else values
+            for name, values in answers.items()
+        }
+        return fill_form(visit, page, said)
+
+
+@contextmanager
+def arriving_crowd(
+    study: Path, server: str, *, at_once: int, remark: str
+) -> Iterator[ArrivingCrowd]:
+    """Give a crowd for the study at the address `server`; whoever is left is sent away."""
+    folder, stop = StudyFolder(study), Event()
+    with (
+        closing(Database.open(sqlite_url(folder.responses))) as database,
+        ThreadPoolExecutor(at_once, thread_name_prefix="participant") as pool,
+    ):
+        crowd = ArrivingCrowd(
+            folder=folder,
+            server=server,
+            remark=remark,
+            eyes=Eyes(database),
+            pool=pool,
+            stop=stop,
+        )
+        try:
+            yield crowd
+        finally:
+            stop.set()
+            crowd.may_answer.set()
+            pool.shutdown(cancel_futures=True)

@@ -1,0 +1,248 @@
+"""A researcher's whole way in a real browser, with a crowd of participants at the real server.
+
+With ``SCREENSHOTS=folder`` in the environment each page is also taken in every size.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pandas as pd
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from tests.functional.arriving_crowd import arriving_crowd
+from tests.functional.browsing import IN_A_BROWSER, watched_page
+from tests.functional.test_every_page_in_browser import SIZES, barriers, photograph
+from tests.studyapp.researchers_at_hand import PASSWORD
+
+pytestmark = IN_A_BROWSER
+
+MOTIONJURY = Path(sys.executable).with_name("motionjury")
+PEOPLE = 25
+TRIALS, QUESTIONS = 6, 2
+REFRESHED_MS = 21_000
+"""After so long the overview has asked for itself anew."""
+
+SLOW_SECONDS = 240
+"""Longer than this nothing takes on the slowest machine."""
+
+SCRIPT = "<script>document.title = 'taken'</script><img src=x onerror=alert(1)>"
+
+REMARKS = """
+[[form.closing]]
+name = "remarks"
+text = "Is there anything you would like to tell us?"
+kind = "text"
+required = false
+"""
+
+EXAMINED = ("arriving", "study-sessions", "before-the-exclusion", "after-the-exclusion", "closed")
+"""Pages that look otherwise than where `test_research_in_browser` examines them for barriers."""
+
+LookAt = Callable[[str], None]
+
+
+@pytest.fixture
+def study(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a study with a place for each of `PEOPLE`."""
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    file = tiny_study / "study.toml"
+    text = file.read_text("utf-8")
+    many = text.replace(
+        "participants_per_comparison = 4", f"participants_per_comparison = {PEOPLE}"
+    )
+    assert many != text
+    file.write_text(many + REMARKS, "utf-8")
+    return tiny_study
+
+
+@contextmanager
+def launched_study(study: Path) -> Iterator[tuple[str, str]]:
+    """Run `motionjury serve`; give the address, and the link for the first owner that it prints."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    command = [MOTIONJURY, "serve", str(study), "--port", str(port)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        try:
+            said = ""
+            while "/research/join/" not in said:
+                said = server.stdout.readline()
+                assert said, "the server ended before it printed a link"
+            (link,) = re.findall(r"http\S+/research/join/\S+", said)
+            yield f"http://127.0.0.1:{port}", link
+        finally:
+            server.send_signal(signal.SIGTERM)
+            server.wait(timeout=30)
+
+
+def export(study: Path) -> pd.DataFrame:
+    """Run `motionjury export`, and return the participants it tells of."""
+    done = subprocess.run(
+        [MOTIONJURY, "export", str(study), "--out", str(study / "out" / "answers.csv")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    people = pd.read_csv(study / "out" / "answers_participants.csv", keep_default_na=False)
+    return people.set_index("study_session")
+
+
+def follow(page: Page, name: str) -> None:
+    page.get_by_role("navigation", name="Researchers' pages").get_by_role("link", name=name).click()
+
+
+def send(page: Page, button: str, reason: str) -> None:
+    form = page.locator("form").filter(has=page.get_by_role("button", name=button, exact=True))
+    form.get_by_label("Reason").fill(reason)
+    form.get_by_role("button", name=button, exact=True).click()
+
+
+def test_a_study_is_launched_watched_mended_extended_closed_and_exported(
+    browser: Browser, study: Path
+) -> None:
+    found: dict[str, list[str]] = {}
+    with (
+        launched_study(study) as (address, link),
+        watched_page(browser, address) as page,
+    ):
+        page.on("dialog", lambda _: pytest.fail("what a participant wrote was run"))
+
+        def look_at(name: str) -> None:
+            photograph(page, f"way-{name}")
+            if name in EXAMINED:
+                found[name] = barriers(page)
+            page.set_viewport_size(SIZES["phone"])
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), name
+            page.set_viewport_size(SIZES["laptop"])
+
+        page.clock.install()
+        join(page, link)
+        prepare(page, look_at)
+        with arriving_crowd(study, address, at_once=PEOPLE, remark=SCRIPT) as crowd:
+            codes = crowd.come([f"participant-{number}" for number in range(PEOPLE)])
+            follow(page, "Overview")
+            assert all(crowd.here.acquire(timeout=SLOW_SECONDS) for _ in codes)
+            # The page asks for itself anew; nobody reloads it.
+            page.clock.fast_forward(REFRESHED_MS)
+            expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} active")
+            look_at("arriving")
+            crowd.may_answer.set()
+            assert len({code.result(timeout=SLOW_SECONDS) for code in codes}) == PEOPLE
+            page.clock.fast_forward(REFRESHED_MS)
+            expect(page.locator(".truth")).to_contain_text(f"{PEOPLE} of {PEOPLE} places done")
+            look_at("all-done")
+
+            pseudonym = export(study).loc[3, "participant"]
+            exclude(page, str(pseudonym), look_at)
+            follow(page, "Newcomers")
+            page.get_by_label("Places more in each arm").fill("1")
+            send(page, "Extend", "one was asleep")
+            (code,) = crowd.come(["one-more"])
+            assert code.result(timeout=SLOW_SECONDS)
+        follow(page, "Overview")
+        expect(page.locator(".truth")).to_contain_text(f"{PEOPLE + 1} of {PEOPLE + 1} places done")
+        expect(page.locator("main")).to_contain_text("1 is left out of the analysis")
+        close(page, address, look_at)
+        with_everything_looked_at(page, look_at)
+
+    people = export(study)
+    assert found == {name: [] for name in EXAMINED}
+    answers = pd.read_csv(study / "out" / "answers.csv")
+    assert people["state"].tolist() == ["completed"] * (PEOPLE + 1)
+    assert len(answers) == (PEOPLE + 1) * TRIALS * QUESTIONS
+    assert not answers.duplicated(["participant", "position", "question"]).any()
+    assert people.loc[3, "participant"] == pseudonym
+    by_hand = people[people["exclusion_rule"] == "researcher"]
+    assert by_hand.index.tolist() == [3]
+    assert people.loc[3, "exclusion_reason"] == "wrote that she fell asleep"
+    assert not answers.loc[answers["study_session"] == 3, "analysed"].any()
+    form = pd.read_csv(study / "out" / "answers_form.csv")
+    assert form["value"].tolist() == [SCRIPT] * (PEOPLE + 1)
+    log = pd.read_csv(study / "out" / "answers_log.csv", keep_default_na=False)
+    assert log.loc[log["researcher"] == "Ada Lovelace", "event"].tolist()[-5:] == [
+        "newcomers paused",
+        "newcomers let in",
+        "participant excluded",
+        "extended by 1 place an arm",
+        "closed to newcomers",
+    ]
+    book = json.loads((study / "out" / "answers_codebook.json").read_text("utf-8"))
+    assert "researcher" in json.dumps(book)
+
+
+def join(page: Page, link: str) -> None:
+    """Become the owner by the printed link, log out, and log in."""
+    page.goto(link)
+    page.get_by_label("Your name").fill("Ada Lovelace")
+    for label in ("New password", "The same once more"):
+        page.get_by_label(label).fill(PASSWORD)
+    page.get_by_role("button", name="Join").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("How the study goes")
+    page.get_by_role("button", name="Log out").click()
+    page.get_by_label("Name").fill("Ada Lovelace")
+    page.get_by_label("Password").fill(PASSWORD)
+    page.get_by_role("button", name="Log in").click()
+    expect(page.locator(".truth")).to_contain_text(f"0 of {PEOPLE} places done")
+
+
+def prepare(page: Page, look_at: LookAt) -> None:
+    """Keep newcomers out, look at a trial as they will see it, and let them in."""
+    follow(page, "Newcomers")
+    send(page, "Pause", "nobody before we have looked")
+    follow(page, "Preview")
+    look_at("preview")
+    page.get_by_role("link", name="1", exact=True).click()
+    expect(page.locator("header")).to_contain_text("Preview: nothing is stored")
+    page.get_by_role("link", name="All trials of this place").click()
+    follow(page, "Newcomers")
+    look_at("before-the-launch")
+    send(page, "Resume", "all is well")
+    expect(page.locator(".truth")).to_contain_text("Newcomers are let in")
+
+
+def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
+    """Find a participant by the pseudonym of an export, and leave them out of the analysis."""
+    follow(page, "Study sessions")
+    look_at("study-sessions")
+    page.get_by_label("Number or pseudonym").fill(pseudonym)
+    page.get_by_role("button", name="Find").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("Study session 3")
+    expect(page.locator(".facts").first).to_contain_text(pseudonym)
+    expect(page.locator("main")).to_contain_text(SCRIPT)
+    look_at("before-the-exclusion")
+    send(page, "Exclude from the analysis", "wrote that she fell asleep")
+    expect(page.locator("main")).to_contain_text("Excluded by Ada Lovelace: wrote that she fell")
+    look_at("after-the-exclusion")
+
+
+def close(page: Page, address: str, look_at: LookAt) -> None:
+    """Close the study; a newcomer is told that it is over."""
+    follow(page, "Newcomers")
+    send(page, "Close", "all we need")
+    expect(page.locator(".truth")).to_contain_text("The study is closed to newcomers")
+    look_at("closed")
+    late = httpx.post(address, data={"visit": "v" * 32})
+    assert late.status_code == 409
+    assert "The study is over" in late.text
+
+
+def with_everything_looked_at(page: Page, look_at: LookAt) -> None:
+    """Go through the pages that nothing was decided on."""
+    for name in ("Results", "Changes", "Researchers", "Ada Lovelace"):
+        follow(page, name)
+        expect(page.get_by_role("heading", level=1)).to_be_visible()
+        look_at(name.lower().replace(" ", "-"))
+    assert page.title() != "taken"
