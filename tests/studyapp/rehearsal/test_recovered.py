@@ -1,0 +1,96 @@
+"""What came of a small rehearsal is found in its database, and so is what went wrong in it."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import replace
+
+import pytest
+from flask import Flask
+from sqlalchemy import delete, select, update
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import Response, StudySession
+from studyapp.rehearsal.eyes import Eyes
+from studyapp.rehearsal.kinds import Kind
+from studyapp.rehearsal.ledger import Ledger
+from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.record import Truth, write_truth
+from studyapp.rehearsal.resumption import call_roster, let_time_pass
+from studyapp.rehearsal.truth import expectations
+from studyapp.rehearsal.visit import Departure
+from studyapp.services.database import Database, sqlite_url
+from studyapp.stages.recovery.recovering import Recovery, recover
+from studyapp.stages.recovery.writing import write_recovery
+from tests.studyapp.rehearsal.steps import browser
+
+
+def rehearsed(
+    folder: StudyFolder, app: Flask, participant: Participant, eyes: Eyes, *kinds: Kind
+) -> Truth:
+    """Let one participant of each kind take part, straight after one another."""
+    people = replace(participant.population, kinds={kind: 1 / len(kinds) for kind in kinds})
+    truth = Truth(
+        seed=participant.seed,
+        study="",
+        population=people,
+        expected=expectations(
+            folder.study(), folder.segments(), population=people, seed=participant.seed
+        ),
+    )
+    write_truth(folder.rehearsal_truth, truth)
+    ledger = Ledger(folder.acknowledged)
+    for number in range(4):
+        person = replace(
+            participant, name=f"rehearsal-{number:05d}", population=people, ledger=ledger
+        )
+        with browser(app) as client:
+            try:
+                person.take_part(client)
+            except Departure:
+                continue
+    let_time_pass(eyes.database, call_roster(eyes.database, 4, truth), 45)
+    return truth
+
+
+def wrong(recovery: Recovery) -> list[str]:
+    return [check.what for check in recovery.miscounted]
+
+
+def test_everything_is_counted_right_and_what_is_lost_or_changed_is_found_out(
+    folder: StudyFolder, app: Flask, participant: Participant, eyes: Eyes
+) -> None:
+    rehearsed(folder, app, participant, eyes, "careless", "dropping_out")
+    recovery = recover(folder)
+    assert wrong(recovery) == []
+    came = {kind.kind: kind.came for kind in recovery.kinds}
+    assert sum(came.values()) == 4
+    left = {check.what: check.counted for check in recovery.checks}["left for good"]
+    assert left == came.get("dropping_out", 0)
+    page = write_recovery(folder, recovery)
+    assert "Rehearsal: simulated raters" in page.read_text("utf-8")
+    assert {path.suffix for path in folder.rehearsal_findings.iterdir()} == {
+        *(".csv", ".html", ".jsonl")
+    }
+
+    with (
+        closing(Database.open(sqlite_url(folder.rehearsal))) as database,
+        database.writing() as session,
+    ):
+        first, second = session.scalars(select(Response.id).order_by(Response.id)).all()[:2]
+        session.execute(update(Response).where(Response.id == first).values(value=-2))
+        session.execute(delete(Response).where(Response.id == second))
+        session.execute(
+            update(StudySession)
+            .where(StudySession.completed_at.is_not(None))
+            .values(completion_code=StudySession.completion_code + "x")
+        )
+    spoilt = wrong(recover(folder))
+    assert "acknowledged answers, stored once and as they were given" in spoilt
+    assert "were shown the code that is stored, each another one" in spoilt
+
+
+def test_without_a_rehearsal_there_is_nothing_to_find(folder: StudyFolder) -> None:
+    with pytest.raises(InputError, match="no rehearsal yet"):
+        recover(folder)
