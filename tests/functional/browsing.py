@@ -44,14 +44,15 @@ IN_A_BROWSER = [
 
 
 @contextmanager
-def serving(study: Path, *, prefix: str = "") -> Iterator[str]:
+def serving(study: Path, *, prefix: str = "", from_store: bool = False) -> Iterator[str]:
     """Serve the study as `motionjury serve` does, below a path, and give the server's address."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     code = (
         "import sys; from pathlib import Path; from studyapp.serving import run_server; "
-        "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2, prefix=sys.argv[3])"
+        "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2, prefix=sys.argv[3], "
+        f"from_store={from_store})"
     )
     server = subprocess.Popen([sys.executable, "-c", code, str(study), str(port), prefix])
     url = f"http://127.0.0.1:{port}"

@@ -35,7 +35,7 @@ class Place(_Part):
     """
 
     bucket: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9.-]{1,61}[a-z0-9]$")]
-    folder: Annotated[str, Field(pattern=r"^([A-Za-z0-9._-]+/)*$")] = ""
+    folder: Annotated[str, Field(pattern=r"^([A-Za-z0-9_-][A-Za-z0-9._-]*/)*$")] = ""
     endpoint: str = ""
     region: str = ""
 

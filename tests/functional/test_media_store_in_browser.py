@@ -1,0 +1,80 @@
+"""A participant's browser loads the videos from a store, under the pages' strict policy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.services.media_store.record import Place
+from studyapp.stages.publishing import publish
+from tests.functional.browsing import IN_A_BROWSER, launched, serving
+from tests.studyapp.s3_stand_in import BUCKET, Store, s3_stand_in, use_keys
+
+pytestmark = IN_A_BROWSER
+
+
+def test_videos_play_and_are_fetched_ahead_and_nothing_of_the_page_reaches_the_store(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use_keys(monkeypatch)
+    with s3_stand_in() as store:
+        place = Place(bucket=BUCKET, folder="my-study/", endpoint=store.endpoint)
+        publish(StudyFolder(tiny_study), place, lambda _done, _total: None)
+        with serving(tiny_study, from_store=True) as address, launched() as chromium:
+            store.origins = [address]
+            store.asked.clear()
+            page = chromium.new_page()
+            complaints: list[str] = []
+            page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
+            own: list[str] = []
+            page.on("response", lambda r: own.append(f"{r.status} {r.url.split('/')[3]}"))
+
+            take_trials(page, address, 2)
+
+            assert complaints == []
+            assert "302 media" in own
+            assert "200 media" not in own
+            assert "206 media" not in own
+            check_asked(store, address)
+
+
+def take_trials(page: Page, address: str, count: int) -> None:
+    page.goto(address)
+    page.get_by_role("button", name="I agree").click()
+    page.get_by_role("button", name="Begin").click()
+    for number in range(1, count + 1):
+        expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 6", timeout=60_000)
+        expect(page.locator("#play")).to_be_visible(timeout=60_000)
+        watch(page)
+        expect(page.locator("#ahead")).to_contain_text("next page ready", timeout=60_000)
+        for name in ("rhythm", "emotion"):
+            page.locator(f"input[name={name}]").first.check()
+        page.get_by_role("button", name="Next").click()
+    expect(page.locator(".progress")).to_contain_text(f"Trial {count + 1} of 6", timeout=60_000)
+
+
+def watch(page: Page) -> None:
+    """Play the video until all of it counts as watched: a busy machine leaves pictures out."""
+    watched = page.locator("#watched")
+    for _ in range(8):
+        page.get_by_role("button", name="Play both").click()
+        try:
+            expect(watched).to_have_text("Watched ✓", timeout=10_000)
+        except AssertionError:
+            continue
+        return
+    expect(watched).to_have_text("Watched ✓")
+
+
+def check_asked(store: Store, address: str) -> None:
+    """Check that the store was asked for videos by signed addresses, and told of no page."""
+    asked = store.gets()
+    assert len({path.partition("?")[0] for path, _ in asked}) == 3
+    for path, headers in asked:
+        assert "X-Amz-Signature=" in path
+        sent = {name.lower(): value for name, value in headers.items()}
+        assert sent["origin"] == address
+        assert not {"cookie", "referer", "authorization"} & set(sent)
