@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import cast, get_args
+from typing import Final, cast, get_args
 
 import click
 
@@ -20,6 +20,9 @@ from studyapp.definition.page import Language
 from studyapp.definition.pay import Pay
 from studyapp.definition.recruitment import Channel
 from studyapp.definition.wanted_study import WantedStudy
+
+INTERRUPTED: Final = 130
+"""Exit status of who is interrupted (128 and the signal's number)."""
 
 
 @click.command("init")
@@ -129,7 +132,11 @@ def command(
         ethics=ethics,
     )
     if _is_asked(ctx, ask):
-        text = agreed(wanted, study_folder.definition)
+        try:
+            text = agreed(wanted, study_folder.definition)
+        except click.Abort:
+            click.echo("\nNothing was written.", err=True)
+            raise click.exceptions.Exit(INTERRUPTED) from None
     else:
         _require_known_pay(wanted)
         text = drafted(wanted, where=study_folder.definition)

@@ -60,7 +60,7 @@ def test_wrong_answers_are_told_and_asked_again(tmp_path: Path) -> None:
     conditions = ["own", "-", "a/b", "real", "9", "mismatched", "files", "real", "broken", "ours"]
     conditions += ["mismatched:nobody", "videos", ""]
     answers = ["dance", "pairwise", *conditions, "theirs", "real", "xx", "en", "none", "0", "8"]
-    answers += ["post", "prolific", "", "1.999", "3", "pounds", "GBP", "", "1000", "20"]
+    answers += ["post", "prolific", "", "1.999", "3", "pounds", "GBP", "1000", "20"]
     answers += ["T", "", "nobody", "lab@example.org", "", "write"]
 
     result = init(tmp_path / "s", "--ask", answers=answers)
@@ -131,6 +131,14 @@ def test_videos_of_a_broken_motion_are_asked_for_where_none_can_be_made(tmp_path
     assert (without.catch.trials, without.attention.trials) == (0, 2)
     assert isinstance(without, PairwiseStudy)
     assert without.layout == "players"
+
+
+def test_who_leaves_halfway_leaves_nothing_behind(tmp_path: Path) -> None:
+    result = init(tmp_path / "s", "--ask", answers=["rating", "own"])
+
+    assert result.exit_code == 130
+    assert "Nothing was written" in result.output
+    assert not (tmp_path / "s").exists()
 
 
 def test_a_program_is_not_asked(tmp_path: Path) -> None:

@@ -193,3 +193,12 @@ def test_consent_and_withdrawal_say_the_same_of_the_answers(
         done = client.post(f"{address}/withdraw", follow_redirects=True).text
 
         assert all(words in page for page in (consent.text, asked, done))
+
+
+def test_who_approved_the_study_is_told_before_anybody_agrees(tiny_study: Path) -> None:
+    plain = 'payment = "2.50 EUR"\n'
+    (app,) = app_of(tiny_study, (plain, f'{plain}ethics = "Ethics committee, no. 7 <b>"\n'))
+
+    page = app.test_client().get("/", query_string={"visit": "x"}).text
+
+    assert "<dt>Ethics</dt><dd>Ethics committee, no. 7 &lt;b&gt;</dd>" in page
