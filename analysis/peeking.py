@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from statistics import NormalDist
 from typing import Final
 
@@ -14,7 +15,7 @@ LEVEL: Final = 0.05
 
 FEWEST_NODES: Final = 64
 NODES_PER_STEP: Final = 3
-MOST_NODES: Final = 800
+MOST_NODES: Final = 13 * FEWEST_NODES
 """Points of an integral: enough of them within what chance adds from one look to the next."""
 
 Floats = NDArray[np.float64]
@@ -72,6 +73,13 @@ def equally_spaced(looks: int, level: float = LEVEL) -> float:
 def _nodes(end: float, step: float) -> tuple[Floats, Floats]:
     """Return points and weights of an integral from `-end` to `end` over what varies by `step`."""
     wanted = NODES_PER_STEP * 2 * end / step
-    count = int(min(max(wanted, FEWEST_NODES), MOST_NODES))
-    nodes, weights = np.polynomial.legendre.leggauss(count)
+    count = FEWEST_NODES * math.ceil(wanted / FEWEST_NODES)
+    nodes, weights = _legendre(min(count, MOST_NODES))
     return end * nodes, end * weights
+
+
+@cache
+def _legendre(count: int) -> tuple[Floats, Floats]:
+    """Return the points and weights of Gauss and Legendre; there are few counts of them."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return nodes, weights

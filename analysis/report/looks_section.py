@@ -29,8 +29,8 @@ def looks_section(report: TableReport) -> Section | None:
         heading="Looks at results before the end",
         paragraphs=(
             f"{_counted(found)} Whoever may stop, extend or change a study because of what a look "
-            "shows finds something where nothing is more often than a p value says: p values and "
-            "intervals here take the number of participants for settled beforehand.",
+            "shows finds what is not there more often than a p value says: p values and intervals "
+            "here take the number of participants for settled beforehand.",
             *_rate(found),
         ),
         tables=(_table(found),),
@@ -49,10 +49,10 @@ def looks_sentence(report: TableReport) -> str:
 def _counted(found: LooksBefore) -> str:
     numbers = [str(number) for number in found.finished]
     if len(numbers) > MOST_NUMBERS:
-        at = f"{len(numbers)} numbers of participants from {numbers[0]} to {numbers[-1]}"
+        at = f"{len(numbers)} numbers of finished participants from {numbers[0]} to {numbers[-1]}"
     else:
         noun = "participant" if numbers == ["1"] else "participants"
-        at = f"{listed(numbers)} {noun}"
+        at = f"{listed(numbers)} finished {noun}"
     times = "once" if found.count == 1 else f"{found.count} times"
     return f"Results were looked at {times} before these answers were complete, at {at}."
 
@@ -62,11 +62,10 @@ def _rate(found: LooksBefore) -> tuple[str, ...]:
         return (f"How much likelier cannot be told: {found.reason}.",)
     return (
         "A study that ends at the first of these looks, or of the answers reported here, that "
-        f"shows p < {found.level:g} finds something where nothing is in "
-        f"{100 * found.false_positive_rate:.1f} % of all cases instead of "
-        f"{100 * found.level:g} %, for a single test of a normal mean (Armitage, McPherson and "
-        "Rowe 1969). Where looks could change nothing, they did no harm; the reasons below are "
-        "what was said at the time.",
+        f"shows p < {found.level:g} finds what is not there in "
+        f"{100 * found.false_positive_rate:.1f} % of cases instead of {100 * found.level:g} %, "
+        "for a single test of a normal mean (Armitage, McPherson and Rowe 1969). Where looks could "
+        "change nothing, they did no harm; the reasons below are what was said at the time.",
     )
 
 
