@@ -169,11 +169,13 @@ TINY: Final = DenoiserConfig(
     layers=2,
     speech_width=64,
     dropout=0.0,
+    guidance=2.0,
     loudness="logarithm",
     skip=True,
 )
 """BEAT's motion in a network that a CPU trains in minutes. It is narrower than the motion and
-learns from little speech, so it has a skip and hears logarithms."""
+learns from little speech, so it has a skip, hears logarithms and is driven by twice what the speech
+changes."""
 
 CONFIGS: Final[Mapping[str, DenoiserConfig]] = MappingProxyType(
     {"beat": BEAT, "show": SHOW, "tiny": TINY}

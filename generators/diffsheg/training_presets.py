@@ -46,7 +46,7 @@ class TrainingPreset:
 
 
 _TINY_TRAINING: Final = TrainingConfig(
-    steps=2_500,
+    steps=3_500,
     batch_size=32,
     learning_rate=2e-3,
     optimizer="adam",
@@ -86,7 +86,6 @@ PRESETS: Final[Mapping[tuple[str, str], TrainingPreset]] = MappingProxyType(
                 speakers=SHOW.speakers,
                 frames=SHOW.frames,
                 frame_rate=SHOW.frame_rate,
-                guidance=SHOW.guidance,
             ),
             losses="steps",
             training=_TINY_TRAINING,

@@ -11,6 +11,7 @@ import os
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import Final
 
 from analysis.metrics import network_names as names
 from generators.corpus.description import read_request
@@ -18,6 +19,7 @@ from generators.corpus.making import make_corpus
 from generators.corpus.process import VERSION
 from generators.corpus.request import CorpusRequest
 from generators.data.any_folder import read_takes
+from generators.data.take import Take
 from generators.diffsheg.network_file import load_network
 from motion.files import write_text
 from studyapp.bench.learned_motion.compared_study import (
@@ -42,7 +44,13 @@ from studyapp.definition.study import GROUND_TRUTH
 from studyapp.stages.generation import generate
 from studyapp.stages.measuring import measure_study
 
-PRESETS = ("report", "amuse", "beat")
+PRESETS: Final = ("report", "amuse", "beat")
+
+SENTENCES: Final = 64
+"""Passages of each speaker, four times as many as a corpus usually has: of fewer a network learns
+whole sentences by heart before it finds the strokes in speech that it never heard."""
+
+TEST_TAKES: Final = 300
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -51,6 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--folder", type=Path, default=Path("build/learned-motion"))
     parser.add_argument("--write", type=Path, help="the page; printed where left out")
     parser.add_argument("--corpus", type=Path, help="one that is there, in place of making one")
+    parser.add_argument("--sentences", type=int, default=SENTENCES, help="that each speaker says")
+    parser.add_argument("--test-takes", type=int, default=TEST_TAKES, help="that are moved to")
     parser.add_argument("--seeds", type=int, default=3, help="how many networks are trained")
     parser.add_argument("--steps", type=int, help="of each network, in place of the config's")
     parser.add_argument("--evaluator-steps", type=int, help="of each feature network")
@@ -64,13 +74,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def compare(given: argparse.Namespace) -> str:
     """Return the page of a comparison, making what its folder lacks."""
-    root: Path = given.folder / training_version()
-    corpus = given.corpus or given.folder / "corpus"
+    corpus = given.corpus or given.folder / f"corpus_{given.sentences}"
     if given.corpus is None:
+        wanted = CorpusRequest(sentences=given.sentences)
         with progress("corpus", "take") as show:
-            make_corpus(corpus, CorpusRequest(), processes=os.cpu_count() or 1, show=show)
+            make_corpus(corpus, wanted, processes=os.cpu_count() or 1, show=show)
     takes = read_takes(corpus)
-    test = [take for take in takes.takes if take.split == "test"]
+    root: Path = given.folder / f"{training_version()}_{read_request(corpus).sentences}"
+    test = evenly([take for take in takes.takes if take.split == "test"], given.test_takes)
     networks = {}
     for seed in range(1, given.seeds + 1):
         networks[trained_name(seed)] = out = root / f"{trained_name(seed)}.safetensors"
@@ -100,6 +111,12 @@ def compare(given: argparse.Namespace) -> str:
     distance = partial(score_of, metrics, beginning=names.FGD)
     judged = verdicts({name: distance(name) for name in order}, found, trained)
     return page(metrics, found, judged, _facts(corpus, len(test), networks))
+
+
+def evenly(takes: Sequence[Take], count: int) -> list[Take]:
+    """Return `count` takes that lie evenly among `takes`; all where there are not so many."""
+    wanted = min(count, len(takes))
+    return [takes[number * len(takes) // wanted] for number in range(wanted)]
 
 
 def _facts(corpus: Path, tests: int, networks: dict[str, Path]) -> list[str]:
