@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select
+from alembic import command
+from sqlalchemy import create_engine, select
 
 from motion.errors import InputError
 from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import AuditLine, StudySession
-from studyapp.services.database import Database, sqlite_url
+from studyapp.services.database import Database, migration_config, sqlite_url
 from studyapp.services.database_copies import require_empty
 from studyapp.services.forgetting import forget
 from studyapp.services.pseudonyms import PseudonymKey
@@ -329,6 +330,28 @@ def test_postgresql_stays_empty_where_the_files_cannot_take_their_place(
     require_empty(url)
     assert not new.root.exists()
     postgresql.drop_database("unfilled")
+
+
+def test_a_backup_of_an_older_version_is_brought_up_to_date(
+    tiny_study: Path,
+    new: StudyFolder,
+    tmp_path: Path,
+    clock: SetClock,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    old = create_engine(sqlite_url(tiny_study / "responses.db"))
+    with old.begin() as connection:
+        command.upgrade(migration_config(connection), "0004")
+    old.dispose()
+
+    made = back_up(StudyFolder(tiny_study), tmp_path / "old.tar", clock)
+    restore(made.path, new, clock)
+
+    assert made.manifest.schema_name == "0004"
+    database = Database.open_for_reading(sqlite_url(new.responses))
+    assert database is not None
+    database.close()
 
 
 def test_media_are_found_behind_links_and_no_circle_is_followed(
