@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -21,7 +22,7 @@ def recovery_lines(recovery: Recovery) -> Iterator[str]:
             known.about,
             known.measure.replace("_", " "),
             f"{known.value:.2f}",
-            f"{found.estimate:.2f}",
+            "–" if math.isnan(found.estimate) else f"{found.estimate:.2f}",
             f"{found.low:.2f} to {found.high:.2f}" if found.has_interval else "–",
             _where(found, known.value),
         )

@@ -24,14 +24,21 @@ SIGNS: Final[Mapping[Sign, str]] = MappingProxyType(
 )
 """What becomes of a comparison, in words that follow a number."""
 
+TOLD: Final = 4
+"""Comparisons without an answer that are told in short."""
+
 
 def summary(recovery: Recovery) -> Iterator[str]:
     """Yield the sentences that say in short what came of a rehearsal."""
     yield intervals_in_words(recovery)
     yield signs_in_words(recovery)
-    for difference in recovery.differences:
-        if difference.sign in ("undecided", "wrong"):
-            yield difference_in_words(difference)
+    unanswered = [each for each in recovery.differences if each.sign in ("undecided", "wrong")]
+    # What is found with the wrong sign is worth more than what is not found.
+    unanswered.sort(key=lambda each: each.sign == "undecided")
+    for difference in unanswered[:TOLD]:
+        yield f"  {difference_in_words(difference)}"
+    if len(unanswered) > TOLD:
+        yield f"  … and {len(unanswered) - TOLD} more, which the page lists"
     yield from exclusions_in_words(recovery.kinds)
     yield counts_in_words(recovery)
 

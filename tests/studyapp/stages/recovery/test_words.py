@@ -129,3 +129,14 @@ def test_a_rehearsal_of_nobody_says_so() -> None:
     said = " ".join(recovery_lines(nothing))
     assert "Nothing that was put in could be estimated" in said
     assert "No two conditions could be compared" in said
+
+
+def test_of_many_comparisons_without_an_answer_the_wrong_ones_and_a_few_are_told() -> None:
+    wrong = replace(
+        UNDECIDED, first="theirs", found=replace(UNDECIDED.found, estimate=-0.3), decided=True
+    )
+    said = list(summary(replace(RECOVERY, differences=(*[UNDECIDED] * 6, wrong))))
+    told = [line for line in said if line.startswith("  fit")]
+    assert len(told) == 4
+    assert "finds -0.30 where +0.10 was put in" in told[0]
+    assert "  … and 3 more, which the page lists" in said
