@@ -21,6 +21,7 @@ SMALL = replace(
     width=16,
     feed_forward=24,
     heads=2,
+    guidance=None,
     loudness="power",
     skip=False,
 )
