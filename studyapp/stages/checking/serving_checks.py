@@ -18,6 +18,7 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.definition.versioning import design_digest
 from studyapp.services.database import Database, database_url_of, sqlite_url
+from studyapp.services.intake import present_intake
 from studyapp.services.known_designs import answered_another_design
 from studyapp.services.probing import for_probing, token_of_a_video
 from studyapp.services.recruiting.prolific_draft import places_of
@@ -43,6 +44,11 @@ DESIGN_CHANGED: Final = error(
     "design-changed",
     "people have taken part in another design than study.toml has",
     "Undo the change, or serve it with --new-version: earlier answers are kept apart",
+)
+INTAKE_CLOSED: Final = warning(
+    "intake-closed",
+    "researchers have paused or closed the study on its pages, so that nobody is let in",
+    "Resume it on the researchers' pages",
 )
 ANSWERS_THERE: Final = note(
     "answers-there", "people have taken part already", "Their answers stay and count"
@@ -76,8 +82,9 @@ NO_BYTE_RANGES: Final = error(
     "Serve the study with 'motionjury serve', and let proxies pass the header Range",
 )
 
-BYTES_PER_PARTICIPANT: Final = 400_000
-"""What a study session of 30 trials leaves in the database, watch evidence included, at most."""
+BYTES_PER_PARTICIPANT: Final = 200_000
+"""What a study session may leave in the database. Simulated participants leave 27 kB (30 pairs) to
+39 kB (rankings); people pause and replay, which leaves more evidence of watching."""
 
 SPARE: Final = 10**9
 """Bytes that should stay free: a full disk loses answers of all that runs on it."""
@@ -119,6 +126,10 @@ def _database_findings(material: Material) -> Iterator[Finding]:
         count = arrivals(current)
         if count:
             yield ANSWERS_THERE.found(f"{count} participants have come already")
+        with current.reading() as session:
+            state = present_intake(session).state
+        if state != "open":
+            yield INTAKE_CLOSED.found(f"the study is {state} on the researchers' pages")
         if answered_another_design(current, design_digest(material.study, material.segments)):
             yield DESIGN_CHANGED.found(DESIGN_CHANGED.means, where="study.toml")
     finally:

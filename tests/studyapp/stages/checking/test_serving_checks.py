@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,6 +12,8 @@ import pytest
 from flask import Response
 
 from studyapp.definition.folder import StudyFolder
+from studyapp.models import IntakeChange
+from studyapp.services.database import Database, sqlite_url
 from studyapp.stages.checking import serving_checks
 from studyapp.stages.checking.material import Material
 from studyapp.stages.checking.serving_checks import probe_findings, serving_findings
@@ -78,6 +81,25 @@ def test_answers_are_counted_and_a_changed_design_is_told(tiny_study: Path) -> N
     definition.write_text(definition.read_text().replace("trials = 4", "trials = 3", 1))
 
     assert "design-changed" in names(tiny_study)
+
+
+def test_a_study_that_was_paused_on_its_pages_is_told(tiny_study: Path) -> None:
+    answer_study(tiny_study, people=1)
+    assert "intake-closed" not in names(tiny_study)
+    database = Database.open(sqlite_url(tiny_study / "responses.db"))
+    with database.writing() as session:
+        session.add(
+            IntakeChange(
+                at=datetime(2026, 5, 4, tzinfo=UTC),
+                state="paused",
+                more_places=0,
+                researcher="anna",
+                reason="",
+            )
+        )
+    database.close()
+
+    assert names(tiny_study)["intake-closed"] == "the study is paused on the researchers' pages"
 
 
 @pytest.mark.parametrize(("free", "name"), [(0, "disk-full"), (10**9, "disk-short")])
