@@ -37,6 +37,7 @@ def picture_overview(page: Page, address: str, database: Path) -> None:
         page.get_by_label(label).fill("for this picture only")
     page.get_by_role("button", name="Join").click()
     page.goto(f"{address}research/rehearsal/")
+    page.locator(".truth").wait_for()
     page.screenshot(path=PICTURES / "overview.jpg", quality=QUALITY)
 
 

@@ -49,7 +49,7 @@ def served(folder: StudyFolder) -> Iterator[tuple[str, Path]]:
             env={**os.environ, "DATABASE_URL": f"sqlite:///{database}"},
         )
         try:
-            for _ in range(100):
+            for _ in range(600):
                 try:
                     httpx.get(address)
                     break

@@ -67,4 +67,6 @@ def _check_value(param: click.Parameter, value: object, context: click.Context) 
     if isinstance(param.type, click.Choice) and not nothing:
         given = value if isinstance(value, list | tuple) else [value]
         for each in given:
-            param.type.convert(each, param, context)
+            # What a shell's variable will hold is not known here.
+            if "$" not in str(each):
+                param.type.convert(each, param, context)
