@@ -25,7 +25,7 @@ from studyapp.serving import run_server
 HOST: Final = "127.0.0.1"
 PROCESSES: Final = 2
 START_SECONDS: Final = 120.0
-STOP_SECONDS: Final = 10.0
+STOP_SECONDS: Final = 60.0
 
 
 @contextmanager
@@ -111,7 +111,8 @@ def _stop(process: subprocess.Popen[bytes]) -> None:
         try:
             process.wait(STOP_SECONDS)
         except subprocess.TimeoutExpired:
-            process.kill()
+            # With its worker processes, which have the session that it was started in.
+            os.killpg(process.pid, signal.SIGKILL)
 
 
 @contextmanager

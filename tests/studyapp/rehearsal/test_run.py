@@ -65,7 +65,7 @@ def servers(folder: StudyFolder) -> list[int]:
     return found
 
 
-def wait_for(what: str, *, happens: Callable[[], object], seconds: float = 20) -> None:
+def wait_for(what: str, *, happens: Callable[[], object], seconds: float = 120) -> None:
     deadline = time.monotonic() + seconds
     while not happens():
         assert time.monotonic() < deadline, f"{what} did not happen"
@@ -169,7 +169,7 @@ def test_a_killed_rehearsal_leaves_no_server_and_can_be_finished(
         wait_for("an answer", happens=lambda: folder.rehearsal.exists() and len(answers(folder)))
     finally:
         os.kill(rehearsing.pid, how)
-        rehearsing.wait(20)
+        rehearsing.wait(120)
     wait_for("the server's end", happens=lambda: not servers(folder))
     before = what_was_answered(folder)
     rehearse(folder, seed=3)
