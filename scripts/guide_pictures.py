@@ -25,6 +25,8 @@ FROM_PROLIFIC = "?PROLIFIC_PID=5f3c1d9e7a2b4c6d8e0f1a2b&STUDY_ID=6a1b2c3d&SESSIO
 """Where the guide's participants come from."""
 QUALITY = 80
 STRIP_WIDTH = 1100
+PATIENCE = 180_000
+"""Milliseconds that a page may take, also where all processors are busy."""
 
 
 def picture_overview(page: Page, address: str, database: Path) -> None:
@@ -58,6 +60,7 @@ def main() -> None:
     with served(folder) as (address, database), sync_playwright() as browsers:
         browser = browsers.chromium.launch(executable_path=chromium, args=CHROMIUM_FLAGS)
         page = browser.new_page(viewport={"width": 1366, "height": 768})
+        page.set_default_timeout(PATIENCE)
         play_first_trial(page, f"{address}{FROM_PROLIFIC}", database)
         page.screenshot(path=PICTURES / "participant.jpg", quality=QUALITY)
         picture_overview(page, address, database)
