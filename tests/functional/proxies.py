@@ -22,7 +22,8 @@ from studyapp.stages.deploying.deployment import Deployment, Proxy, planned_depl
 from studyapp.stages.deploying.files import deployed_files
 
 HOST = "study.example.org"
-START_SECONDS = 30
+PATIENCE = 120
+"""Seconds that a busy machine may take to start or end a server."""
 
 
 class _ToThisMachine(httpx.HTTPTransport):
@@ -72,7 +73,7 @@ class Proxied:
         return self.deployment.address
 
     def client(self) -> httpx.Client:
-        return httpx.Client(transport=_ToThisMachine(self.port), trust_env=False, timeout=30)
+        return httpx.Client(transport=_ToThisMachine(self.port), trust_env=False, timeout=60)
 
     def written(self) -> str:
         """Return everything that the proxy has said or logged."""
@@ -148,7 +149,7 @@ def _running(
     with said.open("wb") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log, env=environment)
     try:
-        deadline = time.monotonic() + START_SECONDS
+        deadline = time.monotonic() + PATIENCE
         while True:
             try:
                 socket.create_connection(("127.0.0.1", port), timeout=1).close()
@@ -160,7 +161,7 @@ def _running(
         yield process
     finally:
         process.send_signal(signal.SIGINT)  # all three then end at once
-        process.wait(timeout=30)
+        process.wait(timeout=PATIENCE)
 
 
 def _nginx(root: Path, _secure: int, _plain: int) -> list[str]:

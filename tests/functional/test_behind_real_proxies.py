@@ -14,7 +14,7 @@ import httpx
 import pytest
 
 from studyapp.stages.deploying.deployment import PROXIES, Proxy
-from tests.functional.proxies import Proxied, behind, is_installed
+from tests.functional.proxies import PATIENCE, Proxied, behind, is_installed
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.walking import filled
@@ -161,7 +161,7 @@ def test_while_the_study_is_away_no_address_is_logged(proxied: Proxied) -> None:
         one = Participant(client, proxied.address)
         one.go_on()
         proxied.server.send_signal(signal.SIGINT)
-        proxied.server.wait(timeout=30)
+        proxied.server.wait(timeout=PATIENCE)
 
         away = client.get(one.address)
 
