@@ -39,6 +39,7 @@ there, it is the one of the lab that made this folder.
 
 Participants are named by pseudonyms. They are keyed hashes: without the key, which is not here,
 they lead back to nobody. There are no dates but the days on which researchers looked at results
-(`shared_answers/looks.csv`): times are seconds since a participant's consent. Of who withdrew, only the number is here. `study_session` counts participants in the order in which
-they came; the report names them by it.
+(`shared_answers/looks.csv`): times are seconds since a participant's consent. Of who withdrew, only
+the number is here. `study_session` counts participants in the order in which they came; the report
+names them by it.
 """
