@@ -23,9 +23,16 @@ def test_a_named_setting_asks_the_network_as_often_as_it_says(preset: str, asked
 def test_fast_and_careful_are_the_releases_and_smooth_is_taken_where_nothing_is_chosen() -> None:
     assert SamplingSettings(preset="fast").sampling(overlap=4) == Sampling()
     assert SamplingSettings(preset="careful").sampling(overlap=4) == Sampling(jump_count=5)
-    smooth = Sampling(keeps_pose=True, own_noise=True)
+    smooth = Sampling(keeps_pose=True, own_noise=True, overlap=6)
     assert SamplingSettings().sampling(overlap=4) == smooth
-    assert SamplingSettings().sampling(overlap=10).overlap == 10
+
+
+def test_windows_share_the_releases_frames_and_half_as_many_more_where_they_are_to_be_smooth() -> (
+    None
+):
+    assert SamplingSettings(preset="fast").sampling(overlap=10).overlap == 10
+    assert SamplingSettings().sampling(overlap=10).overlap == 15
+    assert SamplingSettings(overlap=4).sampling(overlap=10).overlap == 4
 
 
 def test_what_is_chosen_takes_the_place_of_what_the_setting_has() -> None:

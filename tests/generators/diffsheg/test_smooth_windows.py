@@ -51,7 +51,7 @@ def perfect_network(sampling: Sampling) -> Told:
 
 
 def moved(preset: str) -> np.ndarray:
-    sampling = SamplingSettings(preset=preset).sampling(overlap=OVERLAP)
+    sampling = SamplingSettings(preset=preset, overlap=OVERLAP).sampling(overlap=OVERLAP)
     nothing = torch.zeros(LENGTH, 1)
     parts = stream(
         [SpeechFrames(nothing, nothing)],
