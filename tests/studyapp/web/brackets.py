@@ -49,9 +49,8 @@ def left_in_english(page: PageReader, study: Study) -> str:
     for tag in page.soup.find_all(True):
         parts += [outside(str(tag[name])) for name in SPOKEN_ATTRIBUTES if tag.get(name)]
     text = " ".join(" ".join(parts).split())
-    for words in sorted(
-        set(_own_words(study.model_dump(exclude={"recruitment"}))), key=len, reverse=True
-    ):
+    own = set(_own_words(study.model_dump(exclude={"recruitment"}))) - {""}
+    for words in sorted(own, key=len, reverse=True):
         text = text.replace(" ".join(words.split()), " ")
     return " ".join(re.findall(r"[^\W\d_]+", PLAYER.sub("", text)))
 
