@@ -50,7 +50,7 @@ SENTENCES: Final = 64
 """Passages of each speaker, four times as many as a corpus usually has: of fewer a network learns
 whole sentences by heart before it finds the strokes in speech that it never heard."""
 
-TEST_TAKES: Final = 300
+TEST_TAKES: Final = 200
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
