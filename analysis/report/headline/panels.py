@@ -260,7 +260,7 @@ def _write_ends(axes: Axes, ends: tuple[str, str]) -> None:
     room, size = axes.get_position().width * wide - 0.4, SMALL_SIZE + 0.5
     # The shorter of the two leaves the longer one what it does not need.
     shorter = min(room / 2, *(inches_of(text, size) for text in ends))
-    left, right = (fitted(text, room - shorter, size=size) for text in ends)
+    left, right = (fitted(text, room - shorter, size=size, lines=2) for text in ends)
     for where, side, text in ((0.0, "left", f"← {left}"), (1.0, "right", f"{right} →")):
         axes.annotate(
             text,
