@@ -121,7 +121,8 @@ def verdicts(
             Verdict(
                 claim=f"{called} with its own speech",
                 holds=all(one.low > max(0, noise.high) for one in mine),
-                evidence=", ".join(written(one) for one in mine),
+                evidence=f"{', '.join(written(one) for one in mine)}; recorded motion: "
+                f"{written(found[GROUND_TRUTH].own[measure])}",
             )
         )
         judged.append(
