@@ -209,7 +209,7 @@ def test_a_disk_that_is_too_small_is_told_before_anything_is_rendered(
     study: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(shutil, "disk_usage", lambda folder: Disk(10**9, 10**9 - 1000, 1000))
-    with pytest.raises(InputError, match=r"may need .* MB, and 0.0 MB are free.*--frames-cache"):
+    with pytest.raises(InputError, match=r"may need .*B, and 1.0 kB are free.*--frames-cache"):
         render(study, processes=1)
     assert list(study.videos.iterdir()) == []
 
