@@ -81,9 +81,9 @@ def page(
             "speech without chance, and beat alignment minus chance: with the clip's own speech, "
             "and with that of another take. The first and the last second, silent and at rest in "
             "all takes, do not count. 95 % intervals over takes, those of one text by one speaker "
-            "drawn together. Recorded motion, of which the process also leaves much to chance, shows "
-            "how much there is to be had; of beat alignment, without the silence at both ends, it is "
-            "little.",
+            "drawn together. Recorded motion, of which the process also leaves much to chance, "
+            "shows how much there is to be had; of beat alignment, without the silence at both "
+            "ends, it is little.",
             "",
             *_table(
                 (
