@@ -27,7 +27,7 @@ def test_the_example_of_streaming_moves_while_somebody_speaks(
     monkeypatch.chdir(tmp_path)
     exec(compile(example, str(PAGE), "exec"), {})  # noqa: S102 - it is our own page
     assert capsys.readouterr().out.splitlines() == [
-        "2.0 s: body (30, 55, 3), face (30, 52)",
-        "2.0 s: body (30, 55, 3), face (30, 52)",
-        "1.0 s: body (15, 55, 3), face (15, 52)",
+        "1.9 s: body (28, 55, 3), face (28, 52)",
+        "1.9 s: body (28, 55, 3), face (28, 52)",
+        "1.3 s: body (19, 55, 3), face (19, 52)",
     ]

@@ -40,7 +40,7 @@ def test_a_clip_says_what_made_it_and_what_stood_in(model: ModelSettings, speak:
     assert facts["checkpoint"] == "small.safetensors"
     assert facts["dataset"] == "beat"
     assert facts["speaker"] == "2"
-    assert "25 steps, overlap 4" in facts["sampling"]
+    assert "25 steps, overlap 6" in facts["sampling"]
     assert "windows of 34 frames at 15 fps" in facts["config"]
     assert "stand-in for HuBERT" in facts["stand_ins"]
 
@@ -65,7 +65,7 @@ def test_a_network_of_show_moves_jaw_and_expressions(tmp_path: Path, speak: Spea
     assert clip.arkit is None
     assert clip.expressions is not None
     assert np.ptp(clip.expressions, axis=0).min() > 0
-    assert "overlap 10" in clip.provenance["sampling"]
+    assert "overlap 15" in clip.provenance["sampling"]
     assert "relaxed hands" in clip.provenance["stand_ins"]
 
 
@@ -93,7 +93,7 @@ def test_a_long_clip_says_how_far_it_is(model: ModelSettings, speak: Speak) -> N
     DiffSheg(model).generate(
         speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: told.append(far)
     )
-    assert told == [(30, 90), (60, 90), (90, 90)]
+    assert told == [(28, 90), (56, 90), (84, 90), (90, 90)]
 
 
 def test_speech_longer_than_is_heard_at_once_is_moved_to_and_says_so(
@@ -215,7 +215,7 @@ def test_motion_comes_while_somebody_speaks_and_is_that_of_all_speech_at_once(
     first = next(streamed)
     # A window of 34 frames lies within three seconds, of which the last looks half a one ahead.
     assert sum(heard) / 16000 < 3.5 + 6.3 / 50
-    assert len(first) == 30
+    assert len(first) == 28
     motion = np.concatenate([first, *streamed])
     assert len(motion) == round(6.3 * 15)
     whole = np.concatenate(list(generator.stream([samples], seed=3, window=window)))
