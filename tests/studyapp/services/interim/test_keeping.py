@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,10 +11,11 @@ from sqlalchemy import delete
 from studyapp.models import InterimFigures
 from studyapp.services.database import Database
 from studyapp.services.exclusion_decisions import decide_exclusion
-from studyapp.services.interim.computing import SECONDS, FigureProcess, NoFiguresError
+from studyapp.services.interim.computing import SECONDS, NoFiguresError
 from studyapp.services.interim.documents import What
 from studyapp.services.interim.keeping import GIVEN_UP_AFTER, RESTS, Kept, kept_figures
 from studyapp.services.served_study import ServedStudy
+from tests.studyapp.figures_at_hand import FiguresAtHand
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
@@ -23,21 +23,11 @@ REST = RESTS["agreement"].total_seconds()
 
 
 @dataclass(frozen=True)
-class CountedFigures(FigureProcess):
+class CountedFigures(FiguresAtHand):
     """Figures that say how often they were computed, when a test has them computed."""
 
-    begun: list[Callable[[], None]] = field(default_factory=list)
     computed: list[What] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
-
-    def begin(self, job: Callable[[], None]) -> None:
-        self.begun.append(job)
-
-    def work(self) -> int:
-        count = len(self.begun)
-        while self.begun:
-            self.begun.pop(0)()
-        return count
 
     def compute(self, what: What, *, seconds: float = SECONDS) -> str:
         if self.problems:
