@@ -99,6 +99,7 @@ class SoundContext(nn.Module):
 
 def _stress(loudness: Tensor) -> Tensor:
     """Return loudness (n,), its rise, and where it is the greatest of its surroundings, (n, 5)."""
+    # Rises and peaks are rare and small: scaled so that they vary about as much as loudness does.
     rise = 5 * functional.pad(loudness.diff(), (1, 0)).clamp(min=0)
     peaks = [
         3 * loudness * (loudness >= functional.max_pool1d(loudness[None], 2 * near + 1, 1, near)[0])
