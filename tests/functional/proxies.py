@@ -11,9 +11,10 @@ import ssl
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path, PurePosixPath
 
 import httpx
@@ -26,14 +27,18 @@ PATIENCE = 120
 """Seconds that a busy machine may take to start or end a server."""
 
 
+def _any_certificate() -> ssl.SSLContext:
+    anything = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    anything.check_hostname = False
+    anything.verify_mode = ssl.CERT_NONE
+    return anything
+
+
 class _ToThisMachine(httpx.HTTPTransport):
     """Reaches `HOST` at a port of this machine, with any certificate."""
 
     def __init__(self, port: int) -> None:
-        anything = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-        anything.check_hostname = False
-        anything.verify_mode = ssl.CERT_NONE
-        super().__init__(verify=anything)
+        super().__init__(verify=_any_certificate())
         self.port = port
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:
@@ -111,7 +116,8 @@ def behind(proxy: Proxy, study: Path, root: Path, *, prefix: str) -> Iterator[Pr
         path.write_text(text, "utf-8")
     with _study_server(deployment, root) as server:
         start = {"nginx": _nginx, "caddy": _caddy}[proxy]
-        with _running(start(root, secure, plain), root / "proxy.log", secure):
+        secured = partial(_shake_hands, secure)
+        with _running(start(root, secure, plain), root / "proxy.log", secured):
             yield Proxied(deployment, secure, root, server)
 
 
@@ -137,22 +143,39 @@ def _study_server(deployment: Deployment, root: Path) -> Iterator[subprocess.Pop
     start = "from studyapp.command.main import main; main()"
     command = [sys.executable, "-c", start, *arguments]
     environment = {**os.environ, **dict(pairs)}
-    with _running(command, root / "study.log", deployment.port, environment) as process:
+    listens = partial(_connect, deployment.port)
+    with _running(command, root / "study.log", listens, environment) as process:
         yield process
+
+
+def _connect(port: int) -> None:
+    socket.create_connection(("127.0.0.1", port), timeout=1).close()
+
+
+def _shake_hands(port: int) -> None:
+    """Ask for the certificate, which Caddy may still be making when it already listens."""
+    with (
+        socket.create_connection(("127.0.0.1", port), timeout=1) as plain,
+        _any_certificate().wrap_socket(plain, server_hostname=HOST),
+    ):
+        pass
 
 
 @contextmanager
 def _running(
-    command: list[str], said: Path, port: int, environment: dict[str, str] | None = None
+    command: list[str],
+    said: Path,
+    reach: Callable[[], None],
+    environment: dict[str, str] | None = None,
 ) -> Iterator[subprocess.Popen[bytes]]:
-    """Run `command` until the block ends; it begins when something listens at `port`."""
+    """Run `command` until the block ends; it begins when `reach` raises no `OSError`."""
     with said.open("wb") as log:
         process = subprocess.Popen(command, stdout=log, stderr=log, env=environment)
     try:
         deadline = time.monotonic() + PATIENCE
         while True:
             try:
-                socket.create_connection(("127.0.0.1", port), timeout=1).close()
+                reach()
                 break
             except OSError:
                 assert process.poll() is None, said.read_text("utf-8")
