@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import torch
-from torch import Tensor, nn
+from torch import Tensor
 from torch.nn import functional
 
 from generators.diffsheg.layers import LinearAttention, StyledBlock, Stylization
+from generators.diffsheg.prepared_linear import PreparedLinear
 
 
 class PreparedStyle:
@@ -27,7 +27,7 @@ class PreparedStyle:
         self._scales = plain.norm.weight * (1 + scale)
         self._shifts = plain.norm.bias * (1 + scale) + shift
         self._epsilon = plain.norm.eps
-        self._out = plain.out
+        self._out = PreparedLinear(plain.out.weight, plain.out.bias)
 
     def styled(self, features: Tensor, place: int) -> Tensor:
         """Return (batch, frames, width)."""
@@ -38,28 +38,29 @@ class PreparedStyle:
             self._shifts[place],
             self._epsilon,
         )
-        result: Tensor = self._out(functional.silu(normed, inplace=True))
-        return result
+        return self._out.mapped(functional.silu(normed, inplace=True))
 
 
 class PreparedAttention:
-    """Linear attention that maps queries, keys and values at once."""
+    """Linear attention with prepared maps."""
 
     def __init__(self, plain: LinearAttention) -> None:
-        maps = (plain.query, plain.key, plain.value)
-        self._weight = torch.cat([one.weight for one in maps])
-        self._bias = torch.cat([one.bias for one in maps])
+        self._query, self._key, self._value = (
+            PreparedLinear(one.weight, one.bias) for one in (plain.query, plain.key, plain.value)
+        )
         self._norm = plain.norm
         self._heads = plain.heads
 
     def attended(self, features: Tensor) -> Tensor:
         """Return (batch, frames, width)."""
-        mapped = functional.linear(self._norm(features), self._weight, self._bias)
-        batch, frames, width = features.shape
-        query, key, value = mapped.view(batch, frames, 3, self._heads, -1).permute(2, 0, 3, 1, 4)
-        context = key.softmax(dim=-2).transpose(-2, -1) @ value
-        attended: Tensor = query.softmax(dim=-1) @ context
-        return attended.transpose(1, 2).reshape(batch, frames, width)
+        normed = self._norm(features)
+        split = (*features.shape[:2], self._heads, -1)
+        query = self._query.mapped(normed).view(split).softmax(dim=-1)
+        key = self._key.mapped(normed).view(split).softmax(dim=1)
+        value = self._value.mapped(normed).view(split)
+        context = key.permute(0, 2, 3, 1) @ value.transpose(1, 2)
+        attended = query.transpose(1, 2) @ context
+        return attended.transpose(1, 2).reshape(features.shape)
 
 
 class PreparedBlock:
@@ -77,12 +78,13 @@ class PreparedBlock:
         first, second = modulations.chunk(2, dim=-1)
         self._attention = PreparedAttention(plain.attention)
         self._attention_style = PreparedStyle(plain.attention.stylization, first)
-        self._widen: nn.Linear = plain.feed_forward.widen
-        self._narrow: nn.Linear = plain.feed_forward.narrow
-        self._style = PreparedStyle(plain.feed_forward.stylization, second)
+        feed_forward = plain.feed_forward
+        self._widen = PreparedLinear(feed_forward.widen.weight, feed_forward.widen.bias)
+        self._narrow = PreparedLinear(feed_forward.narrow.weight, feed_forward.narrow.bias)
+        self._style = PreparedStyle(feed_forward.stylization, second)
 
     def change(self, features: Tensor, place: int) -> None:
         """Put what the block makes of `features`, (batch, frames, width), in their place."""
         features += self._attention_style.styled(self._attention.attended(features), place)
-        inner = self._narrow(functional.gelu(self._widen(features)))
+        inner = self._narrow.mapped(functional.gelu(self._widen.mapped(features)))
         features += self._style.styled(inner, place)

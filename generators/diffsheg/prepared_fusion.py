@@ -19,6 +19,7 @@ from torch import Tensor
 from torch.nn import functional
 
 from generators.diffsheg.layers import Fusion
+from generators.diffsheg.prepared_linear import PreparedLinear, input_by_input
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +65,10 @@ class PreparedFusion:
 
     def __init__(self, plain: Fusion, width: int) -> None:
         scaled = plain.widen.weight * plain.norm.weight
-        self._of_features = scaled[:, :width].contiguous().t()
+        self._of_features = input_by_input(scaled[:, :width]).t()
         self._sums = scaled.sum(dim=1)
         self._bias = functional.linear(plain.norm.bias, plain.widen.weight, plain.widen.bias)
-        self._narrow = plain.narrow
+        self._narrow = PreparedLinear(plain.narrow.weight, plain.narrow.bias)
         self._share = width / scaled.shape[1]
         self._epsilon = plain.norm.eps
 
@@ -87,4 +88,4 @@ class PreparedFusion:
         inner = torch.addcmul(mapped, both.mean, self._sums, value=-1)
         inner.addmm_(features, self._of_features)
         inner = torch.addcmul(self._bias, inner, both.inverse)
-        features += self._narrow(functional.silu(inner, inplace=True))
+        features += self._narrow.mapped(functional.silu(inner, inplace=True))
