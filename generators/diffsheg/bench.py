@@ -23,8 +23,9 @@ from torch import Tensor
 
 from generators.diffsheg.config import BEAT
 from generators.diffsheg.denoiser import Denoiser
-from generators.diffsheg.estimates import SpeechFrames, Told, plainly, prepared
+from generators.diffsheg.estimates import Mover, plainly, prepared
 from generators.diffsheg.foppas import stream
+from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling, evaluations
 
 SAMPLING: Final = Sampling()
@@ -62,11 +63,11 @@ def random_speech(frames: int) -> SpeechFrames:
     )
 
 
-def moved(told: Told, speech: SpeechFrames) -> Tensor:
+def moved(mover: Mover, speech: SpeechFrames) -> Tensor:
     """Return the motion to `speech`."""
     pieces = stream(
         [speech],
-        told,
+        mover,
         frames=BEAT.frames,
         width=BEAT.motion_width,
         sampling=SAMPLING,
@@ -109,9 +110,9 @@ def asked(frames: int) -> int:
     return evaluations(SAMPLING.first_walk) + later * evaluations(SAMPLING.later_walk)
 
 
-def compare(ways: dict[str, Told], speech: SpeechFrames, threads: int, rounds: int) -> None:
+def compare(ways: dict[str, Mover], speech: SpeechFrames, threads: int, rounds: int) -> None:
     """Print how fast both ways are with so many threads."""
-    works = {name: partial(moved, told, speech) for name, told in ways.items()}
+    works = {name: partial(moved, mover, speech) for name, mover in ways.items()}
     with torch_threads(threads):
         turns = in_turns(works, rounds)
     print(
@@ -132,18 +133,18 @@ def compare(ways: dict[str, Told], speech: SpeechFrames, threads: int, rounds: i
         print(f"  ratio {what}: {median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})")
 
 
-def streams_in_real_time(told: Told, speech: SpeechFrames) -> int:
+def streams_in_real_time(mover: Mover, speech: SpeechFrames) -> int:
     """Return how many streams at once, each with one thread, are no slower than their speech."""
     streams = 0
     with torch_threads(1):
-        while timed(partial(_together, told, speech, streams + 1)).wall <= _seconds(speech):
+        while timed(partial(_together, mover, speech, streams + 1)).wall <= _seconds(speech):
             streams += 1
     return streams
 
 
-def _together(told: Told, speech: SpeechFrames, streams: int) -> None:
+def _together(mover: Mover, speech: SpeechFrames, streams: int) -> None:
     with ThreadPoolExecutor(streams) as pool:
-        list(pool.map(partial(moved, told), [speech] * streams))
+        list(pool.map(partial(moved, mover), [speech] * streams))
 
 
 def _seconds(speech: SpeechFrames) -> float:

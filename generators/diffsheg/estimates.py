@@ -2,50 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import torch
 from torch import Tensor
 
 from generators.diffsheg.denoiser import Denoiser
 from generators.diffsheg.prepared_denoiser import PreparedDenoiser
+from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling
-from generators.diffsheg.window import Sampler, sample_window
+from generators.diffsheg.window import Estimate, Window, sample_windows
+
+Mover = Callable[[Sequence[Window], Tensor | None], list[Tensor]]
+"""Makes the motion, (frames, values), of windows that continue each other, in order.
+
+Also given are the frames that the first window continues, if any.
+"""
 
 
-@dataclass(frozen=True, eq=False)
-class SpeechFrames:
-    """What is known of the speech, frame by frame.
-
-    Attributes
-    ----------
-    mel : Tensor
-        (frames, mel bands).
-    hubert : Tensor
-        (frames, speech features).
-    """
-
-    mel: Tensor
-    hubert: Tensor
-
-    def __len__(self) -> int:
-        return len(self.mel)
-
-    def part(self, first: int, last: int | None = None) -> SpeechFrames:
-        """Return some of the frames."""
-        return SpeechFrames(self.mel[first:last], self.hubert[first:last])
-
-    def then(self, more: SpeechFrames) -> SpeechFrames:
-        """Return these frames followed by `more`."""
-        return SpeechFrames(torch.cat([self.mel, more.mel]), torch.cat([self.hubert, more.hubert]))
-
-
-Told = Callable[[SpeechFrames], Sampler]
-"""Tells a network the speech of a window."""
-
-
-def plainly(denoiser: Denoiser, person: Tensor, sampling: Sampling) -> Told:
+def plainly(denoiser: Denoiser, person: Tensor, sampling: Sampling) -> Mover:
     """Return how to ask `denoiser` in full every time.
 
     Parameters
@@ -59,7 +34,7 @@ def plainly(denoiser: Denoiser, person: Tensor, sampling: Sampling) -> Told:
     """
     device = next(denoiser.parameters()).device
 
-    def told(speech: SpeechFrames) -> Sampler:
+    def told(speech: SpeechFrames) -> Estimate:
         conditions = [one[None].to(device) for one in (speech.mel, speech.hubert, person)]
 
         def estimate(noisy: Tensor, place: int) -> Tensor:
@@ -67,16 +42,20 @@ def plainly(denoiser: Denoiser, person: Tensor, sampling: Sampling) -> Told:
             found: Tensor = denoiser(noisy, step, *conditions)
             return found
 
-        return lambda noise, known: sample_window(estimate, sampling, noise.to(device), known)
+        return estimate
 
-    return told
+    def moved(windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
+        asked = ((told(window.speech), window.noise.to(device)) for window in windows)
+        return sample_windows(asked, sampling, known)
+
+    return moved
 
 
-def prepared(denoiser: Denoiser, person: Tensor, sampling: Sampling) -> Told:
+def prepared(denoiser: Denoiser, person: Tensor, sampling: Sampling) -> Mover:
     """Return how to ask `denoiser` with everything computed once that the motion does not change.
 
     It moves as `plainly` does, but for rounding; see `PreparedDenoiser`.
     """
     with torch.inference_mode():
         network = PreparedDenoiser(denoiser, person, sampling)
-    return lambda speech: network.told(speech.mel, speech.hubert)
+    return network.moved

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from generators.diffsheg.estimates import SpeechFrames, Told
+from generators.diffsheg.estimates import Mover
+from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling
-from generators.diffsheg.window import draw_noise
+from generators.diffsheg.window import Window, draw_noise
 from generators.interface import seeded_stream
 from motion.errors import InputError
+
+TOGETHER: Final = 4
+"""Windows that are made together at most, where their speech is there: motion comes in between."""
 
 
 def stream(
     speech: Iterable[SpeechFrames],
-    told: Told,
+    mover: Mover,
     *,
     frames: int,
     width: int,
@@ -27,13 +32,13 @@ def stream(
     """Yield motion as soon as it is settled.
 
     How the speech is cut into pieces changes nothing: all of it at once gives the same motion.
-    Never more than a window of speech and the shared frames are kept.
+    Of speech in small pieces, never more than a window and the shared frames are kept.
 
     Parameters
     ----------
     speech : iterable of SpeechFrames
         Pieces of any length, in order.
-    told : Told
+    mover : Mover
         The network; see `generators.diffsheg.estimates`.
     frames : int
         Frames of a window.
@@ -59,35 +64,40 @@ def stream(
             f"windows of {frames} frames cannot share {sampling.overlap} of them",
             remedy="Let windows share fewer frames than they have",
         )
-    window, known, waiting = 0, None, None
+    settled, number = frames - sampling.overlap, 0
+    known: Tensor | None = None
+    waiting: SpeechFrames | None = None
+
+    def moved(parts: Sequence[SpeechFrames]) -> list[Tensor]:
+        nonlocal number
+        windows: list[Window] = []
+        with torch.inference_mode():
+            for part in parts:
+                continues = known is not None or (bool(windows) and sampling.overlap > 0)
+                shape = (len(part), width)
+                noise = draw_noise(shape, sampling, _random(seed, number), continues=continues)
+                windows.append(Window(part, noise))
+                number += 1
+            return mover(windows, known)
+
     for piece in speech:
         waiting = piece if waiting is None else waiting.then(piece)
         while len(waiting) >= frames:
-            motion = _window(waiting.part(0, frames), told, width, sampling, (seed, window), known)
-            settled = frames - sampling.overlap
-            yield motion[:settled]
-            known = motion[settled:] if sampling.overlap else None
-            waiting = waiting.part(settled)
-            window += 1
+            count = min(1 + (len(waiting) - frames) // settled, TOGETHER)
+            begins = range(0, count * settled, settled)
+            motions = moved([waiting.part(begin, begin + frames) for begin in begins])
+            waiting = waiting.part(count * settled)
+            known = motions[-1][settled:] if sampling.overlap else None
+            yield from (motion[:settled] for motion in motions)
     if waiting is None:
         return
     if known is not None and len(waiting) == len(known):
         yield known
     elif len(waiting):
-        yield _window(waiting, told, width, sampling, (seed, window), known)
+        yield from moved([waiting])
 
 
-def _window(
-    speech: SpeechFrames,
-    told: Told,
-    width: int,
-    sampling: Sampling,
-    origin: tuple[int, int],
-    known: Tensor | None,
-) -> Tensor:
-    seed, number = origin
+def _random(seed: int, number: int) -> torch.Generator:
+    """Return what the noise of a window is drawn from."""
     entropy = np.random.SeedSequence(seeded_stream(seed, "foppas", str(number)))
-    random = torch.Generator().manual_seed(int(entropy.generate_state(1, np.uint64)[0]))
-    with torch.inference_mode():
-        noise = draw_noise((len(speech), width), sampling, random, continues=known is not None)
-        return told(speech)(noise, known)
+    return torch.Generator().manual_seed(int(entropy.generate_state(1, np.uint64)[0]))

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from generators.clip_length import with_length
 from generators.device import check_device
 from generators.diffsheg.beat_motion import beat_clip, beat_piece
-from generators.diffsheg.estimates import SpeechFrames, Told, prepared
+from generators.diffsheg.estimates import Mover, prepared
 from generators.diffsheg.foppas import stream
 from generators.diffsheg.hubert import Hubert, check_hubert, load_hubert, stand_in
 from generators.diffsheg.listening import HearingWindow, hear, hear_stream, hearing_of
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.show_motion import show_clip
+from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
 from generators.model_settings import ModelSettings
@@ -54,7 +55,7 @@ class DiffSheg:
             check_hubert(model.hubert)
         check_device(model.device)
         self._model = model
-        self._prepared: tuple[int, Told] | None = None
+        self._prepared: tuple[int, Mover] | None = None
 
     def generate(
         self,
@@ -176,7 +177,7 @@ class DiffSheg:
         config = self._network.denoiser.config
         settled = stream(
             heard,
-            self._told(speaker),
+            self._mover(speaker),
             frames=config.frames,
             width=config.motion_width,
             sampling=self._walk,
@@ -194,7 +195,7 @@ class DiffSheg:
                 )
             yield motion
 
-    def _told(self, speaker: int) -> Told:
+    def _mover(self, speaker: int) -> Mover:
         """Return how to ask the network, prepared once for clips of the same speaker."""
         if self._prepared is None or self._prepared[0] != speaker:
             denoiser = self._network.denoiser

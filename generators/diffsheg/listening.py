@@ -12,9 +12,9 @@ import torch
 from numpy.typing import NDArray
 from scipy.signal import resample_poly
 
-from generators.diffsheg.estimates import SpeechFrames
 from generators.diffsheg.hubert import Hubert, at_frames, at_places, feature_places, samples_of
 from generators.diffsheg.mel import REACH, mel_bands
+from generators.diffsheg.speech_frames import SpeechFrames
 from motion.audio import SPEECH_RATE, Audio
 from motion.errors import InputError
 

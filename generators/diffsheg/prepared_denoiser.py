@@ -1,13 +1,14 @@
 """A network for one speaker and one walk, with everything computed once that motion leaves alone.
 
-The branch that is told nothing of the other one depends on nothing but itself. Over a whole window
-it walks ahead on a thread of its own, and hands on its estimates of the clean motion: two threads
-that seldom wait work more than two that share every small product.
+The branch that is told nothing of the other one depends on nothing but itself. Over all windows
+that are asked for it walks ahead on a thread of its own, and hands on what it hears and its
+estimates of the clean motion: two threads that seldom wait work more than two that share every
+small product.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from queue import SimpleQueue
 from types import MappingProxyType
 from typing import Final
@@ -20,7 +21,7 @@ from generators.diffsheg.denoiser import Branch, Denoiser
 from generators.diffsheg.prepared_branch import Conditions, PreparedBranch
 from generators.diffsheg.shared_threads import side_by_side
 from generators.diffsheg.walk import Sampling
-from generators.diffsheg.window import Sampler, WindowNoise, sample_window
+from generators.diffsheg.window import Estimate, Window, WindowNoise, sample_windows
 from generators.diffusion import LINEAR
 
 _ORDER: Final[Mapping[Flow, tuple[str, ...]]] = MappingProxyType(
@@ -63,83 +64,107 @@ class PreparedDenoiser:
         self._tells = config.flow in {"expression_to_gesture", "gesture_to_expression"}
         body = slice(0, config.gesture_width)
         face = slice(config.gesture_width, config.motion_width)
+        self._on_processor = self._device.type == "cpu"
         self._values = {"gesture": body, "expression": face, "whole": slice(None)}
 
-    def told(self, mel: Tensor, hubert: Tensor) -> Sampler:
-        """Return how to make a window's motion.
+    def moved(self, windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
+        """Return the motion of windows that continue each other, each (frames, values).
 
         Parameters
         ----------
-        mel : Tensor
-            (frames, mel bands).
-        hubert : Tensor
-            (frames, speech features).
+        windows : sequence of Window
+            In order.
+        known : Tensor or None
+            (overlap, values), what the first window continues.
         """
+        handed_on: SimpleQueue[Tensor | BaseException] = SimpleQueue()
+        leads, *follow = self._order
 
-        def sample(noise: WindowNoise, known: Tensor | None) -> Tensor:
-            places = self._sampling.steps if known is None else self._sampling.entry
-            conditions = self._hear(mel.to(self._device), hubert.to(self._device), places)
-            return self._walk(conditions, noise, known)
+        def conditions_ahead(window: Window, places: int) -> Conditions:
+            heard = self._heard(window, places)
+            for name in follow:
+                handed_on.put(heard[name])
+            return self._branches[leads].hear(heard[leads])
 
-        return sample
+        def found_ahead(noisy: Tensor, place: int, conditions: Conditions) -> Tensor:
+            found = self._found(leads, noisy, place, conditions)
+            if self._tells:
+                step = self._steps[place : place + 1]
+                handed_on.put(LINEAR.clean(noisy, found, step)[0])
+            return found
 
-    def _hear(self, mel: Tensor, hubert: Tensor, places: int) -> dict[str, Conditions]:
+        def ahead() -> list[Tensor]:
+            try:
+                return self._walked(leads, windows, known, conditions_ahead, found_ahead)
+            except BaseException as error:
+                handed_on.put(error)
+                raise
+
+        if not follow:
+            return ahead()
+        follows = self._branches[follow[0]]
+
+        def conditions_behind(_window: Window, _places: int) -> Conditions:
+            return follows.hear(_received(handed_on))
+
+        def found_behind(noisy: Tensor, place: int, conditions: Conditions) -> Tensor:
+            if self._tells:
+                conditions = follows.tell(conditions, _received(handed_on))
+            return self._found(follow[0], noisy, place, conditions)
+
+        def behind() -> list[Tensor]:
+            return self._walked(follow[0], windows, known, conditions_behind, found_behind)
+
+        parts = side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
+        of = dict(zip(self._order, parts, strict=True))
+        return [
+            torch.cat(window, dim=-1)
+            for window in zip(of["gesture"], of["expression"], strict=True)
+        ]
+
+    def _heard(self, window: Window, places: int) -> dict[str, Tensor]:
         """Return what each branch is told of the speech at the first `places` of the walk."""
+        mel, hubert = window.speech.mel.to(self._device), window.speech.hubert.to(self._device)
         speech = self._denoiser.encode(hubert[None])
-        heard = self._denoiser.hear(
+        return self._denoiser.hear(
             mel.expand(places, -1, -1),
             {name: one.expand(places, -1, -1) for name, one in speech.items()},
             self._modulations.part(slice(0, places)),
         )
-        return {name: branch.hear(heard[name]) for name, branch in self._branches.items()}
 
-    def _walk(
-        self, conditions: dict[str, Conditions], noise: WindowNoise, known: Tensor | None
-    ) -> Tensor:
-        """Return motion, (frames, values), each branch having walked its own values."""
-        clean: SimpleQueue[Tensor | BaseException] = SimpleQueue()
+    def _walked(
+        self,
+        name: str,
+        windows: Sequence[Window],
+        known: Tensor | None,
+        conditions_of: Callable[[Window, int], Conditions],
+        found: Callable[[Tensor, int, Conditions], Tensor],
+    ) -> list[Tensor]:
+        """Return a branch's part of the motion of all windows."""
+        sampling, values = self._sampling, self._values[name]
 
-        def noise_of(name: str, noisy: Tensor, place: int) -> Tensor:
-            told = conditions[name].at(place)
-            follows = self._tells and name == self._order[1]
-            if follows:
-                told = self._branches[name].tell(told, _received(clean))
-            step = self._steps[place : place + 1]
-            answer = self._branches[name].answer(noisy, place, told)
-            found = self._denoiser.noise_of(name, answer, noisy, step)
-            if self._tells and not follows:
-                clean.put(LINEAR.clean(noisy, found, step)[0])
-            return found
+        def asked() -> Iterator[tuple[Estimate, WindowNoise]]:
+            continues = known is not None
+            for window in windows:
+                told = conditions_of(window, sampling.entry if continues else sampling.steps)
+                continues = continues or sampling.overlap > 0
 
-        def part(name: str) -> Tensor:
-            values = self._values[name]
-            return sample_window(
-                lambda noisy, place: noise_of(name, noisy, place),
-                self._sampling,
-                noise.part(values).to(self._device),
-                None if known is None else known[:, values],
-            )
+                def estimate(noisy: Tensor, place: int, told: Conditions = told) -> Tensor:
+                    return found(noisy, place, told.at(place))
 
-        def lead() -> Tensor:
-            try:
-                return part(self._order[0])
-            except BaseException as error:
-                clean.put(error)
-                raise
+                yield estimate, window.noise.part(values).to(self._device)
 
-        if self._order == ("whole",):
-            return part("whole")
-        if self._device.type == "cpu":
-            parts = side_by_side(lead, lambda: part(self._order[1]))
-        else:
-            parts = (lead(), part(self._order[1]))
-        found = dict(zip(self._order, parts, strict=True))
-        return torch.cat([found["gesture"], found["expression"]], dim=-1)
+        return sample_windows(asked(), sampling, None if known is None else known[:, values])
+
+    def _found(self, name: str, noisy: Tensor, place: int, conditions: Conditions) -> Tensor:
+        """Return the noise in a branch's part of the motion, (1, frames, part)."""
+        answer = self._branches[name].answer(noisy, place, conditions)
+        return self._denoiser.noise_of(name, answer, noisy, self._steps[place : place + 1])
 
 
-def _received(clean: SimpleQueue[Tensor | BaseException]) -> Tensor:
-    """Return the next estimate, or raise what kept the other branch from making it."""
-    told = clean.get()
+def _received(handed_on: SimpleQueue[Tensor | BaseException]) -> Tensor:
+    """Return what comes next, or raise what kept the other branch from making it."""
+    told = handed_on.get()
     if isinstance(told, BaseException):
         raise told
     return told

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -10,6 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import CLEAN, Sampling
 from generators.diffusion import LINEAR
 
@@ -41,8 +42,12 @@ class WindowNoise:
         return WindowNoise(self.start.to(device), tuple(one.to(device) for one in self.later))
 
 
-Sampler = Callable[[WindowNoise, Tensor | None], Tensor]
-"""Makes a window's motion, (frames, values), of its noise and the frames that it continues."""
+@dataclass(frozen=True, eq=False)
+class Window:
+    """What a window's motion is made of; as many frames of noise as of speech."""
+
+    speech: SpeechFrames
+    noise: WindowNoise
 
 
 def draw_noise(
@@ -55,6 +60,18 @@ def draw_noise(
     steps = len(sampling.later_walk) - 1 if continues else 0
     start, *later = (torch.randn(1, *shape, generator=random) for _ in range(1 + steps))
     return WindowNoise(start, tuple(later))
+
+
+def sample_windows(
+    windows: Iterable[tuple[Estimate, WindowNoise]], sampling: Sampling, known: Tensor | None
+) -> list[Tensor]:
+    """Return the motion of windows of which each continues the one before; see `sample_window`."""
+    made = []
+    for estimate, noise in windows:
+        motion = sample_window(estimate, sampling, noise, known)
+        known = motion[-sampling.overlap :] if sampling.overlap else None
+        made.append(motion)
+    return made
 
 
 def sample_window(

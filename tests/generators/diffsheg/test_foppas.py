@@ -13,8 +13,9 @@ from torch import Tensor
 
 from generators.diffsheg.config import TINY
 from generators.diffsheg.denoiser import Denoiser
-from generators.diffsheg.estimates import SpeechFrames, Told, plainly, prepared
+from generators.diffsheg.estimates import Mover, plainly, prepared
 from generators.diffsheg.foppas import stream
+from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling
 from generators.diffsheg.window import Estimate, draw_noise, sample_window
 from generators.diffusion import LINEAR
@@ -54,11 +55,11 @@ def network() -> Denoiser:
 
 NETWORK = network()
 PERSON = torch.tensor([0.0, 1.0])
-TOLD = prepared(NETWORK, PERSON, SAMPLING)
+MOVER = prepared(NETWORK, PERSON, SAMPLING)
 
 
-def moved(pieces: list[SpeechFrames], told: Told = TOLD, seed: int = 1) -> Tensor:
-    settled = stream(pieces, told, frames=FRAMES, width=WIDTH, sampling=SAMPLING, seed=seed)
+def moved(pieces: list[SpeechFrames], mover: Mover = MOVER, seed: int = 1) -> Tensor:
+    settled = stream(pieces, mover, frames=FRAMES, width=WIDTH, sampling=SAMPLING, seed=seed)
     return torch.cat([torch.empty(0, WIDTH), *settled])
 
 
@@ -92,7 +93,7 @@ def test_motion_comes_before_the_speech_has_ended() -> None:
 
     settled = stream(
         pieces(),  # type: ignore[arg-type]
-        TOLD,
+        MOVER,
         frames=FRAMES,
         width=WIDTH,
         sampling=SAMPLING,
@@ -116,7 +117,7 @@ def test_seeds_decide_the_motion() -> None:
 def test_windows_that_share_all_their_frames_are_refused() -> None:
     sampling = replace(SAMPLING, overlap=FRAMES)
     with pytest.raises(InputError, match="cannot share 8"):
-        next(stream([spoken(9)], TOLD, frames=FRAMES, width=WIDTH, sampling=sampling, seed=1))
+        next(stream([spoken(9)], MOVER, frames=FRAMES, width=WIDTH, sampling=sampling, seed=1))
 
 
 MEAN, SPREAD = 2.0, 0.5

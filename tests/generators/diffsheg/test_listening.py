@@ -12,7 +12,6 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generators.diffsheg.estimates import SpeechFrames
 from generators.diffsheg.hubert import stand_in
 from generators.diffsheg.listening import (
     LONG,
@@ -23,6 +22,7 @@ from generators.diffsheg.listening import (
     hear_whole,
     hearing_of,
 )
+from generators.diffsheg.speech_frames import SpeechFrames
 from motion.audio import Audio
 from motion.errors import InputError
 

@@ -12,9 +12,10 @@ from torch import Tensor
 
 from generators.diffsheg.config import FLOWS, TINY, DenoiserConfig, Flow
 from generators.diffsheg.denoiser import Denoiser
-from generators.diffsheg.estimates import SpeechFrames, Told, plainly, prepared
+from generators.diffsheg.estimates import Mover, plainly, prepared
 from generators.diffsheg.foppas import stream
 from generators.diffsheg.prepared_branch import PreparedBranch
+from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling
 
 SMALL = replace(
@@ -43,14 +44,14 @@ def shaken(config: DenoiserConfig) -> Denoiser:
     return denoiser
 
 
-def moved(told: Told, frames: int = 12) -> Tensor:
+def moved(mover: Mover, frames: int = 12) -> Tensor:
     random = torch.Generator().manual_seed(3)
     speech = SpeechFrames(
         5 * torch.rand(frames, SMALL.audio_width, generator=random),
         torch.randn(frames, SMALL.speech_features, generator=random),
     )
     width = SMALL.motion_width
-    pieces = stream([speech], told, frames=SMALL.frames, width=width, sampling=SAMPLING, seed=1)
+    pieces = stream([speech], mover, frames=SMALL.frames, width=width, sampling=SAMPLING, seed=1)
     return torch.cat(list(pieces))
 
 
@@ -78,10 +79,10 @@ def test_the_motion_is_that_of_the_plain_network(
 
 
 def test_branches_beside_each_other_give_the_same_bits_every_time() -> None:
-    told = prepared(shaken(SMALL), PERSON, SAMPLING)
+    mover = prepared(shaken(SMALL), PERSON, SAMPLING)
     with threads(2):
-        first = moved(told)
-        assert all(torch.equal(moved(told), first) for _ in range(3))
+        first = moved(mover)
+        assert all(torch.equal(moved(mover), first) for _ in range(3))
 
 
 def test_speakers_are_told_apart() -> None:
@@ -94,7 +95,7 @@ def test_speakers_are_told_apart() -> None:
 def test_what_stops_the_branch_ahead_is_told_at_once(
     number: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told, answer = prepared(shaken(SMALL), PERSON, SAMPLING), PreparedBranch.answer
+    mover, answer = prepared(shaken(SMALL), PERSON, SAMPLING), PreparedBranch.answer
 
     def failing(self: PreparedBranch, noisy: Tensor, place: int, conditions: object) -> Tensor:
         if noisy.shape[-1] == SMALL.expression_width and place == 1:
@@ -103,11 +104,11 @@ def test_what_stops_the_branch_ahead_is_told_at_once(
 
     monkeypatch.setattr(PreparedBranch, "answer", failing)
     with threads(number), pytest.raises(MemoryError, match="for the face"):
-        moved(told)
+        moved(mover)
 
 
 @pytest.mark.parametrize("way", [plainly, prepared])
-def test_everything_happens_where_the_network_is(way: Callable[..., Told]) -> None:
+def test_everything_happens_where_the_network_is(way: Callable[..., Mover]) -> None:
     """Values on 'meta' are not computed, but may not meet values that are elsewhere."""
     denoiser = shaken(replace(SMALL, guidance=1.3, layers=1)).to("meta")
     assert moved(way(denoiser, PERSON, SAMPLING)).device.type == "meta"

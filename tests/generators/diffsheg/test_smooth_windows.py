@@ -6,6 +6,7 @@ not among each other; so whatever shows at the borders is the sampling's own doi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -14,11 +15,12 @@ import torch
 from torch import Tensor
 
 from analysis.metrics.seams import Windows, seam_acceleration
-from generators.diffsheg.estimates import SpeechFrames, Told
+from generators.diffsheg.estimates import Mover
 from generators.diffsheg.foppas import stream
 from generators.diffsheg.sampling_settings import SamplingSettings
+from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling
-from generators.diffsheg.window import sample_window
+from generators.diffsheg.window import Estimate, Window, sample_windows
 from generators.noise_schedule import LINEAR_NOISE
 
 FRAMES, OVERLAP, VALUES, LENGTH = 34, 4, 32, 900
@@ -32,7 +34,7 @@ def covariance() -> np.ndarray:
     return 0.5 * quick + 0.5 * slow + 1e-4 * np.eye(FRAMES)
 
 
-def perfect_network(sampling: Sampling) -> Told:
+def perfect_network(sampling: Sampling) -> Mover:
     law = torch.from_numpy(covariance())
 
     @cache
@@ -41,13 +43,17 @@ def perfect_network(sampling: Sampling) -> Told:
         noisy = kept * law[:frames, :frames] + (1 - kept) * torch.eye(frames)
         return ((1 - kept) ** 0.5 * torch.linalg.inv(noisy)).float()
 
-    def told(speech: SpeechFrames) -> object:
+    def told(speech: SpeechFrames) -> Estimate:
         def estimate(noisy: Tensor, place: int) -> Tensor:
             return answers(place, len(speech)) @ noisy
 
-        return lambda noise, known: sample_window(estimate, sampling, noise, known)
+        return estimate
 
-    return told
+    def moved(windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
+        asked = ((told(window.speech), window.noise) for window in windows)
+        return sample_windows(asked, sampling, known)
+
+    return moved
 
 
 def moved(preset: str) -> np.ndarray:
