@@ -1,7 +1,7 @@
 """Linear maps of few frames, whose weights lie in memory as their products read them.
 
-A map keeps its weights output by output. A product of a few dozen frames reads them input by input,
-and then spends as long on sorting them as on multiplying.
+A map keeps its weights output by output. A product with a few dozen frames reads them input by
+input, and spends part of its time on putting them into that order.
 """
 
 from __future__ import annotations
