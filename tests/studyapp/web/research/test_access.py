@@ -111,6 +111,18 @@ def test_a_role_may_what_the_lesser_one_may_and_more() -> None:
     assert set(ROLES) == set(RIGHTS)
 
 
+def test_whoever_invites_reads_what_each_role_may_once(log_in: LogIn) -> None:
+    roles = log_in("owner").get("/research/researchers").soup.select("fieldset p")
+    said = [" ".join(role.get_text().split()) for role in roles]
+    assert [text.partition(" – ")[0] for text in said] == ["viewer", "analyst", "owner"]
+    assert [text.count(right.value) for right in Right for text in said] == [
+        int(right in RIGHTS[role] and right not in RIGHTS.get(below, ()))
+        for right in Right
+        for role, below in (("viewer", ""), ("analyst", "viewer"), ("owner", "analyst"))
+    ]
+    assert "analyst – may do what viewers may; " in said[1]
+
+
 def test_who_may_read_what_participants_say_and_what_recruiters_call_them(
     app: Flask, log_in: LogIn
 ) -> None:
