@@ -66,17 +66,17 @@ Taking part is voluntary.\"\"\"
 presentations of two questions each."""
 
 
-def write_tiny_study(folder: Path) -> None:
+def write_tiny_study(folder: Path, *, seconds: float = SECONDS) -> None:
     """Write the study of `STUDY_FILE` into `folder`, with one segment per emotion."""
     (folder / "study.toml").write_text(STUDY_FILE, encoding="utf-8")
     (folder / "speech").mkdir()
-    _write_speech(folder / "speech" / "take.wav")
+    _write_speech(folder / "speech" / "take.wav", seconds * len(EMOTIONS))
     segments = [
         Segment(
             name=f"take-{index}",
             wav="take.wav",
-            start=index * SECONDS,
-            end=(index + 1) * SECONDS,
+            start=index * seconds,
+            end=(index + 1) * seconds,
             speaker="robin",
             emotion=emotion,
         )
@@ -87,14 +87,14 @@ def write_tiny_study(folder: Path) -> None:
     for segment in segments:
         for left, right in PAIRS:
             file = f"videos/pairs/{len(pairs):03}.mp4"
-            write_pair_video(folder / file, shade=60 + 10 * len(pairs))
+            write_pair_video(folder / file, shade=60 + 10 * len(pairs), seconds=seconds)
             pairs.append(
                 PairVideo(
                     segment=segment.name,
                     left=left,
                     right=right,
                     file=file,
-                    duration=SECONDS,
+                    duration=seconds,
                     key=str(len(pairs)),
                 )
             )
@@ -134,9 +134,9 @@ def _picture(index: int, shade: int) -> np.ndarray:
     return picture
 
 
-def _write_speech(path: Path) -> None:
+def _write_speech(path: Path, seconds: float) -> None:
     with wave.open(str(path), "wb") as file:
         file.setnchannels(1)
         file.setsampwidth(2)
         file.setframerate(16_000)
-        file.writeframes(bytes(2 * int(16_000 * SECONDS * len(EMOTIONS))))
+        file.writeframes(bytes(2 * int(16_000 * seconds)))

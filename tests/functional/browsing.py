@@ -15,9 +15,13 @@ from pathlib import Path
 
 import httpx
 import pytest
-from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, Request, expect, sync_playwright
 
 CHROMIUM = Path("/usr/bin/chromium")
+PATIENCE_MS = 60_000
+"""How long a busy machine may take for what a page is to do: waiting ends as soon as it is done."""
+expect.set_options(timeout=PATIENCE_MS)
+
 ARGUMENTS = (
     "--no-sandbox",
     "--disable-gpu",
@@ -56,27 +60,29 @@ def serving(study: Path, *, prefix: str = "", from_store: bool = False) -> Itera
     )
     server = subprocess.Popen([sys.executable, "-c", code, str(study), str(port), prefix])
     url = f"http://127.0.0.1:{port}"
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + PATIENCE_MS / 1000
     while True:
         try:
-            httpx.get(url)
+            httpx.get(url, timeout=PATIENCE_MS / 1000)
             break
         except httpx.ConnectError:
             assert time.monotonic() < deadline
             assert server.poll() is None
-            time.sleep(0.2)
+            time.sleep(0.05)
     try:
         yield url
     finally:
         server.send_signal(signal.SIGTERM)
-        server.wait(timeout=30)
+        server.wait(timeout=PATIENCE_MS / 1000)
 
 
 @contextmanager
-def launched() -> Iterator[Browser]:
-    """Give a browser that nobody else uses."""
+def launched(*arguments: str) -> Iterator[Browser]:
+    """Give a browser that nobody else uses, started with `arguments` besides the usual ones."""
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        chromium = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=[*ARGUMENTS, *arguments]
+        )
         yield chromium
         chromium.close()
 
@@ -85,6 +91,7 @@ def launched() -> Iterator[Browser]:
 def watched_page(browser: Browser, address: str) -> Iterator[Page]:
     """Give an empty page that may ask nobody but the study, and must not complain."""
     context = browser.new_context(viewport=LAPTOP)
+    context.set_default_timeout(PATIENCE_MS)
     opened = context.new_page()
     complaints: list[str] = []
     strangers: list[str] = []
@@ -105,18 +112,34 @@ def watched_page(browser: Browser, address: str) -> Iterator[Page]:
 def expect_watched(page: Page, label: str) -> None:
     """Wait until the page no longer asks for the video of that label."""
     still_named = re.compile(rf"\b{label}\b")
-    expect(page.locator("#watched")).not_to_contain_text(still_named, timeout=15_000)
+    expect(page.locator("#watched")).not_to_contain_text(still_named)
 
 
-def screenshots_folder(tmp_path: Path) -> Path:
-    """Return where screenshots go: where the environment says, else into `tmp_path`."""
-    folder = Path(os.environ.get("SCREENSHOTS", tmp_path / "screenshots"))
+@contextmanager
+def playing_on(*videos: Locator) -> Iterator[None]:
+    """Let videos begin anew at their end: however busy the machine, only the page stops them."""
+    for video in videos:
+        video.evaluate("video => { video.loop = true; }")
+    yield
+    for video in videos:
+        video.evaluate("video => { video.loop = false; }")
+
+
+def expect_playing(page: Page, name: str) -> None:
+    """Wait until the player `name` plays, and no other."""
+    expect(page.locator(f".playing[aria-label='{name}']")).to_have_count(1)
+    expect(page.locator(".playing")).to_have_count(1)
+
+
+def photograph(page: Page, name: str, *, resized: bool = True) -> None:
+    """Take the page, where screenshots are wanted: in every size, and left as wide as a laptop."""
+    if "SCREENSHOTS" not in os.environ:
+        return
+    folder = Path(os.environ["SCREENSHOTS"])
     folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def photograph(page: Page, folder: Path, name: str) -> None:
-    """Take the page in every size, and leave it as wide as a laptop."""
+    if not resized:
+        page.screenshot(path=folder / f"{name}.png")
+        return
     for size, viewport in VIEWPORTS.items():
         page.set_viewport_size(viewport)
         page.screenshot(path=folder / f"{name}-{size}.png", full_page=size == "phone")

@@ -10,6 +10,18 @@ from playwright.sync_api import Browser, Page
 
 from studyapp.services.database import Database, sqlite_url
 from tests.functional.browsing import launched, serving, watched_page
+from tests.tiny_study import write_tiny_study
+
+SECONDS = 1.0
+"""Length of every video here: they are played in real time."""
+
+
+@pytest.fixture(scope="session")
+def tiny_study_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the tiny study with shorter videos than other tests have."""
+    folder = tmp_path_factory.mktemp("tiny-study")
+    write_tiny_study(folder, seconds=SECONDS)
+    return folder
 
 
 @pytest.fixture(scope="module")

@@ -14,20 +14,28 @@ from studyapp.services.database import Database, sqlite_url
 from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,
+    expect_playing,
     expect_watched,
     photograph,
-    screenshots_folder,
-    serving,
+    playing_on,
     watched_page,
 )
+from tests.functional.every_page import shown
+from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER
+
+CHANGES = {
+    "pairwise": [("trials = 3\npractice = 1", "trials = 1\npractice = 0")],
+    "rating": [('scale = "slider"', 'scale = "mean_opinion"')],
+}
+"""Less to watch, and nothing but answers that are chosen."""
 
 
 @pytest.fixture(scope="module")
 def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("video") / "short.mp4"
-    write_short_video(path, seconds=1.0)
+    write_short_video(path, seconds=0.5)
     return path
 
 
@@ -37,18 +45,14 @@ def study(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
     folder = tmp_path / request.param
     folder.mkdir()
     write_finished_study(folder, request.param, video)
-    definition = folder / "study.toml"
-    text = definition.read_text("utf-8").replace('scale = "slider"', 'scale = "mean_opinion"')
-    definition.write_text(
-        text.replace("trials = 3\npractice = 1", "trials = 1\npractice = 0"), "utf-8"
-    )
+    redefine(folder, *CHANGES.get(request.param, ()))
     return folder
 
 
 @pytest.fixture
 def page(browser: Browser, study: Path) -> Iterator[Page]:
     """Return a page at the first trial."""
-    with serving(study) as address, watched_page(browser, address) as opened:
+    with shown(study) as (address, _), watched_page(browser, address) as opened:
         opened.goto(address)
         opened.get_by_role("button", name="I agree").click()
         opened.get_by_role("button", name="Begin").click()
@@ -91,13 +95,12 @@ def take_trial(page: Page) -> None:
     indirect=["study"],
 )
 def test_a_study_session_from_consent_to_code(
-    page: Page, study: Path, trials: int, answers: int, tmp_path: Path
+    page: Page, study: Path, trials: int, answers: int
 ) -> None:
-    folder = screenshots_folder(tmp_path)
     for number in range(1, trials + 1):
         expect(page.locator(".progress")).to_contain_text(f"Trial {number} of {trials}")
         if number == 1:
-            photograph(page, folder, f"{study.name}-trial")
+            photograph(page, f"{study.name}-trial")
         take_trial(page)
 
     expect(page.get_by_role("heading", level=1)).to_contain_text("Thank you")
@@ -116,11 +119,12 @@ def test_several_players_on_a_page(page: Page, study: Path) -> None:
     a, b, c = (page.get_by_label(f"Video {label}").locator("video") for label in "ABC")
 
     # Starting one pauses the others, and outlines it.
-    a.click()
-    expect(page.locator(".playing")).to_have_attribute("aria-label", "Video A")
-    b.click()
-    expect(page.locator(".playing")).to_have_attribute("aria-label", "Video B")
-    assert a.evaluate("video => video.paused")
+    with playing_on(a, b):
+        a.click()
+        expect_playing(page, "Video A")
+        b.click()
+        expect_playing(page, "Video B")
+        assert a.evaluate("video => video.paused")
 
     # They are as large and as loud as each other.
     page.locator("#volume").fill("0.5")

@@ -16,7 +16,8 @@ from sqlalchemy import select
 from studyapp.models import Trial, Video
 from studyapp.services.database import Database
 from tests.finished_study import write_finished_study, write_short_video
-from tests.functional.browsing import IN_A_BROWSER
+from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, expect_playing, playing_on
+from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 
@@ -26,6 +27,11 @@ FORCED_RATE = """video => {
   Object.defineProperty(video, "playbackRate", { get() { return 4; }, set() {} });
 }"""
 """A browser extension that makes videos faster, and does not let the page change it."""
+
+RELOADED_MEANWHILE = """video => video.addEventListener("timeupdate", () => {
+  if (video.currentTime > 0.1) location.reload();
+})"""
+"""Somebody who reloads the page while a video plays, surely before its end."""
 
 PRETENDED_HIDDEN = """() => {
   Object.defineProperty(document, "hidden", { get: () => true });
@@ -41,9 +47,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     video = folder.parent / "short.mp4"
     write_short_video(video, seconds=1.0)
     write_finished_study(folder, "pairwise", video)
-    definition = folder / "study.toml"
-    text = definition.read_text("utf-8")
-    definition.write_text(text.replace("participants = 3", "participants = 30"), "utf-8")
+    redefine(folder, ("participants = 3", "participants = 30"))
     return folder
 
 
@@ -88,7 +92,7 @@ def played(database: Database, video_token: str) -> float:
 
 def wait_until(page: Page, condition: Callable[[], object]) -> None:
     """Wait for what the page itself does not show."""
-    deadline = time.monotonic() + 15
+    deadline = time.monotonic() + PATIENCE_MS / 1000
     while not condition():
         assert time.monotonic() < deadline
         page.wait_for_timeout(50)
@@ -145,6 +149,16 @@ def test_frames_are_reported_with_what_was_played(
         assert batches[-1].frames is not None
         assert batches[-1].frames > 0
         assert batches[-1].dropped_frames is not None
+
+
+def test_a_refresh_in_the_middle_of_playing_keeps_what_was_played(page: Page, address: str) -> None:
+    take_part(page, address)
+    player(page, "A").locator("video").evaluate(RELOADED_MEANWHILE)
+    with page.expect_navigation():
+        play_button(page, "A").click()
+
+    # Without what was played, A would be as unwatched as B, and no seconds would be told.
+    expect(page.locator("#watched")).to_have_text("Still to watch: A 1 s · B")
 
 
 def test_a_broken_video_is_named_and_the_trial_left(
@@ -209,12 +223,12 @@ def test_a_video_that_gets_no_data_says_so_and_plays_when_it_is_loaded_again(
 
     play_button(page, "A").click()
     trouble = player(page, "A").get_by_role("alert")
-    expect(trouble).to_have_text("This video has stopped loading.", timeout=15_000)
+    expect(trouble).to_have_text("This video has stopped loading.")
     player(page, "A").get_by_role("button", name="Reload this video").click()
     expect(trouble).to_be_hidden()
     play_button(page, "A").click()
 
-    expect(page.locator("#watched")).to_have_text("Still to watch: B", timeout=15_000)
+    expect(page.locator("#watched")).to_have_text("Still to watch: B")
     assert sum(report["stalls"] for report in reports) == 1
     assert sum(report["stalled_seconds"] for report in reports) > 4
     page.unroute_all(behavior="ignoreErrors")
@@ -264,9 +278,9 @@ def test_a_report_whose_answer_is_lost_counts_once_after_a_reload(
 def test_the_key_k_plays_the_video_that_has_the_focus(page: Page, address: str) -> None:
     take_part(page, address)
 
-    page.keyboard.press("k")
-    expect(page.locator(".playing")).to_have_attribute("aria-label", "Video A")
-    play_button(page, "B").focus()
-    page.keyboard.press("k")
-    expect(page.locator(".playing[aria-label='Video B']")).to_have_count(1)
-    expect(page.locator(".playing")).to_have_count(1)
+    with playing_on(*page.locator("video").all()):
+        page.keyboard.press("k")
+        expect_playing(page, "Video A")
+        play_button(page, "B").focus()
+        page.keyboard.press("k")
+        expect_playing(page, "Video B")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 from pathlib import Path
@@ -13,12 +12,8 @@ from sqlalchemy import select
 
 from studyapp.models import FormAnswer, Response, StudySession, Trial, WatchBatch
 from studyapp.services.database import Database
-from tests.functional.browsing import (
-    IN_A_BROWSER,
-    LAPTOP,
-    screenshots_folder,
-)
-from tests.functional.browsing import photograph as photograph_in_every_size
+from tests.functional.browsing import IN_A_BROWSER, LAPTOP, photograph, playing_on
+from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER
 
@@ -61,6 +56,10 @@ text = "Is there anything you want to tell us?"
 kind = "text"
 required = false
 """
+HEARD_TO_THE_END = """async audio => {
+  await audio.play();
+  audio.currentTime = audio.duration - 0.5;
+}"""
 PHONE = {"width": 390, "height": 844}
 
 
@@ -69,27 +68,13 @@ def study(tiny_study_template: Path, tmp_path_factory: pytest.TempPathFactory) -
     """Return a study with everything around its trials, and a break after two of its four."""
     folder = tmp_path_factory.mktemp("way") / "study"
     shutil.copytree(tiny_study_template, folder)
-    definition = folder / "study.toml"
-    text = definition.read_text("utf-8")
-    for old, new in (
+    redefine(
+        folder,
         ("[page]\n", "[page]\nsound_check = true\nbreak_every = 2\n"),
         ("trials = 4\npractice = 1", "trials = 3\npractice = 0"),
-    ):
-        assert old in text
-        text = text.replace(old, new)
-    definition.write_text(text + WAY, "utf-8")
+        added=WAY,
+    )
     return folder
-
-
-def photograph(page: Page, name: str, *, resized: bool = True) -> None:
-    """Take a page that only a detour leads to, where screenshots are wanted."""
-    if "SCREENSHOTS" not in os.environ:
-        return
-    folder = screenshots_folder(Path())
-    if resized:
-        photograph_in_every_size(page, folder, name)
-    else:
-        page.screenshot(path=folder / f"{name}.png")
 
 
 def heading(page: Page, words: str) -> None:
@@ -134,7 +119,7 @@ def take_trial(page: Page, number: int) -> None:
     press(page, "Play both")
     for question in ("rhythm", "emotion"):
         page.locator(f"[data-question={question}]").get_by_text("slightly A", exact=True).click()
-    expect(page.locator("#needed")).to_have_class(re.compile("complete"), timeout=15_000)
+    expect(page.locator("#needed")).to_have_class(re.compile("complete"))
     page.locator("#next").click()
 
 
@@ -149,7 +134,7 @@ def test_the_whole_way_from_eligibility_to_the_code(
     press(page, "I agree – start")
 
     heading(page, "Can you hear this?")
-    page.locator("audio").evaluate("audio => audio.play()")
+    page.locator("audio").evaluate(HEARD_TO_THE_END)
     expect(page.locator("audio")).to_have_js_property("ended", True)
     hear(page, database)
 
@@ -195,13 +180,14 @@ def test_of_two_windows_the_older_gives_way(page: Page, address: str, database: 
     enter(page, address)
     hear(page, database)
     begin(page)
-    press(page, "Play both")
-    second = page.context.new_page()
-    second.goto(page.url)
+    with playing_on(page.locator("video")):
+        press(page, "Play both")
+        second = page.context.new_page()
+        second.goto(page.url)
 
-    told = page.get_by_role("dialog")
-    expect(told).to_contain_text("open in another window")
-    assert page.locator("video").evaluate("video => video.paused")
+        told = page.get_by_role("dialog")
+        expect(told).to_contain_text("open in another window")
+        assert page.locator("video").evaluate("video => video.paused")
     page.bring_to_front()
     photograph(page, "way-7-another-window")
     for _ in range(2):
