@@ -41,7 +41,7 @@ def agreed(wanted: WantedStudy, where: Path) -> str:
         If it is not wanted after all.
     """
     while True:
-        wanted = interview(wanted)
+        wanted = interview(wanted, where.parent)
         try:
             text = drafted(wanted, where=where)
         except InputError as wrong:

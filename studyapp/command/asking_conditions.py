@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 import click
 
+from generators.registry import generator_names, needs_source
 from motion.errors import InputError
 from motion.segment import check_name
 from studyapp.command.asking import agree, ask, choose, explain
@@ -27,6 +29,7 @@ _SOURCES: Final[Mapping[str, str]] = MappingProxyType(
         "rule_based": "made here from the speech: beat gestures by rule",
         "static": "made here: stands still",
         "mismatched": "another condition's motion for another speech: right in kind, wrong in time",
+        "diffsheg": "made here by a network from its weights: type diffsheg:FILE",
     }
 )
 
@@ -40,7 +43,7 @@ class Compared:
     catch_videos: bool = False
 
 
-def ask_conditions(template: str, before: WantedStudy) -> Compared:
+def ask_conditions(template: str, before: WantedStudy, folder: Path) -> Compared:
     """Ask what is compared, with what, and what catch trials can show.
 
     Parameters
@@ -49,6 +52,8 @@ def ask_conditions(template: str, before: WantedStudy) -> Compared:
         The protocol.
     before : WantedStudy
         First answers.
+    folder : Path
+        The study's, from which files are named.
     """
     where = choose(
         "Conditions",
@@ -63,7 +68,7 @@ def ask_conditions(template: str, before: WantedStudy) -> Compared:
     )
     if where == STAND_INS:
         return Compared(conditions=None, reference=None)
-    conditions = _named(before.conditions or {})
+    conditions = _named(before.conditions or {}, folder)
     reference = None
     if template in ("pairwise", "ranking"):
         reference = _reference(template, conditions, before.reference)
@@ -79,7 +84,7 @@ def ask_conditions(template: str, before: WantedStudy) -> Compared:
     return Compared(conditions=conditions, reference=reference, catch_videos=catch_videos)
 
 
-def _named(before: Mapping[str, Condition]) -> dict[str, Condition]:
+def _named(before: Mapping[str, Condition], folder: Path) -> dict[str, Condition]:
     """Ask for names and sources of conditions until there is no more."""
     explain(
         f"Name the conditions as files and tables will: 'ours', 'baseline', and the real recording "
@@ -97,7 +102,8 @@ def _named(before: Mapping[str, Condition]) -> dict[str, Condition]:
         if not name:
             break
         known = before.get(name)
-        conditions[name] = _source(name, list(conditions), source_of(known) if known else FILES)
+        source = source_of(known, folder) if known else FILES
+        conditions[name] = _source(name, list(conditions), source, folder)
     return conditions
 
 
@@ -136,7 +142,7 @@ def _name(conditions: Mapping[str, Condition], default: str) -> str:
     return answer
 
 
-def _source(name: str, earlier: list[str], default: str) -> Condition:
+def _source(name: str, earlier: list[str], default: str, folder: Path) -> Condition:
     """Ask where the motion of a condition comes from."""
     names = list(_SOURCES)
 
@@ -144,18 +150,19 @@ def _source(name: str, earlier: list[str], default: str) -> Condition:
         kind, colon, of = text.partition(":")
         if kind.isdecimal() and 1 <= int(kind) <= len(names):
             kind = names[int(kind) - 1]
-        if kind in ("mismatched", "broken") and not colon:
+        starts = kind in generator_names() and needs_source(kind)
+        if starts and not colon:
             if not earlier:
                 raise InputError(
                     f"{kind!r} needs another condition to start from",
                     remedy="Name that one first, and say where it comes from",
                 )
             colon, of = ":", earlier[0]
-        if of and of not in earlier:
+        if starts and of and of not in earlier:
             raise InputError(
                 f"there is no condition {of!r} yet", remedy=f"Name one of {', '.join(earlier)}"
             )
-        return read_source(f"{kind}{colon}{of}")
+        return read_source(f"{kind}{colon}{of}", folder)
 
     def checked(text: str) -> Condition:
         try:

@@ -47,8 +47,8 @@ INTERRUPTED: Final = 130
     multiple=True,
     metavar="NAME=SOURCE",
     help="A condition, in place of the template's; once for each. The source is 'files' (motion "
-    "that is imported), 'videos' (finished ones), a generator such as 'rule_based', or "
-    "'mismatched:OTHER'.",
+    "that is imported), 'videos' (finished ones), a generator such as 'rule_based', "
+    "'mismatched:OTHER', or a network and its weights, 'diffsheg:FILE'.",
 )
 @click.option(
     "--reference",
@@ -121,9 +121,9 @@ def command(
         reference=reference,
         trials=trials,
         participants=participants,
-        conditions=_conditions(conditions),
+        conditions=_conditions(conditions, folder),
         catch_videos=catch_videos,
-        learned=network.condition("diffsheg", folder.resolve()),
+        learned=network.condition("diffsheg", folder),
         channel=cast("Channel | None", channel),
         pay=_pay(channel, pay, currency, hourly_minimum),
         minutes=minutes,
@@ -157,8 +157,8 @@ def _is_asked(ctx: click.Context, ask: bool | None) -> bool:
     return not given and sys.stdin.isatty() and sys.stdout.isatty()
 
 
-def _conditions(given: tuple[str, ...]) -> dict[str, Condition] | None:
-    named = [read_condition(text) for text in given]
+def _conditions(given: tuple[str, ...], folder: Path) -> dict[str, Condition] | None:
+    named = [read_condition(text, folder) for text in given]
     names = [name for name, _ in named]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:

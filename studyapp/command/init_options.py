@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from decimal import Decimal
+from pathlib import Path
 from typing import Final
 
 from generators.registry import generator_names, needs_model, needs_source
 from motion.errors import InputError
 from motion.segment import check_name
+from studyapp.command.network_options import named_from
 from studyapp.definition.conditions import Condition
 from studyapp.definition.pay import MONEY
 
@@ -20,18 +22,21 @@ LONGEST: Final = 240
 """Minutes that a study may take."""
 
 
-def read_condition(text: str) -> tuple[str, Condition]:
+def read_condition(text: str, folder: Path) -> tuple[str, Condition]:
     """Return a condition from ``NAME=SOURCE``.
 
     Parameters
     ----------
     text : str
-        The source is ``files``, ``videos``, a generator, or ``mismatched:NAME``.
+        The source is ``files``, ``videos``, a generator, ``mismatched:NAME``, or a network and
+        the file of its weights, ``diffsheg:FILE``.
+    folder : Path
+        The study's, from which files are named.
 
     Raises
     ------
     InputError
-        If it is none of these.
+        If it is none of these, or there is no such file.
     """
     name, equals, source = text.partition("=")
     if not equals:
@@ -39,10 +44,10 @@ def read_condition(text: str) -> tuple[str, Condition]:
             f"{text!r} does not say where its motion comes from",
             remedy="Give NAME=files, NAME=videos, NAME=rule_based or NAME=mismatched:OTHER",
         )
-    return check_name(name.strip(), "condition"), read_source(source.strip())
+    return check_name(name.strip(), "condition"), read_source(source.strip(), folder)
 
 
-def read_source(text: str) -> Condition:
+def read_source(text: str, folder: Path) -> Condition:
     """Return a condition from where its motion comes from; see `read_condition`."""
     kind, _, of = text.partition(":")
     if kind in (FILES, VIDEOS) and not of:
@@ -53,11 +58,7 @@ def read_source(text: str) -> Condition:
             remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(own_generators())}",
         )
     if needs_model(kind):
-        raise InputError(
-            f"the generator {kind!r} is a network and needs its weights",
-            remedy=f"Name the condition as a generator's own files ('{FILES}') here, and state "
-            "generator and checkpoint in study.toml (docs/diffsheg.md)",
-        )
+        return Condition(generator=kind, checkpoint=_weights(kind, of, folder))
     if needs_source(kind) != bool(of):
         says = "needs the condition it starts from" if needs_source(kind) else "needs no source"
         example = f"{kind}:OTHER" if needs_source(kind) else kind
@@ -65,20 +66,34 @@ def read_source(text: str) -> Condition:
     return Condition(generator=kind, source=check_name(of, "condition") if of else None)
 
 
+def _weights(generator: str, file: str, folder: Path) -> str:
+    """Return the file of a network's weights as a study in `folder` names it."""
+    if not file:
+        raise InputError(
+            f"the generator {generator!r} is a network and needs its weights",
+            remedy=f"Give {generator}:FILE, its checkpoint",
+        )
+    path = Path(file).expanduser()
+    if not path.is_file():
+        raise InputError("there is no such file of weights", where=path)
+    return named_from(folder, path)
+
+
 def own_generators() -> tuple[str, ...]:
-    """Return the generators that need no weights, as sources are written."""
+    """Return the generators as sources are written."""
     return tuple(
-        f"{name}:OTHER" if needs_source(name) else name
+        f"{name}:OTHER" if needs_source(name) else f"{name}:FILE" if needs_model(name) else name
         for name in generator_names()
-        if not needs_model(name)
     )
 
 
-def source_of(condition: Condition) -> str:
-    """Return the source of a condition as it is written in an option."""
+def source_of(condition: Condition, folder: Path) -> str:
+    """Return the source of a condition of a study in `folder` as it is written in an option."""
     if condition.generator is None:
         return VIDEOS if condition.videos else FILES
-    return f"{condition.generator}:{condition.source}" if condition.source else condition.generator
+    weights = condition.checkpoint
+    of = condition.source if weights is None else str(folder / weights)
+    return f"{condition.generator}:{of}" if of else condition.generator
 
 
 def read_amount(text: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final, cast
 
@@ -51,13 +52,15 @@ CHANNELS: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-def interview(before: WantedStudy) -> WantedStudy:
+def interview(before: WantedStudy, folder: Path) -> WantedStudy:
     """Ask for everything that a study needs; an empty answer takes what stands in brackets.
 
     Parameters
     ----------
     before : WantedStudy
         What is known already: from options, or from answers that are gone through again.
+    folder : Path
+        The study's, from which files are named.
     """
     click.echo(
         "An empty answer takes what stands in [brackets], '-' takes nothing instead. Ctrl-C "
@@ -69,7 +72,7 @@ def interview(before: WantedStudy) -> WantedStudy:
         PROTOCOLS,
         default=before.template if before.template in PROTOCOLS else "pairwise",
     )
-    compared = ask_conditions(template, before)
+    compared = ask_conditions(template, before, folder)
     language = choose(
         "Language",
         "What do participants read in? The pages, the questions and the consent text follow.",

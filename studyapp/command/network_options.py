@@ -104,11 +104,7 @@ class NetworkOptions:
         if model is None:
             return None
         paths = {
-            key: str(
-                path.resolve().relative_to(folder)
-                if path.resolve().is_relative_to(folder)
-                else path.resolve()
-            )
+            key: named_from(folder, path)
             for key, path in (
                 ("checkpoint", self.checkpoint),
                 ("stats", self.stats),
@@ -130,6 +126,12 @@ class NetworkOptions:
                 "sampling": said or None,
             }
         )
+
+
+def named_from(folder: Path, path: Path) -> str:
+    """Return how a study in `folder` names a file: from there, or in full where it lies outside."""
+    there, base = path.resolve(), folder.resolve()
+    return str(there.relative_to(base) if there.is_relative_to(base) else there)
 
 
 def network_options(function: Callable[..., None]) -> Callable[..., None]:

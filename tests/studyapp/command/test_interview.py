@@ -116,6 +116,40 @@ def test_answers_can_be_gone_through_again(tmp_path: Path) -> None:
     assert study.page.organisation == ""
 
 
+@pytest.mark.parametrize("place", ["s/models/ours.safetensors", "elsewhere/ours.safetensors"])
+def test_a_network_is_a_condition_by_its_weights(tmp_path: Path, place: str) -> None:
+    weights = tmp_path / place
+    weights.parent.mkdir(parents=True)
+    weights.touch()
+    conditions = [
+        "own",
+        "real",
+        "files",
+        "ours",
+        "6",
+        "diffsheg:nowhere",
+        f"diffsheg:{weights}",
+        "",
+    ]
+    answers = ["pairwise", *conditions, "real", "en", "", "link", "", "", *TOLD]
+    again = ["", "", "", "", "", "", "-", *[""] * 20]
+
+    asked = init(tmp_path / "s", "--ask", answers=[*answers, "change", *again])
+    given = init(
+        tmp_path / "t", "--condition", "real=files", "--condition", f"ours=diffsheg:{weights}"
+    )
+
+    assert asked.exit_code == given.exit_code == 0, asked.output + given.output
+    assert "'diffsheg' is a network and needs its weights" in asked.output
+    assert "there is no such file of weights" in asked.output
+    for name in ("s", "t"):
+        ours = read_study(tmp_path / name / "study.toml").conditions["ours"]
+        assert ours.generator == "diffsheg"
+        assert (tmp_path / name / str(ours.checkpoint)).resolve() == weights
+    named = read_study(tmp_path / "s" / "study.toml").conditions["ours"].checkpoint
+    assert named == ("models/ours.safetensors" if place.startswith("s/") else str(weights))
+
+
 def test_videos_of_a_broken_motion_are_asked_for_where_none_can_be_made(tmp_path: Path) -> None:
     conditions = ["own", "real", "videos", "ours", "videos", ""]
     end = ["en", "", "link", "", "", "", "", "", "", "write"]
