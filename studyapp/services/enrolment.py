@@ -15,9 +15,8 @@ from studyapp.clock import Clock
 from studyapp.models import StudySession
 from studyapp.services.database import Database
 from studyapp.services.form_answers import entrance_answers
-from studyapp.services.intake import present_intake
+from studyapp.services.letting_in import require_room, study_is_full
 from studyapp.services.places import least_filled, release_stale, take_allocation_turn
-from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sound_check import left_unheard
 from studyapp.services.trial_rows import new_token, store_trials
@@ -78,7 +77,7 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
     Raises
     ------
     StudyFullError
-        If no place is open.
+        If nobody new is let in, or no place is open.
     UnacceptableError, IneligibleError
         If the answers under eligibility and consent do not let them take part.
     """
@@ -113,21 +112,35 @@ def enrolled(database: Database, arrival: Arrival) -> str | None:
         return known.token
 
 
+def require_welcome(
+    database: Database, served: ServedStudy, arrival: Arrival, clock: Clock
+) -> None:
+    """Turn newcomers away before they are asked anything, where enrolling would; nothing is stored.
+
+    Whoever has a study session already comes back to it in any case.
+
+    Raises
+    ------
+    StudyFullError
+        If nobody new is let in, or no place is open.
+    """
+    with database.reading() as session:
+        known = session.scalars(_known(arrival)).first()
+        if known is None or left_unheard(known):
+            require_room(session, served, clock.now())
+
+
 def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str:
     take_allocation_turn(session)
     known = session.scalars(_known(arrival)).first()
     if known is not None and not left_unheard(known):
         return known.token
-    _require_open(session, served)
+    require_room(session, served, now)
     answers = entrance_answers(served.study, arrival.form, now)
     release_stale(session, served, now)
     place = least_filled(session, served)
     if place is None:
-        raise StudyFullError(
-            "The study has all the participants it needs at the moment.",
-            "Thank you for your interest. A place may open again: you can try later with the "
-            "same link.",
-        )
+        raise study_is_full()  # somebody silent has come back at this very moment
     if known is not None:
         session.delete(known)
         session.flush()  # no two study sessions may have the same name
@@ -154,27 +167,6 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
     planned = served.study.plan(arm, place.number, served.segments, votes_so_far(session, served))
     store_trials(session, study_session.id, planned, served)
     return study_session.token
-
-
-def _require_open(session: Session, served: ServedStudy) -> None:
-    """Raise `StudyFullError` unless newcomers are let in."""
-    state = present_intake(session).state
-    if state == "closed":
-        raise StudyFullError(
-            "The study is over: it takes no more participants.",
-            "Thank you for your interest. If a recruiting site sent you, please return your place "
-            "there.",
-        )
-    if state == "paused":
-        raise StudyFullError(
-            "The study is paused at the moment.",
-            "Thank you for your interest. Please come back later: the same link works then.",
-        )
-    if not served.study.open:
-        raise StudyFullError(
-            "The study takes no new participants at the moment.",
-            "Thank you for your interest. You can try later with the same link.",
-        )
 
 
 def _known(arrival: Arrival) -> Select[StudySession]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 from datetime import datetime, timedelta
 
-from sqlalchemy import Select, func, select, update
+from sqlalchemy import ColumnElement, Select, func, not_, select, update
 from sqlalchemy.orm import Session
 
 from studyapp.models import Place, StudySession
@@ -45,11 +45,10 @@ def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
 
     Those are passed over that another transaction is at work on: they are silent no longer.
     """
-    silent_since = now - timedelta(minutes=served.study.lease_minutes)
     stale = session.scalars(
         select(StudySession.id)
         .join(StudySession.place)
-        .where(StudySession.completed_at.is_(None), StudySession.last_active_at < silent_since)
+        .where(_is_stale(served, now))
         .with_for_update(of=StudySession, skip_locked=True)
     ).all()
     session.execute(
@@ -74,6 +73,17 @@ def least_filled(session: Session, served: ServedStudy) -> Place | None:
     return _first(session, _open(arm))
 
 
+def has_open_place(session: Session, served: ServedStudy, now: datetime) -> bool:
+    """Tell whether there is a place for a newcomer, as far as can be said outside the turn.
+
+    Places of stale study sessions count as open, though they are given back later.
+    """
+    active = select(StudySession.id).where(not_(_is_stale(served, now)))
+    held = _held(session, Place.study_session_id.in_(active))
+    wanted = wanted_places(served, present_intake(session))
+    return any(held.get(key, 0) < most for key, most in wanted.items())
+
+
 def regain_place(session: Session, served: ServedStudy, study_session: StudySession) -> None:
     """Give a participant back the place that was lost to a pause, if nobody else has it now.
 
@@ -91,11 +101,17 @@ def regain_place(session: Session, served: ServedStudy, study_session: StudySess
         session.flush()
 
 
-def _held(session: Session) -> dict[ArmKey, int]:
+def _is_stale(served: ServedStudy, now: datetime) -> ColumnElement[bool]:
+    """Return the condition that a study session is unfinished and was silent for too long."""
+    silent_since = now - timedelta(minutes=served.study.lease_minutes)
+    return StudySession.completed_at.is_(None) & (StudySession.last_active_at < silent_since)
+
+
+def _held(session: Session, *which: ColumnElement[bool]) -> dict[ArmKey, int]:
     """Return how many places of each arm are held, by whoever has finished or is active."""
     rows = session.execute(
         select(Place.arm, Place.design, func.count())
-        .where(Place.study_session_id.is_not(None))
+        .where(Place.study_session_id.is_not(None), *which)
         .group_by(Place.arm, Place.design)
     )
     return {(arm, design): count for arm, design, count in rows}

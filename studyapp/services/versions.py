@@ -13,7 +13,7 @@ from studyapp.definition.versioning import operation_changes, operation_part
 from studyapp.models import AuditLine, Place, StudySession, StudyVersion
 from studyapp.services.database import Database
 from studyapp.services.places import open_places, release_outdated, take_allocation_turn
-from studyapp.services.refusal import StudyFullError
+from studyapp.services.refusal import ConflictError
 from studyapp.services.served_study import ServedStudy
 
 OPERATION_CHANGED = "operation changed"
@@ -47,7 +47,7 @@ def present_version(session: Session, served: ServedStudy) -> StudyVersion:
 
     Raises
     ------
-    StudyFullError
+    ConflictError
         If another server process has opened a changed study since, and nobody had come to this
         one.
     """
@@ -55,7 +55,7 @@ def present_version(session: Session, served: ServedStudy) -> StudyVersion:
         select(StudyVersion).where(StudyVersion.design == served.design)
     ).first()
     if known is None:
-        raise StudyFullError(
+        raise ConflictError(
             "The study has just been changed, and this page is of the one before.",
             "Please try again in a few minutes with the same link.",
         )

@@ -1,6 +1,7 @@
 """The entrance: who may take part, what the study is, consent.
 
-Nothing is stored before consent, except that somebody whom a recruiter named was screened out.
+Newcomers who cannot be let in are told so on whatever page they come to first. Nothing is stored
+before consent, except that somebody whom a recruiter named was screened out.
 """
 
 from __future__ import annotations
@@ -16,13 +17,14 @@ from flask.typing import ResponseReturnValue
 
 from studyapp.definition.form import Stage
 from studyapp.definition.study import Study
-from studyapp.services.enrolment import Arrival, enrol, enrolled
+from studyapp.services.enrolment import Arrival, enrol, enrolled, require_welcome
 from studyapp.services.form_answers import check_eligibility
-from studyapp.services.recruiting.leaving import leaving_at_once
+from studyapp.services.recruiting.leaving import leaving_at_once, way_back
 from studyapp.services.recruiting.screening import note_screen_out, was_screened_out
-from studyapp.services.refusal import IneligibleError, UnacceptableError
+from studyapp.services.refusal import IneligibleError, StudyFullError, UnacceptableError
 from studyapp.web.about_participant import form_fields, problems_of
-from studyapp.web.errors import told
+from studyapp.web.errors import STATUS, told
+from studyapp.web.language import say
 from studyapp.web.participant import to_where_they_stand
 from studyapp.web.running import running
 from studyapp.web.sent_by import arrival_of, is_preview, names_in
@@ -96,6 +98,7 @@ def arrive() -> ResponseReturnValue:
     entrant = Entrant(visit=visit, recruiter=names_in(request.args), given={})
     if _was_screened_out(entrant):
         return _screened_out(entrant)
+    _require_welcome(entrant)
     return entrant.first_page()
 
 
@@ -111,6 +114,7 @@ def consent() -> ResponseReturnValue:
         return to_where_they_stand(token)
     if _was_screened_out(entrant):
         return _screened_out(entrant)
+    _require_welcome(entrant)
     try:
         check_eligibility(running().study, entrant.given)
     except UnacceptableError as refusal:
@@ -142,6 +146,32 @@ def start() -> ResponseReturnValue:
     except IneligibleError:
         return _screened_out(entrant)
     return to_where_they_stand(token)
+
+
+@pages.errorhandler(StudyFullError)
+def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
+    """Say why nobody new is let in, and lead back whoever came from elsewhere, or has begun."""
+    here = running()
+    what, remedy = refusal.messages
+    recruitment = here.study.recruitment
+    page = render_template(
+        "turned_away.html",
+        study=here.study,
+        what=say(what),
+        remedy=say(remedy),
+        invited=recruitment.channel == "invitations",
+        back=way_back(recruitment),
+        # Only the window knows whether it was here before, where nobody is named.
+        may_have_begun=recruitment.channel == "link"
+        and request.method != "POST"
+        and not names_in(request.args),
+    )
+    return page, STATUS[StudyFullError]
+
+
+def _require_welcome(entrant: Entrant) -> None:
+    here = running()
+    require_welcome(here.database, here.served, entrant.arrival, here.clock)
 
 
 def _was_screened_out(entrant: Entrant) -> bool:

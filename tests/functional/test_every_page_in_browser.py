@@ -176,10 +176,13 @@ def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
     page.locator(".trouble summary").click()
     yield "trial-fault"
     first = page.url
+    page.goto(address)
+    page.get_by_role("button", name="Go on with the study").click()
+    page.wait_for_url(first)
     page.evaluate("sessionStorage.clear()")
     page.goto(address)
-    page.get_by_role("button", name="I agree").click()
     expect(page.get_by_role("heading", level=1)).to_contain_text("has all the participants")
+    expect(page.locator("#returning")).to_be_hidden()
     yield "full"
     with app.app_context(), running().database.writing() as session:
         session.execute(
@@ -197,7 +200,6 @@ def in_trouble(page: Page, address: str, app: Flask) -> Iterator[str]:
     attach(app, replace(here, served=replace(here.served, study=closed)))
     page.evaluate("sessionStorage.clear()")
     page.goto(address)
-    page.get_by_role("button", name="I agree").click()
     expect(page.get_by_role("heading", level=1)).to_contain_text("takes no new participants")
     yield "closed"
 

@@ -80,6 +80,14 @@ def leaving_at_once(recruitment: Recruitment) -> Leaving:
     return Leaving(channel="prolific", outcome=None, code=code, address=prolific_end(code))
 
 
+def way_back(recruitment: Recruitment) -> str:
+    """Return the address of where somebody came from who gets no code; empty if there is none.
+
+    They return their place there. A code would pay them, and nothing of them is stored.
+    """
+    return PROLIFIC_SITE if recruitment.channel == "prolific" else ""
+
+
 def prolific_end(code: str) -> str:
     """Return the address that tells Prolific of `code`."""
     return f"{PROLIFIC_END}?{urlencode({'cc': code})}"

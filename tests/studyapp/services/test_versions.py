@@ -12,7 +12,7 @@ from sqlalchemy import select, update
 from motion.errors import InputError
 from studyapp.models import AuditLine, Place, StudySession, StudyVersion
 from studyapp.services.database import Database
-from studyapp.services.refusal import StudyFullError
+from studyapp.services.refusal import ConflictError, StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.stated_study import stated_study
 from studyapp.services.versions import open_study
@@ -92,7 +92,7 @@ def test_a_server_of_a_design_that_was_replaced_lets_nobody_in(
 ) -> None:
     open_study(opened, change("trials = 4", "trials = 3"), clock)
 
-    with pytest.raises(StudyFullError, match="just been changed"):
+    with pytest.raises(ConflictError, match="just been changed"):
         Participant(opened, served, clock).enrol("late")
 
 

@@ -14,6 +14,7 @@ from motion.errors import InputError
 from studyapp.definition.study import Study
 from studyapp.models import Place, ScreenOut, StudySession
 from studyapp.services.recruiting.invitations import make_invitations
+from studyapp.services.steering import steer
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.studyapp.services.test_form_answers import FORM
@@ -159,6 +160,23 @@ def test_nobody_is_let_in_whom_prolific_did_not_name(opened: Opened) -> None:
     assert client.get("/?STUDY_ID=s1").status_code == 403
     assert client.post("/", data={"visit": "x" * 30}).status_code == 403
     assert client.get(f"/{BY_PROLIFIC}").status_code == 200
+
+
+def test_who_comes_too_late_is_led_back_to_prolific_without_a_code(opened: Opened) -> None:
+    app = opened(PROLIFIC + FORM)
+    with app.app_context():
+        here = running()
+        steer(here.database, here.served, here.clock, "closed", by="Ada", reason="enough")
+
+    answer = app.test_client().get(f"/{BY_PROLIFIC}")
+
+    page = PageReader(answer.text)
+    assert (answer.status_code, page.heading[:17]) == (409, "The study is over")
+    assert page.value("#leave", "href") == "https://app.prolific.com"
+    assert all(code not in str(page.soup) for code in CODES.values())
+    with app.app_context(), running().database.reading() as session:
+        assert session.scalars(select(StudySession)).all() == []
+        assert session.scalars(select(ScreenOut)).all() == []
 
 
 def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: Opened) -> None:

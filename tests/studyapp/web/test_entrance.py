@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import pytest
 from flask import Flask
 from flask.testing import FlaskClient
-from sqlalchemy import select
+from sqlalchemy import select, update
 from werkzeug.test import TestResponse
 
 from studyapp.models import Place, StudySession
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.intake import IntakeState
+from studyapp.services.refusal import StudyFullError
+from studyapp.services.steering import steer
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.studyapp.services.test_form_answers import FORM
@@ -135,6 +142,86 @@ def test_who_has_begun_already_is_brought_back_without_agreeing_again(asking: Fl
     back = sent(client, PageReader(client.get(link).text), adult="yes")
 
     assert (back.status_code, back.location) == (303, address)
+
+
+def steered(app: Flask, state: IntakeState) -> None:
+    with app.app_context():
+        here = running()
+        steer(here.database, here.served, here.clock, state, by="Ada", reason="enough")
+
+
+def filled(app: Flask) -> None:
+    """Give every place to somebody."""
+    said = {"adult": "yes", "read": "yes"}
+    with app.app_context():
+        here = running()
+        for visit in "1234":
+            enrol(here.database, here.served, Arrival(visit=visit, form=said), here.clock)
+
+
+def all_silent(app: Flask) -> None:
+    with app.app_context(), running().database.writing() as session:
+        session.execute(
+            update(StudySession).values(last_active_at=datetime(2026, 1, 1, tzinfo=UTC))
+        )
+
+
+@pytest.mark.parametrize(
+    ("happens", "words"),
+    [
+        (partial(steered, state="closed"), "The study is over"),
+        (partial(steered, state="paused"), "paused at the moment"),
+        (filled, "all the participants it needs"),
+    ],
+)
+def test_newcomers_who_cannot_be_let_in_are_told_before_any_question(
+    asking: Flask, happens: Callable[[Flask], None], words: str
+) -> None:
+    client = asking.test_client()
+    before = PageReader(client.get("/").text)
+
+    happens(asking)
+
+    for answer in (
+        client.get("/"),
+        client.get("/consent"),
+        client.get("/?PROLIFIC_PID=new"),
+        sent(client, before, adult="no"),
+    ):
+        page = PageReader(answer.text)
+        assert (answer.status_code, words in page.heading) == (409, True)
+        assert "please return your place there" in page.text
+    with asking.app_context(), running().database.reading() as session:
+        assert len(session.scalars(select(StudySession)).all()) == (4 if happens is filled else 0)
+
+
+@pytest.mark.parametrize("happens", [partial(steered, state="closed"), filled])
+def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
+    asking: Flask, happens: Callable[[Flask], None]
+) -> None:
+    client, visit = asking.test_client(), "v" * 32
+    said = {"form:adult": "yes", "form:read": "yes"}
+    by_name, by_window = {"PROLIFIC_PID": "p1"}, {"visit": visit}
+    begun = [client.post("/", data=who | said).location for who in (by_name, by_window)]
+    with suppress(StudyFullError):
+        happens(asking)
+
+    named = client.get("/?PROLIFIC_PID=p1")
+    unnamed = PageReader(client.get("/").text)
+
+    assert "Are you 18 or older?" in named.text
+    assert sent(client, PageReader(named.text), adult="yes").location == begun[0]
+    # The script fills in the visit that the window remembers, and shows the form.
+    form = unnamed.one("form#returning")
+    assert client.post(str(form["action"]), data=by_window).location == begun[1]
+    assert not PageReader(client.get("/?PROLIFIC_PID=new").text).soup.select("#returning")
+
+
+def test_a_place_that_was_left_in_silence_is_there_for_newcomers(asking: Flask) -> None:
+    filled(asking)
+    all_silent(asking)
+
+    assert asking.test_client().get("/").status_code == 200
 
 
 def test_the_address_of_the_consent_page_begins_anew(asking: Flask) -> None:
