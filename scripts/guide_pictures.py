@@ -24,6 +24,8 @@ PICTURES = DOCS / "guide"
 FROM_PROLIFIC = "?PROLIFIC_PID=5f3c1d9e7a2b4c6d8e0f1a2b&STUDY_ID=6a1b2c3d&SESSION_ID=7e8f9a0b"
 """Where the guide's participants come from."""
 QUALITY = 80
+SEGMENT = "1_ada_0_65_65"
+"""Of which the guide makes its strip."""
 STRIP_WIDTH = 1100
 PATIENCE = 180_000
 """Milliseconds that a page may take, also where all processors are busy."""
@@ -45,8 +47,7 @@ def picture_overview(page: Page, address: str, database: Path) -> None:
 
 def picture_strip(folder: StudyFolder) -> None:
     """Make the strip as small as a page needs it."""
-    (strip,) = folder.figures.glob("strip-*.png")
-    with Image.open(strip) as picture:
+    with Image.open(folder.figures / f"strip-{SEGMENT}.png") as picture:
         small = picture.convert("RGB")
         small.thumbnail((STRIP_WIDTH, STRIP_WIDTH))
         small.save(PICTURES / "strip.jpg", quality=QUALITY, optimize=True)
