@@ -16,7 +16,7 @@ MOST: Final = 100
 MOST_NUMBERS: Final = 5
 """Numbers of participants that a sentence names."""
 
-_WAYS: Final = {"page": "researchers' page", "report": "report"}
+_WAYS: Final = {"page": "researchers' page", "report": "report", "export": "export"}
 
 
 def looks_section(report: TableReport) -> Section | None:

@@ -20,7 +20,7 @@ class Look:
         In UTC, as ``2026-05-04``.
     by : str
         ``researcher 1``, ``researcher 2`` …, or ``command line``.
-    way : {'page', 'report'}
+    way : {'page', 'report', 'export'}
         Where results were seen.
     reason : str
         In their words; empty where none was given.

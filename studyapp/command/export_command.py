@@ -10,6 +10,7 @@ import click
 from motion.errors import InputError
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
+from studyapp.services.audit import reason_given
 from studyapp.stages.exporting.sharing import Shared, share
 from studyapp.stages.exporting.typed import Format
 from studyapp.stages.exporting.writing import export
@@ -59,6 +60,11 @@ FORMATS: Final[dict[str, tuple[Format, ...]]] = {
     is_flag=True,
     help="Write recruiter_ids.csv too: which pseudonym is whom. It names people.",
 )
+@click.option(
+    "--reason",
+    help="Why you export participants' answers; it stands in the study's log of looks and, where "
+    "you export before the end, in later reports.",
+)
 def command(
     folder: StudyFolder,
     out: Path | None,
@@ -69,6 +75,7 @@ def command(
     rehearsal: bool,
     withdrawn: bool,
     with_recruiter_ids: bool,
+    reason: str | None,
 ) -> None:
     """Write the answers of the study FOLDER as tidy tables, with a codebook.
 
@@ -76,6 +83,13 @@ def command(
     said about themselves (_form), how each video was watched (_watching), which requests were
     refused (_refusals) and what was changed meanwhile (_log). Participants have pseudonyms.
     """
+    if reason is not None and (rehearsal or withdrawn):
+        raise InputError(
+            "--reason is for answers that are analysed, which alone are logged as seen",
+            where="--reason",
+            remedy="Leave it out",
+        )
+    why = "" if reason is None else reason_given(reason)
     if shared is not None:
         _refuse_beside_folder(
             {
@@ -86,7 +100,12 @@ def command(
             }
         )
         done = share(
-            folder, shared, rehearsal=rehearsal, videos=with_videos, free_text=with_free_text
+            folder,
+            shared,
+            rehearsal=rehearsal,
+            videos=with_videos,
+            free_text=with_free_text,
+            reason=why,
         )
         _say_shared(done, shared)
         return
@@ -112,11 +131,12 @@ def command(
         rehearsal=rehearsal,
         withdrawn=withdrawn,
         with_recruiter_ids=with_recruiter_ids,
+        reason=why,
     )
     click.echo(f"Wrote {written.answers} answers to {written.files[0]}")
     click.echo(f"Beside it: {', '.join(file.name for file in written.files[1:])}")
-    if written.remark:
-        click.echo(written.remark)
+    for remark in filter(None, (written.remark, written.look)):
+        click.echo(remark)
     if not (written.answers or rehearsal or withdrawn) and folder.rehearsal.exists():
         click.echo("Nobody has answered yet; --rehearsal exports the simulated participants.")
 

@@ -16,7 +16,7 @@ class Look(Base):
     Attributes
     ----------
     way : str
-        ``page`` of researchers, or ``report``.
+        ``page`` of researchers, ``report``, or ``export``.
     researcher : str
         Who looked; empty where the command line did.
     reason : str
@@ -29,7 +29,7 @@ class Look(Base):
 
     __tablename__ = "looks"
     __table_args__ = (
-        CheckConstraint("way IN ('page', 'report')", name="way"),
+        CheckConstraint("way IN ('page', 'report', 'export')", name="way"),
         CheckConstraint("finished >= 0 AND planned >= 0 AND answers >= 0", name="counts"),
     )
 

@@ -17,9 +17,13 @@ from studyapp.models import Look, Response, StudySession, Trial
 from studyapp.services.audit import log_change
 from studyapp.services.database import Database
 
-Way = Literal["page", "report"]
+Way = Literal["page", "report", "export"]
 
-EVENTS: Final[dict[Way, str]] = {"page": "results looked at", "report": "results reported"}
+EVENTS: Final[dict[Way, str]] = {
+    "page": "results looked at",
+    "report": "results reported",
+    "export": "answers exported",
+}
 COMMAND_LINE: Final = "command line"
 SHOWN: Final = 200
 """As many are listed on the page."""

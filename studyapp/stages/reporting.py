@@ -32,8 +32,8 @@ from studyapp.services.stored_answers import StoredAnswers
 from studyapp.stages.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
 from studyapp.stages.answers import Answers, answers_to_report
 from studyapp.stages.excluding import StudyExclusions
+from studyapp.stages.logged_looks import earlier_looks, note_way_out
 from studyapp.stages.report_arms import arm_of_each, arm_states, of_present_design
-from studyapp.stages.report_looks import earlier_looks, note_report
 from studyapp.stages.report_margin import study_margin
 from studyapp.stages.report_subject import study_subject
 
@@ -114,7 +114,7 @@ def report(
     )
     tasks = _tasks(study, answers, rules, agreed.margin, subject)
     main = tasks[0]
-    remark = note_report(folder, study, answers, reason=reason)
+    remark = note_way_out(folder, study, answers, way="report", reason=reason)
     if remark and warn is not None:
         warn(remark)
     page = write_report(

@@ -39,6 +39,7 @@ from studyapp.stages.exporting.plain_json import as_json
 from studyapp.stages.exporting.read_me import read_me
 from studyapp.stages.exporting.study_copy import copy_study, sha256_of, write_stimuli_list
 from studyapp.stages.exporting.tables import ExportedTable, exported_tables
+from studyapp.stages.logged_looks import note_way_out, with_looks_before
 from studyapp.stages.report_arms import of_present_design
 from studyapp.stages.shared_answers import write_shared_answers
 
@@ -73,6 +74,7 @@ def share(
     rehearsal: bool = False,
     videos: bool = False,
     free_text: bool = False,
+    reason: str = "",
 ) -> Shared:
     """Write the study in `folder` into `out`, for another lab.
 
@@ -84,6 +86,8 @@ def share(
         Whether the videos are copied too, not only listed.
     free_text : bool
         Whether what participants wrote in their own words is in it.
+    reason : str
+        Why answers are exported, for the log of looks.
 
     Raises
     ------
@@ -114,13 +118,15 @@ def share(
                     where=folder.root,
                     remedy="Give the study folder itself to whom you want to show the design",
                 )
+            look = note_way_out(folder, folder.study(), answers, way="export", reason=reason)
             shared = _written(folder, draft, database, answers, origin, videos, free_text)
         if out.exists():
             out.rmdir()
         draft.replace(out)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
-    return replace(shared, study=out / STUDY)
+    remarks = (*shared.remarks, look) if look else shared.remarks
+    return replace(shared, study=out / STUDY, remarks=remarks)
 
 
 def _written(
@@ -137,7 +143,7 @@ def _written(
     judged = judge(study, answers)
     tables = {table.about.name: table for table in exported_tables(database, key, judged)}
     remarks = copy_study(folder, study, StudyFolder(root / STUDY), videos=videos)
-    _write_answers(StudyFolder(root / STUDY), database, answers, origin)
+    _write_answers(StudyFolder(root / STUDY), study, database, answers, origin)
     if origin == "rehearsal" and folder.rehearsal_truth.exists():
         shutil.copyfile(folder.rehearsal_truth, root / STUDY / folder.rehearsal_truth.name)
     if folder.stimuli.exists():
@@ -162,7 +168,9 @@ def _written(
     return Shared(study=root / STUDY, participants=len(staying), remarks=tuple(remarks))
 
 
-def _write_answers(copy: StudyFolder, database: Database, answers: Answers, origin: Source) -> None:
+def _write_answers(
+    copy: StudyFolder, study: Study, database: Database, answers: Answers, origin: Source
+) -> None:
     stored = answers.stored
     if stored is None:
         return
@@ -170,7 +178,7 @@ def _write_answers(copy: StudyFolder, database: Database, answers: Answers, orig
     first = None if present.empty else int(present["version"].min())
     write_shared_answers(
         copy.shared_answers,
-        stored,
+        with_looks_before(study, stored),
         origin=origin,
         stated=None if first is None else stated_text(database, first),
         stated_version=first,

@@ -25,6 +25,7 @@ from studyapp.stages.exporting.tables import (
 )
 from studyapp.stages.exporting.typed import Format, write_table
 from studyapp.stages.exporting.unanswered import nothing_to_export
+from studyapp.stages.logged_looks import note_way_out
 
 OWNER_ALONE: Final = 0o600
 
@@ -41,11 +42,14 @@ class Exported:
         Everything that was written, the main table first.
     remark : str
         What could not be done, as a sentence; empty where all was.
+    look : str
+        What exporting before the end means, in sentences; empty where it is the end.
     """
 
     answers: int
     files: tuple[Path, ...]
     remark: str = ""
+    look: str = ""
 
 
 def export(
@@ -56,6 +60,7 @@ def export(
     rehearsal: bool = False,
     withdrawn: bool = False,
     with_recruiter_ids: bool = False,
+    reason: str = "",
 ) -> Exported:
     """Write the real answers, or the rehearsal's, as tidy tables with a codebook.
 
@@ -76,6 +81,8 @@ def export(
         what they said about themselves.
     with_recruiter_ids : bool
         Whether ``recruiter_ids.csv`` is written too, which names people; for its owner alone.
+    reason : str
+        Why answers are exported, for the log of looks.
 
     Raises
     ------
@@ -84,7 +91,11 @@ def export(
     """
     study = folder.study()
     origin: Source = "rehearsal" if rehearsal else "participants"
-    judged = Judged() if withdrawn else judge(study, read_answers(folder, origin))
+    judged, look = Judged(), ""
+    if not withdrawn:
+        answers = read_answers(folder, origin)
+        judged = judge(study, answers)
+        look = note_way_out(folder, study, answers, way="export", reason=reason)
     names: ExportedTable | None = None
     with opened(folder, origin) as database:
         if database is None:
@@ -119,6 +130,7 @@ def export(
         answers=len(tables[0].frame),
         files=(*written, page, page.with_suffix(".json")),
         remark=judged.remark,
+        look=look,
     )
 
 

@@ -1,8 +1,9 @@
-"""Looks at results in reports: that a report is one, and which there were before."""
+"""Looks at results: that reports and exports are some, and which there were before."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, Literal
 
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -13,6 +14,7 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.looks import note_look
+from studyapp.services.stored_answers import StoredAnswers
 from studyapp.stages.answers import Answers
 from studyapp.stages.so_far import study_state
 
@@ -31,8 +33,25 @@ def earlier_looks(study: Study, answers: Answers) -> LooksBefore:
     return looks_before(logged, finished=state.finished, answers=state.answers)
 
 
-def note_report(folder: StudyFolder, study: Study, answers: Answers, *, reason: str) -> str:
-    """Log that the results of participants are reported, before they are.
+def with_looks_before(study: Study, stored: StoredAnswers) -> StoredAnswers:
+    """Return `stored` without the looks at these very answers, which change no report of them.
+
+    So a folder for another lab is the same bytes however often the answers were looked at.
+    """
+    state, looks = study_state(study, stored), stored.looks
+    present = (looks["finished"] == state.finished) & (looks["answers"] == state.answers)
+    return replace(stored, looks=looks[~present].reset_index(drop=True))
+
+
+def note_way_out(
+    folder: StudyFolder,
+    study: Study,
+    answers: Answers,
+    *,
+    way: Literal["report", "export"],
+    reason: str,
+) -> str:
+    """Log that answers of participants are reported or exported, before they are.
 
     Parameters
     ----------
@@ -42,7 +61,7 @@ def note_report(folder: StudyFolder, study: Study, answers: Answers, *, reason: 
     Returns
     -------
     str
-        What whoever reports must know of it, in sentences; empty where everybody has finished.
+        What whoever does it must know, in sentences; empty where everybody has finished.
     """
     shared = folder.shared_answers.is_dir()
     if shared or answers.origin != "participants" or answers.stored is None:
@@ -53,7 +72,7 @@ def note_report(folder: StudyFolder, study: Study, answers: Answers, *, reason: 
         database = Database.open(database_url_of(folder.root))
         try:
             with database.writing() as session:
-                note_look(session, Clock().now(), state, way="report", reason=reason)
+                note_look(session, Clock().now(), state, way=way, reason=reason)
         finally:
             database.close()
     except (InputError, SQLAlchemyError, OSError) as error:
@@ -65,8 +84,9 @@ def note_report(folder: StudyFolder, study: Study, answers: Answers, *, reason: 
         if problem
         else "That you looked is logged, and later reports say so."
     )
+    seen = "the report shows" if way == "report" else "the answers show"
     return (
         f"{state.finished} of {state.planned} planned participants have finished. To stop, extend "
-        f"or change the study because of what the report shows makes false findings likelier. "
+        f"or change the study because of what {seen} makes false findings likelier. "
         f"{logged}"
     )

@@ -20,7 +20,8 @@ from studyapp.services.database import Database, sqlite_url
 from studyapp.services.looks import StudyState, looks, note_look
 from studyapp.stages.answers import read_answers
 from studyapp.stages.exporting.sharing import share
-from studyapp.stages.report_looks import earlier_looks, note_report
+from studyapp.stages.exporting.writing import export
+from studyapp.stages.logged_looks import earlier_looks, note_way_out
 from studyapp.stages.reporting import report
 from tests.studyapp.answered_study import answer_study
 
@@ -67,8 +68,19 @@ def looked(folder: StudyFolder, *, by: str, finished: int, reason: str, times: i
     database.close()
 
 
+def complete(folder: StudyFolder) -> None:
+    """Let everybody have finished."""
+    database = Database.open(sqlite_url(folder.responses))
+    with database.writing() as session:
+        last = update(StudySession).where(StudySession.completed_at.is_(None))
+        session.execute(last.values(completed_at=NOON, completion_code="CODE-OF-THE-LAST"))
+    database.close()
+
+
 def noted(folder: StudyFolder, reason: str = "") -> str:
-    return note_report(folder, folder.study(), read_answers(folder, "participants"), reason=reason)
+    return note_way_out(
+        folder, folder.study(), read_answers(folder, "participants"), way="report", reason=reason
+    )
 
 
 def before(folder: StudyFolder) -> LooksBefore:
@@ -118,11 +130,7 @@ def test_once_everybody_has_finished_nothing_is_said_and_earlier_reports_are_loo
     folder: StudyFolder,
 ) -> None:
     noted(folder)
-    database = Database.open(sqlite_url(folder.responses))
-    with database.writing() as session:
-        last = update(StudySession).where(StudySession.completed_at.is_(None))
-        session.execute(last.values(completed_at=NOON, completion_code="CODE-OF-THE-LAST"))
-    database.close()
+    complete(folder)
 
     assert noted(folder) == ""
     assert len(stored_looks(folder)) == 2
@@ -137,7 +145,7 @@ def test_a_look_that_cannot_be_logged_is_said_to_be_so(
     def refuse(*_: object, **__: object) -> None:
         raise OSError("the disk is full")
 
-    monkeypatch.setattr("studyapp.stages.report_looks.note_look", refuse)
+    monkeypatch.setattr("studyapp.stages.logged_looks.note_look", refuse)
 
     assert "could not be logged that you looked: the disk is full" in noted(folder)
 
@@ -149,3 +157,26 @@ def test_a_study_that_nobody_has_answered_has_no_looks(
 
     assert (noted(folder), before(folder)) == ("", NOT_LOGGED)
     assert not folder.responses.exists()
+
+
+def test_an_export_is_a_look_that_later_reports_tell_of(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    tables = export(folder, tmp_path / "answers.csv", reason="for the talk")
+    other_lab = share(folder, tmp_path / "first")
+    share(folder, tmp_path / "second")
+    export(folder, tmp_path / "withdrawn.csv", withdrawn=True)
+    export(folder, tmp_path / "rehearsed.csv", rehearsal=True)
+
+    unsaid = ("export", "", "", 2)
+    assert stored_looks(folder) == [unsaid, unsaid, ("export", "", "for the talk", 2)]
+    assert tables.look.startswith("2 of 3 planned participants have finished")
+    assert "what the answers show" in tables.look and other_lab.remarks[-1] == tables.look
+    passed_on = "sourcedata/study/shared_answers/looks.csv"
+    assert (tmp_path / "second" / passed_on).read_text("utf-8").count("\n") == 1
+    complete(folder)
+    found = json.loads(report(folder).with_name("results.json").read_bytes())["looks"]
+    assert [(one["way"], one["by"], one["reason"], one["times"]) for one in found["looks"]] == [
+        ("export", "command line", "for the talk", 1),
+        ("export", "command line", "", 2),
+    ]
