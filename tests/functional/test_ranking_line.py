@@ -1,21 +1,25 @@
-"""The study of DiffSHEG's section 4.3, from recordings and a network to its report."""
+"""The study of DiffSHEG's section 4.3, from recordings and a network to its report.
+
+`test_whole_line` starts every command as a program of its own; here they share one process, which
+loads what they need once.
+"""
 
 from __future__ import annotations
 
 import csv
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tomlkit
+from click.testing import CliRunner
 
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
 from motion.formats.arkit_json import write_arkit_json
+from studyapp.command.main import group
 from tests.generators.diffsheg.small_network import written_network
 
 pytestmark = pytest.mark.slow
@@ -36,16 +40,11 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def motionjury(home: Path) -> Callable[..., str]:
     def run(*arguments: object) -> str:
-        program = "from studyapp.command.main import main; main()"
-        done = subprocess.run(
-            [sys.executable, "-c", program, *map(str, arguments)],
-            cwd=home,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
-        return done.stdout + done.stderr
+        with pytest.MonkeyPatch.context() as patch:
+            patch.chdir(home)
+            done = CliRunner().invoke(group, [*map(str, arguments)], catch_exceptions=False)
+        assert done.exit_code == 0, done.output
+        return done.output
 
     return run
 
