@@ -74,6 +74,17 @@ def test_how_speech_comes_in_changes_nothing(lengths: list[int]) -> None:
     assert torch.equal(moved(pieces), moved([whole]))
 
 
+def test_windows_that_share_nothing_are_the_same_alone_and_together() -> None:
+    apart = replace(SAMPLING, overlap=0)
+    mover, whole = prepared(NETWORK, PERSON, apart), spoken(3 * FRAMES + 2)
+    pieces = [whole.part(start, start + FRAMES) for start in range(0, len(whole), FRAMES)]
+    one_by_one, together = (
+        torch.cat(list(stream(given, mover, frames=FRAMES, width=WIDTH, sampling=apart, seed=1)))
+        for given in (pieces, [whole])
+    )
+    assert torch.equal(one_by_one, together)
+
+
 @pytest.mark.parametrize("frames", [1, 2, 3, 7, 8, 9, 11, 13, 14, 30])
 def test_motion_is_as_long_as_the_speech(frames: int) -> None:
     assert moved([spoken(frames)]).shape == (frames, WIDTH)
