@@ -44,7 +44,7 @@ def shaken(config: DenoiserConfig) -> Denoiser:
     return denoiser
 
 
-def moved(mover: Mover, frames: int = 31) -> Tensor:
+def moved(mover: Mover, frames: int = 24) -> Tensor:
     random = torch.Generator().manual_seed(3)
     speech = SpeechFrames(
         5 * torch.rand(frames, SMALL.audio_width, generator=random),
