@@ -10,14 +10,16 @@ from sqlalchemy.orm import Session, aliased
 from analysis.trial_kinds import ANALYSED_KINDS
 from studyapp.design.tally import NO_VOTES, Tally
 from studyapp.models import Response, StudySession, Trial, TrialStimulus
+from studyapp.services.exclusion_decisions import standing_exclusions
 from studyapp.services.served_study import ServedStudy
 
 
 def votes_so_far(session: Session, served: ServedStudy) -> Tally:
     """Return how often each condition was preferred on the study's first question.
 
-    Empty for studies that do not look at it. A slight preference counts as a clear one, and no
-    difference as half a vote for both.
+    Empty for studies that do not look at it. Whoever withdrew, or is excluded by hand,
+    has no vote. A slight preference counts as a clear one, and no difference as half a vote for
+    both.
     """
     if not served.study.follows_votes:
         return NO_VOTES
@@ -32,6 +34,7 @@ def votes_so_far(session: Session, served: ServedStudy) -> Tally:
             Trial.kind.in_(ANALYSED_KINDS),
             Response.question == served.study.questions[0].name,
             StudySession.withdrawn_at.is_(None),
+            StudySession.id.not_in(select(standing_exclusions().subquery().c.study_session_id)),
         )
     )
     votes: defaultdict[tuple[str, str], float] = defaultdict(float)

@@ -3,7 +3,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from sqlalchemy import select
+
+from studyapp.models import StudySession
 from studyapp.services.database import Database
+from studyapp.services.exclusion_decisions import decide_exclusion
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.services.votes import votes_so_far
@@ -46,6 +50,28 @@ def test_who_withdrew_does_not_vote(participant: Participant) -> None:
     withdraw(participant.database, participant.token, participant.clock)
 
     assert tally(participant, adaptive(participant)) == {}
+
+
+def test_who_is_excluded_by_hand_does_not_vote_until_reinstated(participant: Participant) -> None:
+    participant.take_all()
+    served, voted = adaptive(participant), tally(participant, adaptive(participant))
+    with participant.database.reading() as session:
+        number = session.scalars(select(StudySession.id)).one()
+
+    def decide(*, excluded: bool) -> None:
+        decide_exclusion(
+            participant.database,
+            participant.clock,
+            number,
+            excluded=excluded,
+            by="Ada",
+            reason="the sound was off",
+        )
+
+    decide(excluded=True)
+    assert tally(participant, served) == {}
+    decide(excluded=False)
+    assert tally(participant, served) == voted != {}
 
 
 def test_other_studies_look_at_no_votes(participant: Participant) -> None:
