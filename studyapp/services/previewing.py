@@ -53,7 +53,11 @@ def previewed_trial(
         is_practice=planned.kind == "practice",
         emotion=planned.segment.emotion,
         minutes_left=minutes_left(
-            (), [expected_seconds(_durations(served, trial)) for trial in trials[position - 1 :]]
+            (),
+            [
+                expected_seconds(_durations(served, trial), len(served.study.asks(trial)))
+                for trial in trials[position - 1 :]
+            ],
         ),
     )
 

@@ -171,7 +171,7 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
         trial = current_trial(study_session)
         if form is not None or situation.state == "instructed" or trial is None:
             return replace(situation, form=form)
-        minutes = _minutes_left(session, study_session)
+        minutes = _minutes_left(session, study_session, served.study)
         if (position := break_due(study_session, served.study)) is not None:
             rest = Break(position=position, done=position - 1, minutes_left=minutes)
             return replace(situation, rest=rest)
@@ -181,9 +181,12 @@ def look(database: Database, served: ServedStudy, token: str, clock: Clock) -> S
         return replace(situation, trial=_shown(study_session, trial, served.study, minutes))
 
 
-def _minutes_left(session: Session, study_session: StudySession) -> int:
+def _minutes_left(session: Session, study_session: StudySession, study: Study) -> int:
     durations = durations_of(session, study_session)
-    expected = {trial: expected_seconds(durations[trial.id]) for trial in study_session.trials}
+    expected = {
+        trial: expected_seconds(durations[trial.id], len(study.asks(trial)))
+        for trial in study_session.trials
+    }
     return minutes_left(
         [(t.seconds, expected[t]) for t in study_session.trials if t.seconds is not None],
         [expected[trial] for trial in study_session.trials if not trial.settled],

@@ -9,12 +9,25 @@ from typing import Final
 
 SECONDS_FOR_A_PAGE: Final = 8.0
 SECONDS_FOR_EACH_VIDEO: Final = 7.0
-"""What reading and answering takes beside the videos, before the participant's pace is known."""
+SECONDS_FOR_EACH_ANSWER: Final = 4.0
+"""What reading and answering takes beside the videos, before the participant's pace is known.
+
+Whichever takes longer counts, the videos or, as in ratings and rankings, the many answers.
+"""
 
 
-def expected_seconds(durations: Sequence[float]) -> float:
-    """Return what a trial with videos of these durations, in seconds, takes most people."""
-    return SECONDS_FOR_A_PAGE + SECONDS_FOR_EACH_VIDEO * len(durations) + sum(durations)
+def expected_seconds(durations: Sequence[float], answers: int) -> float:
+    """Return what a trial takes most people.
+
+    Parameters
+    ----------
+    durations : sequence of float
+        Of its videos, in seconds.
+    answers : int
+        How many it asks for.
+    """
+    answering = max(SECONDS_FOR_EACH_VIDEO * len(durations), SECONDS_FOR_EACH_ANSWER * answers)
+    return SECONDS_FOR_A_PAGE + answering + sum(durations)
 
 
 def minutes_left(answered: Sequence[tuple[float, float]], remaining: Sequence[float]) -> int:

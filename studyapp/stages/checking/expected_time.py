@@ -12,11 +12,8 @@ from typing import Final
 from studyapp.definition.study import Study
 from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content
-from studyapp.services.time_left import SECONDS_FOR_A_PAGE, expected_seconds
+from studyapp.services.time_left import expected_seconds
 from studyapp.stages.checking.material import Material
-
-SECONDS_FOR_AN_ANSWER: Final = 4.0
-"""What a further answer about a trial takes where there are many, as in rankings."""
 
 SECONDS_FOR_A_FORM_QUESTION: Final = 8.0
 SECONDS_FOR_INSTRUCTIONS: Final = 60.0
@@ -83,12 +80,7 @@ def _of_plan(plan: Sequence[PlannedTrial], material: Material) -> ExpectedTime |
         return None
     videos = [[_lasts(content, material) for content in _shown(trial)] for trial in plan]
     pages = [
-        max(
-            expected_seconds(durations),
-            sum(durations)
-            + SECONDS_FOR_A_PAGE
-            + SECONDS_FOR_AN_ANSWER * len(material.study.asks(trial)),
-        )
+        expected_seconds(durations, len(material.study.asks(trial)))
         for trial, durations in zip(plan, videos, strict=True)
     ]
     watched = sum(map(sum, videos))

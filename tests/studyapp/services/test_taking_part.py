@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from studyapp.services.enrolment import Arrival, enrol
@@ -114,6 +116,18 @@ def test_a_video_two_trials_ahead_is_not_given_out(participant: Participant) -> 
     assert content_of(participant.database, ahead) is not None
     assert content_of(participant.database, theirs) is not None
     assert content_of(participant.database, "no token") is None
+
+
+def test_the_time_left_weighs_how_much_each_page_asks(participant: Participant) -> None:
+    before = participant.trial().minutes_left
+    study = participant.served.study
+    many = [study.questions[0].model_copy(update={"name": f"question_{n}"}) for n in range(12)]
+    served = replace(participant.served, study=study.model_copy(update={"questions": many}))
+
+    trial = look(participant.database, served, participant.token, participant.clock).trial
+
+    assert trial is not None
+    assert (before, trial.minutes_left) == (2, 6)  # of six trials with one video of two seconds
 
 
 def test_the_time_left_follows_the_participants_own_pace(participant: Participant) -> None:

@@ -4,11 +4,16 @@ from studyapp.services.time_left import expected_seconds, minutes_left
 
 
 def test_all_players_of_a_page_count() -> None:
-    assert expected_seconds([10.0, 10.0, 10.0]) - expected_seconds([10.0]) == 34.0
+    assert expected_seconds([10.0, 10.0, 10.0], 1) - expected_seconds([10.0], 1) == 34.0
+
+
+def test_many_answers_to_a_page_take_longer_than_its_videos() -> None:
+    assert expected_seconds([10.0], 6) - expected_seconds([10.0], 2) == 16.0
+    assert expected_seconds([10.0], 1) == expected_seconds([10.0], 0)
 
 
 def test_before_the_first_answer_the_videos_tell() -> None:
-    short, long = expected_seconds([10.0]), expected_seconds([60.0] * 5)
+    short, long = expected_seconds([10.0], 1), expected_seconds([60.0] * 5, 8)
 
     assert minutes_left([], [short]) == 1
     assert minutes_left([], [long] * 8 + [short] * 12) == 51
