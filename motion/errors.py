@@ -13,16 +13,21 @@ class InputError(Exception):
     Parameters
     ----------
     what : str
-        What is wrong, as a clause without a final full stop.
+        What is wrong, as a clause; a full stop at its end is left out, as the message sets its own.
     where : object, optional
         The file, and within it the line, row, frame or key, where it was found.
     remedy : str, optional
-        What to do, as a sentence without a final full stop.
+        What to do, as a sentence; a full stop at its end is left out too.
     """
 
     def __init__(self, what: str, *, where: object = "", remedy: str = "") -> None:
-        self.what = what
+        self.what = _without_stop(what)
         self.where = str(where)
-        self.remedy = remedy
-        message = f"{self.where}: {what}" if self.where else what
-        super().__init__(f"{message}. {remedy}." if remedy else f"{message}.")
+        self.remedy = _without_stop(remedy)
+        message = f"{self.where}: {self.what}" if self.where else self.what
+        super().__init__(f"{message}. {self.remedy}." if self.remedy else f"{message}.")
+
+
+def _without_stop(words: str) -> str:
+    # Words of other libraries' errors, and of other messages, bring stops of their own.
+    return words.rstrip(". \n")

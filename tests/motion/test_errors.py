@@ -1,0 +1,24 @@
+"""What a person reads where something they supplied cannot be used."""
+
+from __future__ import annotations
+
+import pytest
+
+from motion.errors import InputError
+
+
+def test_a_message_says_what_where_and_what_to_do() -> None:
+    error = InputError("there is no such key", where="study.toml", remedy="Leave it out")
+
+    assert str(error) == "study.toml: there is no such key. Leave it out."
+    assert str(InputError("there is no such key")) == "there is no such key."
+
+
+@pytest.mark.parametrize("end", [".", "..", ". ", ".\n"])
+def test_no_message_has_two_full_stops(end: str) -> None:
+    inner = InputError("the file is damaged", remedy=f"Get it again{end}")
+
+    error = InputError(f"it was said: {inner}", where="study.toml", remedy=f"Do so{end}")
+
+    assert str(error) == "study.toml: it was said: the file is damaged. Get it again. Do so."
+    assert (error.what[-5:], error.remedy) == ("again", "Do so")
