@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import socket
 import time
@@ -140,6 +141,9 @@ def run_server(
     }
     if on_ready is not None:
         options["when_ready"] = lambda _arbiter: on_ready()
+    # What is loaded here stays for good. Workers share its memory as long as no collection of
+    # garbage walks over it, and end without one.
+    gc.freeze()
     StudyServer(
         options,
         folder,
