@@ -20,6 +20,7 @@ import httpx
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.rehearsal.connection import study_client
 from studyapp.serving import run_server
 
 HOST: Final = "127.0.0.1"
@@ -96,11 +97,12 @@ def _free_port() -> int:
 def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:
     """Wait until the server answers; False when it ended or takes too long."""
     deadline = time.monotonic() + START_SECONDS
-    while time.monotonic() < deadline and process.poll() is None:
-        with suppress(httpx.TransportError):
-            if httpx.get(address, trust_env=False).is_success:
-                return True
-        time.sleep(0.1)
+    with study_client(address) as client:
+        while time.monotonic() < deadline and process.poll() is None:
+            with suppress(httpx.TransportError):
+                if client.get("/").is_success:
+                    return True
+            time.sleep(0.1)
     return False
 
 
