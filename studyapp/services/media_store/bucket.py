@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from typing import Any, Final
 
 from motion.errors import InputError
+from studyapp.services.boto_errors import said_plainly
 from studyapp.services.media_store.record import Place
 
 LOADED_AGAIN_SECONDS: Final = 3600
@@ -126,26 +126,11 @@ def connect(place: Place) -> Bucket:
     return Bucket(client, place)
 
 
-@contextmanager
-def _said_plainly(what: str, place: Place) -> Iterator[None]:
-    """Turn what boto3 raises into an `InputError`."""
-    from botocore.exceptions import BotoCoreError, ClientError
-
-    where = f"{place.endpoint or 'S3'}, bucket {place.bucket}"
-    try:
-        yield
-    except ClientError as error:
-        said = error.response.get("Error", {})
-        why = said.get("Message") or said.get("Code", "it gives no reason")
-        raise InputError(
-            f"the store does not {what}: {why}",
-            where=where,
-            remedy="Correct what it names, and run the same command again",
-        ) from None
-    except (BotoCoreError, ValueError) as error:
-        raise InputError(
-            f"the store cannot be asked to {what} ({type(error).__name__})",
-            where=where,
-            remedy="Check the network, the endpoint and the region, and that AWS_ACCESS_KEY_ID and "
-            "AWS_SECRET_ACCESS_KEY hold your keys",
-        ) from None
+def _said_plainly(what: str, place: Place) -> AbstractContextManager[None]:
+    return said_plainly(
+        "the store",
+        what,
+        correct="Correct what it names, and run the same command again",
+        check="the network, the endpoint and the region",
+        where=f"{place.endpoint or 'S3'}, bucket {place.bucket}",
+    )

@@ -5,13 +5,14 @@ boto3 finds the keys in the environment or in its own files; they never pass thr
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any, Final
 
 from motion.errors import InputError
+from studyapp.services.boto_errors import said_plainly
 
 SANDBOX: Final = "https://mturk-requester-sandbox.us-east-1.amazonaws.com"
 LIVE: Final = "https://mturk-requester.us-east-1.amazonaws.com"
@@ -115,27 +116,14 @@ def connect(*, live: bool) -> MTurkClient:
     return MTurkClient(boto3.client("mturk", region_name=REGION, endpoint_url=endpoint))
 
 
-@contextmanager
-def _said_plainly(what: str) -> Iterator[None]:
-    """Turn what boto3 raises into an `InputError`."""
-    from botocore.exceptions import BotoCoreError, ClientError
-
-    try:
-        yield
-    except ClientError as error:
-        said = error.response.get("Error", {})
-        why = said.get("Message") or said.get("Code", "it gives no reason")
-        raise InputError(
-            f"Mechanical Turk does not {what}: {why}",
-            remedy="Correct what it names; requesters of the sandbox and of the live site are "
-            "different accounts",
-        ) from None
-    except BotoCoreError as error:
-        raise InputError(
-            f"Mechanical Turk cannot be asked to {what} ({type(error).__name__})",
-            remedy="Check the network, and that AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY hold "
-            "your keys",
-        ) from None
+def _said_plainly(what: str) -> AbstractContextManager[None]:
+    return said_plainly(
+        "Mechanical Turk",
+        what,
+        correct="Correct what it names; requesters of the sandbox and of the live site are "
+        "different accounts",
+        check="the network",
+    )
 
 
 def _hit(found: Mapping[str, Any]) -> Hit:

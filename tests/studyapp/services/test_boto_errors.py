@@ -1,0 +1,41 @@
+"""What Amazon's client raises becomes words, for a store of videos and for Mechanical Turk."""
+
+from __future__ import annotations
+
+import pytest
+from botocore.exceptions import ClientError, NoCredentialsError
+
+from motion.errors import InputError
+from studyapp.services.boto_errors import said_plainly
+
+REFUSED = ClientError({"Error": {"Code": "AccessDenied", "Message": "Not yours."}}, "PutObject")
+UNEXPLAINED = ClientError({}, "PutObject")
+
+
+@pytest.mark.parametrize(
+    ("raised", "words"),
+    [
+        (REFUSED, "here: the store does not store a.mp4: Not yours. Correct it."),
+        (UNEXPLAINED, "here: the store does not store a.mp4: it gives no reason. Correct it."),
+        (
+            NoCredentialsError(),
+            "here: the store cannot be asked to store a.mp4 (NoCredentialsError). Check the "
+            "network, and that AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY hold your keys.",
+        ),
+        (
+            ValueError("Invalid endpoint: x"),
+            "here: the store cannot be asked to store a.mp4 (ValueError). Check the network, and "
+            "that AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY hold your keys.",
+        ),
+    ],
+)
+def test_a_refusal_and_a_silence_are_told_apart(raised: Exception, words: str) -> None:
+    with (
+        pytest.raises(InputError) as error,
+        said_plainly(
+            "the store", "store a.mp4", correct="Correct it", check="the network", where="here"
+        ),
+    ):
+        raise raised
+
+    assert str(error.value) == words
