@@ -3,17 +3,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from motion.audio import Audio, write_wav
-from motion.clip import MotionClip
-from motion.formats import write_clip
 from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.recordings import Take
-
-RATE = 16_000
+from tests.studyapp.stages.takes import write_motion, write_speech
 
 
 @pytest.fixture
@@ -24,14 +19,9 @@ def folder(tmp_path: Path) -> StudyFolder:
 
 
 @pytest.fixture
-def speech_file(tmp_path: Path) -> Callable[[float], Path]:
+def speech_file(tmp_path: Path) -> Callable[..., Path]:
     def write(seconds: float, name: str = "take") -> Path:
-        times = np.arange(round(seconds * RATE)) / RATE
-        loudness = 0.5 + 0.5 * np.sin(2 * np.pi * 2.5 * times)
-        samples = (0.3 * loudness * np.sin(2 * np.pi * 150 * times)).astype(np.float32)
-        path = tmp_path / f"{name}.wav"
-        write_wav(path, Audio(samples=samples, sample_rate=RATE))
-        return path
+        return write_speech(tmp_path / f"{name}.wav", seconds)
 
     return write
 
@@ -39,14 +29,7 @@ def speech_file(tmp_path: Path) -> Callable[[float], Path]:
 @pytest.fixture
 def motion_file(tmp_path: Path) -> Callable[..., Path]:
     def write(seconds: float, frame_rate: float = 30, name: str = "motion") -> Path:
-        frames = round(seconds * frame_rate)
-        poses = np.zeros((frames, 55, 3))
-        poses[:, 16, 2] = np.linspace(0, -1, frames)
-        path = tmp_path / f"{name}.npz"
-        write_clip(
-            path, MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=frame_rate)
-        )
-        return path
+        return write_motion(tmp_path / f"{name}.npz", seconds, frame_rate)
 
     return write
 

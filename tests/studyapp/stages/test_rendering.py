@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import shutil
 from collections import namedtuple
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,26 +14,72 @@ import tomlkit
 from motion.audio import Audio, read_audio, write_wav
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
+from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.stages.generation import generate
 from studyapp.stages.recordings import Take, import_take
-from studyapp.stages.render_record import RenderProgress
+from studyapp.stages.render_record import RenderCount, RenderProgress
 from studyapp.stages.rendering import render
+from tests.studyapp.stages.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow
 
 Disk = namedtuple("Disk", "total used free")
 
 
-@pytest.fixture
-def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
-    import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
+def own(folder: StudyFolder, tmp_path: Path) -> StudyFolder:
+    """Return a copy of a study of the test's own; times of its files are kept."""
+    return StudyFolder(Path(shutil.copytree(folder.root, tmp_path / "own")))
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    """A study of two segments whose clips are there, made once."""
+    root = tmp_path_factory.mktemp("generated")
+    folder = StudyFolder(root / "study")
+    new_study(folder.definition, name="study", trials=2)
     document = tomlkit.parse(folder.definition.read_text())
     document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
     folder.definition.write_text(tomlkit.dumps(document))
+    import_take(
+        folder,
+        Take(
+            motion=write_motion(root / "motion.npz", seconds=2.0),
+            speech=write_speech(root / "take.wav", seconds=2.0),
+            frame_rate=None,
+            segment_seconds=1.0,
+            condition="ground_truth",
+            speaker="scott",
+            emotion="neutral",
+        ),
+    )
     generate(folder)
     return folder
+
+
+@pytest.fixture(scope="module")
+def first_run(
+    generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[StudyFolder, RenderCount, list[RenderProgress]]:
+    """The study rendered, what was counted, and what was told meanwhile."""
+    folder = own(generated, tmp_path_factory.mktemp("rendered"))
+    told: list[RenderProgress] = []
+    return folder, render(folder, processes=1, on_progress=told.append), told
+
+
+@pytest.fixture
+def study(generated: StudyFolder, tmp_path: Path) -> StudyFolder:
+    """A copy of the study without videos."""
+    return own(generated, tmp_path)
+
+
+@pytest.fixture
+def rendered(
+    first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]], tmp_path: Path
+) -> StudyFolder:
+    """A copy of the study with its videos."""
+    return own(first_run[0], tmp_path)
 
 
 def videos_of(folder: StudyFolder) -> Iterator[Path]:
@@ -41,9 +87,10 @@ def videos_of(folder: StudyFolder) -> Iterator[Path]:
     return (folder.root / record.file for record in (*stimuli.clips, *stimuli.pairs))
 
 
-def test_every_clip_and_both_orders_of_every_pair_are_rendered(study: StudyFolder) -> None:
-    told: list[RenderProgress] = []
-    count = render(study, processes=1, on_progress=told.append)
+def test_every_clip_and_both_orders_of_every_pair_are_rendered(
+    first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]],
+) -> None:
+    study, count, told = first_run
     assert count.failures == ()
     assert count.notes == ()
     assert (count.made, count.kept) == (8 + 12, 0)
@@ -61,12 +108,11 @@ def test_every_clip_and_both_orders_of_every_pair_are_rendered(study: StudyFolde
                 assert sum(1 for _ in video.decode(stream)) == 10
 
 
-def test_neither_name_nor_size_of_a_pair_tells_what_it_shows(study: StudyFolder) -> None:
-    render(study, processes=1)
-    stimuli = read_stimuli(study.stimuli)
-    names = [*study.study().conditions, "broken", "take"]
-    for segment in study.segments():
-        files = [study.root / p.file for p in stimuli.pairs if p.segment == segment.name]
+def test_neither_name_nor_size_of_a_pair_tells_what_it_shows(rendered: StudyFolder) -> None:
+    stimuli = read_stimuli(rendered.stimuli)
+    names = [*rendered.study().conditions, "broken", "take"]
+    for segment in rendered.segments():
+        files = [rendered.root / p.file for p in stimuli.pairs if p.segment == segment.name]
         assert len({file.stat().st_size for file in files}) == 1
         for file in files:
             assert not any(name in file.name for name in names)
@@ -74,19 +120,18 @@ def test_neither_name_nor_size_of_a_pair_tells_what_it_shows(study: StudyFolder)
 
 
 def test_a_second_run_renders_nothing_and_changed_clips_only_what_shows_them(
-    study: StudyFolder,
+    rendered: StudyFolder,
 ) -> None:
-    render(study, processes=1)
-    before = {path: path.stat().st_mtime_ns for path in videos_of(study)}
-    assert render(study, processes=1).made == 0
-    assert {path: path.stat().st_mtime_ns for path in videos_of(study)} == before
+    before = {path: path.stat().st_mtime_ns for path in videos_of(rendered)}
+    assert render(rendered, processes=1).made == 0
+    assert {path: path.stat().st_mtime_ns for path in videos_of(rendered)} == before
 
     # Exchanged clips leave the framing, which all clips decide together, as it was.
-    one, two = (study.clip("mismatched", segment.name) for segment in study.segments())
+    one, two = (rendered.clip("mismatched", segment.name) for segment in rendered.segments())
     content = one.read_bytes(), two.read_bytes()
     two.write_bytes(content[0])
     one.write_bytes(content[1])
-    count = render(study, processes=1)
+    count = render(rendered, processes=1)
     assert count.made == 2 * (1 + 2)
     assert count.kept == 14
 
@@ -119,34 +164,6 @@ def test_a_study_without_any_usable_clip_is_refused(study: StudyFolder) -> None:
     assert not study.videos.exists()
 
 
-def test_a_face_that_the_body_cannot_show_is_said(study: StudyFolder) -> None:
-    text = study.definition.read_text("utf-8")
-    moving = text.replace('freeze = ["face", ', "freeze = [")
-    assert moving != text
-    study.definition.write_text(moving, "utf-8")
-    path = study.clip("mismatched", "take_01")
-    clip = read_clip(path)
-    faces = np.full((len(clip), 100), 0.5)
-    write_clip(path, replace(clip, expressions=faces, arkit=None))
-    (note,) = render(study, processes=1).notes
-    assert note.startswith("mismatched: the clip's face is given as SMPL-X expression")
-
-
-def _block_video(study: StudyFolder) -> None:
-    (study.videos / "clips" / "mismatched" / "take_01.mp4").mkdir(parents=True)
-
-
-def _truncate_clip(study: StudyFolder) -> None:
-    path = study.clip("mismatched", "take_01")
-    path.write_bytes(path.read_bytes()[:2000])
-
-
-def _lengthen_clip(study: StudyFolder) -> None:
-    path = study.clip("mismatched", "take_01")
-    clip = read_clip(path)
-    write_clip(path, replace(clip, frame_rate=clip.frame_rate / 2))
-
-
 def test_speech_that_cannot_be_read_is_reported_video_by_video(study: StudyFolder) -> None:
     (study.speech / "take.wav").write_bytes(b"no sound")
     count = render(study, processes=1)
@@ -154,22 +171,27 @@ def test_speech_that_cannot_be_read_is_reported_video_by_video(study: StudyFolde
     assert all("take.wav" in failure for failure in count.failures)
 
 
-@pytest.mark.parametrize("break_it", [_block_video, _truncate_clip, _lengthen_clip])
-def test_a_video_that_cannot_be_made_is_reported_and_the_rest_goes_on(
-    study: StudyFolder, break_it: Callable[[StudyFolder], None]
-) -> None:
-    break_it(study)
+def test_videos_that_cannot_be_made_are_reported_and_the_rest_goes_on(study: StudyFolder) -> None:
+    blocked = study.videos / "clips" / "mismatched" / "take_01.mp4"
+    blocked.mkdir(parents=True)
+    truncated = study.clip("mismatched", "take_02")
+    truncated.write_bytes(truncated.read_bytes()[:2000])
+    lengthened = study.clip("broken", "take_01")
+    clip = read_clip(lengthened)
+    write_clip(lengthened, replace(clip, frame_rate=clip.frame_rate / 2))
     told: list[RenderProgress] = []
     count = render(study, processes=1, on_progress=told.append)
-    assert [failure.split(":")[0] for failure in count.failures] == [
-        "videos/clips/mismatched/take_01.mp4"
-    ]
-    assert (count.left_out, count.made) == (2, 17)
-    assert (told[-1].videos, told[-1].failed) == (20, 3)
-    assert not any(
-        clip.file.endswith("mismatched/take_01.mp4") for clip in read_stimuli(study.stimuli).clips
-    )
-    assert len(read_stimuli(study.stimuli).clips) == 7
+    broken = {
+        f"videos/clips/{name}.mp4"
+        for name in ("mismatched/take_01", "mismatched/take_02", "broken/take_01")
+    }
+    assert len(count.failures) == 3
+    assert {failure.split(":")[0] for failure in count.failures} == broken
+    assert (count.left_out, count.made) == (6, 11)
+    assert (told[-1].videos, told[-1].failed) == (20, 9)
+    known = read_stimuli(study.stimuli)
+    assert len(known.clips) == 5
+    assert not broken & {clip.file for clip in known.clips}
 
 
 def frames_of(folder: StudyFolder) -> dict[str, int]:
@@ -177,12 +199,9 @@ def frames_of(folder: StudyFolder) -> dict[str, int]:
 
 
 def test_without_room_for_frames_the_same_pairs_come_out_and_no_frames_stay(
-    study: StudyFolder, tmp_path: Path
+    study: StudyFolder, first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]]
 ) -> None:
-    roomy = StudyFolder(tmp_path / "roomy")
-    shutil.copytree(study.root, roomy.root)
-    render(roomy, processes=1)
-    most = 0
+    roomy, most = first_run[0], 0
 
     def look(progress: RenderProgress) -> None:
         nonlocal most
@@ -214,15 +233,15 @@ def test_a_disk_that_is_too_small_is_told_before_anything_is_rendered(
     assert list(study.videos.iterdir()) == []
 
 
-def test_what_a_killed_process_left_half_written_is_swept_away(study: StudyFolder) -> None:
+def test_what_a_killed_process_left_half_written_is_swept_away(rendered: StudyFolder) -> None:
     drafts = [
-        study.videos / ".frames" / ".draft.mkv",
-        study.videos / "pairs" / ".draft.mp4",
+        rendered.videos / ".frames" / ".draft.mkv",
+        rendered.videos / "pairs" / ".draft.mp4",
     ]
     for draft in drafts:
         draft.parent.mkdir(parents=True, exist_ok=True)
         draft.write_bytes(b"half")
-    render(study, processes=1)
+    render(rendered, processes=1)
     assert not any(draft.exists() for draft in drafts)
 
 
@@ -234,15 +253,28 @@ def test_a_study_is_rendered_by_one_run_at_a_time(study: StudyFolder) -> None:
             with pytest.raises(InputError, match="rendered already") as refusal:
                 render(study, processes=1)
             tried.append(str(refusal.value))
+            raise KeyboardInterrupt
 
-    render(study, processes=1, on_progress=render_again)
+    with pytest.raises(KeyboardInterrupt):
+        render(study, processes=1, on_progress=render_again)
     assert len(tried) == 1
 
 
-def test_speech_that_cannot_be_as_loud_as_the_others_is_told(study: StudyFolder) -> None:
+def test_faces_that_the_body_cannot_show_and_speech_that_cannot_be_as_loud_are_told(
+    study: StudyFolder,
+) -> None:
+    text = study.definition.read_text("utf-8")
+    moving = text.replace('freeze = ["face", ', "freeze = [")
+    assert moving != text
+    study.definition.write_text(moving, "utf-8")
+    path = study.clip("mismatched", "take_01")
+    clip = read_clip(path)
+    faces = np.full((len(clip), 100), 0.5)
+    write_clip(path, replace(clip, expressions=faces, arkit=None))
     speech = read_audio(study.speech / "take.wav")
     samples = speech.samples.copy()
     samples[: speech.sample_rate] = 0
     write_wav(study.speech / "take.wav", Audio(samples, speech.sample_rate))
-    notes = render(study, processes=1).notes
-    assert notes == ("the speech of segment take_01: it is silent; left as it is",)
+    face, sound = sorted(render(study, processes=1).notes)
+    assert face.startswith("mismatched: the clip's face is given as SMPL-X expression")
+    assert sound == "the speech of segment take_01: it is silent; left as it is"
