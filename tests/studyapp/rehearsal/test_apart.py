@@ -1,4 +1,4 @@
-"""Simulated participants and real ones never meet, whoever counts, exports or backs up."""
+"""Simulated participants and real ones never meet, whoever counts, exports, backs up or pays."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import tarfile
 from contextlib import closing
 from pathlib import Path
 
+import boto3
 import pandas as pd
 import pytest
+from botocore.stub import Stubber
 from click.testing import CliRunner
 from flask import Flask
 from sqlalchemy import func, select
@@ -21,13 +23,19 @@ from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.resumption import prepare
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.monitoring.sittings import sittings
+from studyapp.services.recruiting.made_there import MadeThere, write_made_there
+from studyapp.services.recruiting.mturk_client import SANDBOX, MTurkClient
+from studyapp.services.recruiting.payment import arrived
+from studyapp.services.recruiting.prolific_client import ProlificClient
 from studyapp.services.served_study import ServedStudy
 from studyapp.stages.answers import answers_to_report, read_answers
 from studyapp.stages.exporting.writing import export
+from studyapp.stages.recruiting import mturk, prolific
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.rehearsal.steps import browser
+from tests.studyapp.services.recruiting.prolific_stand_in import TOKEN, StandIn, served
 
 REAL = 2
 TRIALS = 6
@@ -107,6 +115,54 @@ def test_only_real_people_are_counted(rehearsed: StudyFolder) -> None:
     for count in (counted_live, reported, exported, backed_up, answered_under_another_address):
         assert count(rehearsed) == REAL, count.__name__
         assert rows(rehearsed.rehearsal) == (1, TRIALS * QUESTIONS)
+
+
+def known_to_recruiters(database: Path) -> list[str]:
+    """Return as whom payment would know each participant of a database."""
+    with closing(Database.open(sqlite_url(database))) as opened:
+        return [each.ours for each in arrived(opened)]
+
+
+def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
+    rehearsed: StudyFolder, participant: Participant, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert known_to_recruiters(rehearsed.rehearsal) == ["completed"]
+    write_made_there(rehearsed.root, MadeThere(prolific_study="s1"))
+    study = {"id": "s1", "status": "ACTIVE"}
+    with served(StandIn(studies={"s1": study})) as site:
+        monkeypatch.setattr("studyapp.services.recruiting.prolific_client.API", site.address)
+        site.add_submission(participant.name, "AWAITING REVIEW", "KX7QM2PWTR")
+        site.add_submission("timed-out", "TIMED-OUT", None)
+        with ProlificClient(TOKEN) as client:
+            found = prolific.status(rehearsed, client)
+            assert prolific.approve(client, found) == 0
+
+        first, _ = found.submissions
+        assert (first.ours, first.judged.verdict) == ("nobody", "look")
+        assert found.missing_there == ()
+        assert site.submissions[0]["status"] == "AWAITING REVIEW"
+        assert all(asked.startswith("GET ") for asked in site.asked)
+
+
+def test_nobody_is_paid_at_mechanical_turk_for_what_was_rehearsed(
+    rehearsed: StudyFolder, participant: Participant
+) -> None:
+    write_made_there(rehearsed.root, MadeThere(sandbox_hits=("h1",)))
+    handed_in = {
+        "AssignmentId": "a1",
+        "WorkerId": participant.name,
+        "AssignmentStatus": "Submitted",
+        "Answer": "",
+    }
+    keys = {"aws_access_key_id": "k", "aws_secret_access_key": "s"}
+    connection = boto3.client("mturk", region_name="us-east-1", endpoint_url=SANDBOX, **keys)
+    with Stubber(connection) as stub:  # which refuses whatever else is asked
+        stub.add_response("list_assignments_for_hit", {"Assignments": [handed_in]})
+        client = MTurkClient(connection)
+        found = mturk.judged(rehearsed, client, live=False)
+        assert mturk.approve(client, found) == 0
+
+    assert [each.judged.why for each in found] == ["never began here"]
 
 
 def test_rehearsing_anew_removes_simulated_answers_alone(rehearsed: StudyFolder) -> None:
