@@ -17,6 +17,12 @@ def test_every_command_has_a_page_and_every_page_a_command() -> None:
     assert sorted(WRITTEN) == sorted([*COMMANDS, INDEX])
 
 
+def test_the_index_places_every_command_by_hand() -> None:
+    placed = set(re.findall(r"`([a-z-]+)`", by_hand(WRITTEN[INDEX])))
+
+    assert placed == set(COMMANDS)
+
+
 @pytest.mark.parametrize("name", [*COMMANDS, INDEX])
 def test_a_page_says_what_the_code_says(name: str) -> None:
     assert WRITTEN[name] == pages(WRITTEN)[name], "run 'make command-pages'"
