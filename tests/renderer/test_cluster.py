@@ -98,6 +98,13 @@ def _workers(address: str, folder: Path, *, count: int = 2, threads: int = 1) ->
         yield
 
 
+@pytest.fixture(scope="module")
+def cluster_of_two(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Return the address of a cluster of two workers, which outlive what is done to them."""
+    with _workers(scheduler, tmp_path_factory.mktemp("workers")):
+        yield scheduler
+
+
 @pytest.fixture
 def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> ClipJob:
     return ClipJob(
@@ -139,11 +146,10 @@ def _jobs(clip: ClipJob, count: int) -> list[Job]:
 
 
 def test_a_cluster_makes_the_same_files_as_this_machine(
-    scheduler: str, clip_job: ClipJob, inputs: Path, tmp_path: Path
+    cluster_of_two: str, clip_job: ClipJob, inputs: Path
 ) -> None:
     jobs = [*_jobs(clip_job, 2), replace(clip_job, name="mute", speech=inputs / "none.wav")]
-    with _workers(scheduler, tmp_path):
-        there = run_jobs(jobs, processes=1, cluster=scheduler)
+    there = run_jobs(jobs, processes=1, cluster=cluster_of_two)
     made = {job.name: job.video.read_bytes() for job in jobs[:4]}
     here = run_jobs(jobs[:4], processes=1)
     assert [outcome.name for outcome in there] == [job.name for job in jobs]
@@ -203,82 +209,74 @@ def long_job(clip_job: ClipJob, clip: MotionClip, tmp_path: Path) -> ClipJob:
 
 
 def test_a_killed_workers_clip_is_done_by_another(
-    scheduler: str, clip_job: ClipJob, long_job: ClipJob, tmp_path: Path
+    cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob
 ) -> None:
-    with (
-        _workers(scheduler, tmp_path),
-        _killing_writers(long_job.video.parent, times=1) as killed,
-    ):
-        outcomes = run_jobs([long_job, *_jobs(clip_job, 1)], processes=1, cluster=scheduler)
+    jobs = [long_job, *_jobs(clip_job, 1)]
+    with _killing_writers(long_job.video.parent, times=1) as killed:
+        outcomes = run_jobs(jobs, processes=1, cluster=cluster_of_two)
     assert len(killed) == 1
     assert [outcome.error for outcome in outcomes] == [None, None, None]
     assert long_job.video.exists()
 
 
 def test_a_clip_that_kills_worker_after_worker_is_reported_and_the_rest_goes_on(
-    scheduler: str, clip_job: ClipJob, long_job: ClipJob, tmp_path: Path
+    cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob
 ) -> None:
     jobs = [long_job, _pair_of(long_job, "long pair"), *_jobs(clip_job, 1)]
-    with (
-        _workers(scheduler, tmp_path),
-        _killing_writers(long_job.video.parent, times=100) as killed,
-    ):
-        lost, pair, *rest = run_jobs(jobs, processes=1, cluster=scheduler)
+    with _killing_writers(long_job.video.parent, times=100) as killed:
+        lost, pair, *rest = run_jobs(jobs, processes=1, cluster=cluster_of_two)
     assert len(killed) == 4
     assert "ended early" in str(lost.error)
     assert pair.because_of == "long"
     assert [outcome.error for outcome in rest] == [None, None]
 
 
-def test_a_scheduler_that_goes_away_is_told(clip_job: ClipJob, tmp_path: Path) -> None:
-    with (
-        _scheduler(tmp_path) as (address, process),
-        _workers(address, tmp_path, count=1),
-        pytest.raises(InputError, match=r"connection .* was lost.*goes on where it stopped"),
-    ):
-        run_jobs(
-            _jobs(clip_job, 2),
-            processes=1,
-            cluster=address,
-            on_done=lambda outcome: process.kill(),
-        )
+def test_a_scheduler_without_workers_and_one_that_goes_away_are_told(
+    clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with _scheduler(tmp_path) as (address, process):
+        with monkeypatch.context() as patch:
+            patch.setattr(cluster, "_FOR_A_WORKER", 0.5)
+            with pytest.raises(InputError, match=r"no worker.*Start some with .*dask worker tcp"):
+                run_jobs([clip_job], processes=1, cluster=address)
+        with (
+            _workers(address, tmp_path, count=1),
+            pytest.raises(InputError, match=r"connection .* was lost.*goes on where it stopped"),
+        ):
+            run_jobs(
+                _jobs(clip_job, 2),
+                processes=1,
+                cluster=address,
+                on_done=lambda outcome: process.kill(),
+            )
     assert clip_job.video.with_stem("clip0").exists()
 
 
-def test_a_worker_of_several_threads_is_refused(
-    scheduler: str, clip_job: ClipJob, tmp_path: Path
-) -> None:
-    with (
-        _workers(scheduler, tmp_path, count=1, threads=2),
-        pytest.raises(InputError, match=r"does 2 jobs at once.*--nthreads 1"),
-    ):
-        run_jobs([clip_job], processes=1, cluster=scheduler)
-
-
 def test_workers_of_another_version_or_without_the_files_are_refused(
-    scheduler: str, clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    cluster_of_two: str, clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with _workers(scheduler, tmp_path, count=1):
-        pair, gone = _pair_of(clip_job, "pair"), tmp_path / "gone.npz"
-        without: list[list[Job]] = [
-            [replace(clip_job, speech=gone)],
-            [pair, replace(clip_job, body=gone)],
-            [pair, replace(clip_job, look=replace(clip_job.look, expression_matrix=gone))],
-        ]
-        for lacking in without:
-            with pytest.raises(InputError, match=r"1 of 1 workers cannot .* does not see .*gone"):
-                run_jobs(lacking, processes=1, cluster=scheduler)
-        monkeypatch.setattr(cluster, "RENDERER_VERSION", "another")
-        with pytest.raises(InputError, match=r"another version .*here another"):
-            run_jobs([clip_job], processes=1, cluster=scheduler)
+    pair, gone = _pair_of(clip_job, "pair"), tmp_path / "gone.npz"
+    without: list[list[Job]] = [
+        [replace(clip_job, speech=gone)],
+        [pair, replace(clip_job, body=gone)],
+        [pair, replace(clip_job, look=replace(clip_job.look, expression_matrix=gone))],
+    ]
+    for lacking in without:
+        with pytest.raises(InputError, match=r"2 of 2 workers cannot .* does not see .*gone"):
+            run_jobs(lacking, processes=1, cluster=cluster_of_two)
+    monkeypatch.setattr(cluster, "RENDERER_VERSION", "another")
+    with pytest.raises(InputError, match=r"another version .*here another"):
+        run_jobs([clip_job], processes=1, cluster=cluster_of_two)
 
 
-def test_a_cluster_without_workers_is_told(
-    scheduler: str, clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
+def test_a_worker_of_several_threads_is_refused(
+    cluster_of_two: str, clip_job: ClipJob, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(cluster, "_FOR_A_WORKER", 0.5)
-    with pytest.raises(InputError, match=r"no worker.*Start some with .*dask worker tcp://127"):
-        run_jobs([clip_job], processes=1, cluster=scheduler)
+    with _workers(cluster_of_two, tmp_path, count=1, threads=2):
+        with distributed.Client(cluster_of_two) as client:
+            client.wait_for_workers(3, timeout=PATIENCE)
+        with pytest.raises(InputError, match=r"does 2 jobs at once.*--nthreads 1"):
+            run_jobs([clip_job], processes=1, cluster=cluster_of_two)
 
 
 def test_an_address_where_nobody_answers_is_told(
