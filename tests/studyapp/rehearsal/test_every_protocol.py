@@ -217,7 +217,7 @@ def test_who_was_stopped_halfway_comes_back_and_goes_on_with_the_same_answers(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", ["ratings", "rankings with ties", "mismatch"], indirect=True)
+@pytest.mark.parametrize("folder", ["rankings with ties"], indirect=True)
 def test_a_rehearsal_stores_what_its_raters_say(
     folder: StudyFolder, participant: Participant
 ) -> None:
