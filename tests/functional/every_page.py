@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
+from secrets import token_hex
 
 from flask import Flask
 from playwright.sync_api import Page, expect
@@ -14,6 +15,8 @@ from sqlalchemy import select
 from werkzeug.serving import make_server
 
 from studyapp.models import StudySession
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.taking_part import begin
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 
@@ -30,12 +33,16 @@ KINDS = {
 """What a page is, by something that only it holds; a new kind of page is one line here."""
 
 
+SHUTDOWN_SECONDS = 0.02
+"""Within this time a server notices that it is to end."""
+
+
 @contextmanager
 def shown(study: Path) -> Iterator[tuple[str, Flask]]:
     """Serve the study from a thread; give its address and the application."""
     app = create_app(study)
     server = make_server("127.0.0.1", 0, app, threaded=True)
-    serving = threading.Thread(target=server.serve_forever)
+    serving = threading.Thread(target=server.serve_forever, args=[SHUTDOWN_SECONDS])
     serving.start()
     try:
         yield f"http://127.0.0.1:{server.port}", app
@@ -45,6 +52,16 @@ def shown(study: Path) -> Iterator[tuple[str, Flask]]:
         server.server_close()
         with app.app_context():
             running().database.close()
+
+
+def first_trial(page: Page, address: str, app: Flask) -> None:
+    """Show the first trial of a participant who has agreed and read the instructions elsewhere."""
+    with app.app_context():
+        here = running()
+        token = enrol(here.database, here.served, Arrival(visit=token_hex(16)), here.clock)
+        begin(here.database, here.served, token, here.clock)
+    page.goto(f"{address}/take/{token}")
+    expect(page.locator(".play").first).to_be_visible()
 
 
 def walk(page: Page, address: str, app: Flask) -> Iterator[str]:

@@ -9,6 +9,9 @@ from http.client import HTTPConnection
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
+SHUTDOWN_SECONDS = 0.02
+"""Within this time the proxy notices that it is to end."""
+
 OF_ONE_CONNECTION = {"connection", "keep-alive", "transfer-encoding"}
 
 
@@ -58,7 +61,7 @@ def passing_on(server: str, prefix: str) -> Iterator[tuple[str, list[str]]]:
             """Say nothing."""
 
     proxy = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-    thread = threading.Thread(target=proxy.serve_forever)
+    thread = threading.Thread(target=proxy.serve_forever, args=[SHUTDOWN_SECONDS])
     thread.start()
     try:
         yield f"http://127.0.0.1:{proxy.server_port}", beside

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
-from werkzeug.serving import make_server
 
 from studyapp.definition.study import Study
-from studyapp.web.app import create_app
 from studyapp.web.language import Language, language_of, speak
 from studyapp.web.running import running
 from tests.finished_study import write_study_of_one_video
 from tests.functional.browsing import IN_A_BROWSER, expect_watched, watched_page
+from tests.functional.every_page import first_trial, shown
 from tests.functional.shown_studies import STUDIES, write_figure_video
 from tests.studyapp.web.brackets import bracketed, left_in_english
 from tests.studyapp.web.page_reader import PageReader
@@ -27,7 +25,7 @@ pytestmark = IN_A_BROWSER
 @pytest.fixture(scope="module")
 def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("video") / "figure.mp4"
-    write_figure_video(path)
+    write_figure_video(path, seconds=0.5)
     return path
 
 
@@ -40,28 +38,14 @@ def folder(tmp_path: Path, video: Path, request: pytest.FixtureRequest) -> Path:
 
 
 @contextmanager
-def first_trial(browser: Browser, folder: Path, language: Language) -> Iterator[tuple[Page, Study]]:
+def in_language(browser: Browser, folder: Path, language: Language) -> Iterator[tuple[Page, Study]]:
     """Give the first trial of the study in `folder`, served in `language`."""
-    app = create_app(folder)
-    speak(app, language)
-    with app.app_context():
-        here = running()
-    server = make_server("127.0.0.1", 0, app, threaded=True)
-    thread = threading.Thread(target=server.serve_forever)
-    thread.start()
-    address = f"http://127.0.0.1:{server.server_port}"
-    try:
-        with watched_page(browser, address) as page:
-            page.goto(address)
-            page.locator("#start button").click()
-            page.locator("main form button").click()
-            expect(page.locator(".play").first).to_be_visible()
-            yield page, here.study
-    finally:
-        server.shutdown()
-        thread.join()
-        server.server_close()
-        here.database.close()
+    with shown(folder) as (address, app), watched_page(browser, address) as page:
+        speak(app, language)
+        first_trial(page, address, app)
+        with app.app_context():
+            study = running().study
+        yield page, study
 
 
 def english(page: Page, study: Study) -> str:
@@ -70,7 +54,7 @@ def english(page: Page, study: Study) -> str:
 
 @pytest.mark.parametrize("folder", ["sliders", "ties"], indirect=True)
 def test_scripts_say_nothing_that_is_not_translated(browser: Browser, folder: Path) -> None:
-    with first_trial(browser, folder, bracketed()) as (page, study):
+    with in_language(browser, folder, bracketed()) as (page, study):
         page.locator("#next").click()
         expect(page.locator("#needed")).to_have_class("asked")
         assert english(page, study) == ""
@@ -97,7 +81,7 @@ def test_scripts_say_nothing_that_is_not_translated(browser: Browser, folder: Pa
 def test_the_checklist_is_said_in_the_language_of_the_study(
     browser: Browser, folder: Path, code: str, still: str, done: str
 ) -> None:
-    with first_trial(browser, folder, language_of(code)) as (page, _):
+    with in_language(browser, folder, language_of(code)) as (page, _):
         expect(page.locator("#needed")).to_have_text(still)
         # A pair and its question stand on a laptop's screen without scrolling.
         assert page.evaluate("document.documentElement.scrollHeight <= innerHeight")

@@ -6,35 +6,34 @@ from collections.abc import Iterator
 from itertools import permutations, product
 
 import pytest
+from flask import Flask
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from tests.functional.browsing import IN_A_BROWSER, watched_page
-from tests.functional.every_page import shown
+from tests.functional.every_page import first_trial, shown
 from tests.functional.shown_studies import write_shown_study
 
 pytestmark = IN_A_BROWSER
 
 
 @pytest.fixture(scope="module")
-def addresses(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, tuple[str, Flask]]]:
     """Serve a study without ties, of five videos, and one with ties, of four."""
     folder = tmp_path_factory.mktemp("rankings")
     for name in ("ranking", "ties"):
         write_shown_study(folder / name, name)
-    with shown(folder / "ranking") as (ranking, _), shown(folder / "ties") as (ties, _):
+    with shown(folder / "ranking") as ranking, shown(folder / "ties") as ties:
         yield {"ranking": ranking, "ties": ties}
 
 
 @pytest.fixture
 def page(
-    browser: Browser, addresses: dict[str, str], request: pytest.FixtureRequest
+    browser: Browser, served: dict[str, tuple[str, Flask]], request: pytest.FixtureRequest
 ) -> Iterator[Page]:
     """Return the first trial of the study that the test names; of `ranking` if none."""
-    address = addresses[getattr(request, "param", "ranking")]
+    address, app = served[getattr(request, "param", "ranking")]
     with watched_page(browser, address) as opened:
-        opened.goto(address)
-        opened.get_by_role("button", name="I agree").click()
-        opened.get_by_role("button", name="Begin").click()
+        first_trial(opened, address, app)
         expect(opened.locator(".card").first).to_be_visible()
         yield opened
 

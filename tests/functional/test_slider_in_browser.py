@@ -6,34 +6,33 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from flask import Flask
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from tests.functional.browsing import IN_A_BROWSER, watched_page
-from tests.functional.every_page import shown
+from tests.functional.every_page import first_trial, shown
 from tests.functional.shown_studies import write_shown_study
 
 pytestmark = IN_A_BROWSER
 
 
 @pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Flask]]:
     folder: Path = tmp_path_factory.mktemp("sliders") / "study"
     write_shown_study(folder, "sliders")
-    with shown(folder) as (url, _):
-        yield url
+    with shown(folder) as study:
+        yield study
 
 
 @pytest.fixture
-def page(browser: Browser, address: str) -> Iterator[Page]:
-    with watched_page(browser, address) as opened:
-        begin(opened, address)
+def page(browser: Browser, served: tuple[str, Flask]) -> Iterator[Page]:
+    with watched_page(browser, served[0]) as opened:
+        begin(opened, served)
         yield opened
 
 
-def begin(page: Page, address: str) -> None:
-    page.goto(address)
-    page.get_by_role("button", name="I agree").click()
-    page.get_by_role("button", name="Begin").click()
+def begin(page: Page, served: tuple[str, Flask]) -> None:
+    first_trial(page, *served)
     expect(line(page)).to_be_visible()
 
 
@@ -87,7 +86,7 @@ def test_what_was_chosen_is_shown_and_outlives_a_reload(page: Page) -> None:
 
 
 def test_a_press_or_a_touch_chooses_where_it_falls(
-    page: Page, browser: Browser, address: str
+    page: Page, browser: Browser, served: tuple[str, Flask]
 ) -> None:
     box = line(page).bounding_box()
     assert box is not None
@@ -97,7 +96,7 @@ def test_a_press_or_a_touch_chooses_where_it_falls(
     expect(field(page, 1)).to_have_value("50")
 
     touched = browser.new_context(has_touch=True).new_page()
-    begin(touched, address)
+    begin(touched, served)
     box = line(touched).bounding_box()
     assert box is not None
     line(touched).tap(position={"x": box["width"] * 0.8, "y": box["height"] / 2})
