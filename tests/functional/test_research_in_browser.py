@@ -15,13 +15,12 @@ from playwright.sync_api import Browser, Page, expect
 from studyapp.clock import Clock
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.researchers.links import first_owner_link
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.taking_part import begin, look
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown
+from tests.functional.joining import join, link_for_owner
 from tests.functional.test_every_page_in_browser import SIZES, barriers, photograph
-from tests.studyapp.researchers_at_hand import PASSWORD
 
 pytestmark = IN_A_BROWSER
 
@@ -47,13 +46,8 @@ def come(database: Database, study: Path, name: str) -> None:
     look(database, served, token, clock)
 
 
-def join(page: Page, address: str, database: Database) -> None:
-    """Become the first owner."""
-    page.goto(f"{address}/research/join/{first_owner_link(database, Clock())}")
-    page.get_by_label("Your name").fill("Ada Lovelace")
-    for label in ("New password", "The same once more"):
-        page.get_by_label(label).fill(PASSWORD)
-    page.get_by_role("button", name="Join").click()
+def join_as_owner(page: Page, address: str, database: Database) -> None:
+    join(page, link_for_owner(address, database))
     expect(page.locator(".truth")).to_contain_text("of 4 places done")
 
 
@@ -74,9 +68,9 @@ def test_no_page_of_researchers_has_a_severe_barrier(
         page.goto(f"{served_at}/research/")
         expect(page.get_by_role("heading", level=1)).to_have_text("Log in as a researcher")
         look_at(page, "log-in")
-        page.goto(f"{served_at}/research/join/{first_owner_link(stored, Clock())}")
+        page.goto(link_for_owner(served_at, stored))
         look_at(page, "join")
-        join(page, served_at, stored)
+        join_as_owner(page, served_at, stored)
         look_at(page, "overview")
         page.get_by_role("link", name="1 active", exact=True).click()
         look_at(page, "study-sessions")
@@ -121,7 +115,7 @@ def test_the_overview_shows_who_comes_while_one_looks(
 ) -> None:
     with watched_page(browser, served_at) as page:
         page.clock.install()
-        join(page, served_at, stored)
+        join_as_owner(page, served_at, stored)
         expect(page.locator(".truth")).to_contain_text("0 active")
 
         come(stored, tiny_study, "one")
@@ -140,7 +134,7 @@ def test_without_scripts_the_overview_is_the_same_and_asks_for_itself(
     context = browser.new_context(java_script_enabled=False)
     page = context.new_page()
 
-    join(page, served_at, stored)
+    join_as_owner(page, served_at, stored)
 
     expect(page.locator("#live time").last).to_contain_text("UTC")
     assert page.locator("meta[http-equiv=refresh]").count() == 1

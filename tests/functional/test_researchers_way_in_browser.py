@@ -22,6 +22,8 @@ from playwright.sync_api import Browser, Page, expect
 
 from tests.functional.arriving_crowd import arriving_crowd
 from tests.functional.browsing import IN_A_BROWSER, watched_page
+from tests.functional.joining import NAME, join
+from tests.functional.redefining import redefine
 from tests.functional.test_every_page_in_browser import SIZES, barriers, photograph
 from tests.studyapp.researchers_at_hand import PASSWORD
 
@@ -29,7 +31,7 @@ pytestmark = IN_A_BROWSER
 
 MOTIONJURY = Path(sys.executable).with_name("motionjury")
 PEOPLE = 25
-TRIALS, QUESTIONS = 6, 2
+TRIALS, QUESTIONS = 2, 2
 REFRESHED_MS = 21_000
 """After so long the overview has asked for itself anew."""
 
@@ -54,15 +56,14 @@ LookAt = Callable[[str], None]
 
 @pytest.fixture
 def study(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a study with a place for each of `PEOPLE`."""
+    """Return a study with a place for each of `PEOPLE`, and `TRIALS` trials."""
     monkeypatch.delenv("DATABASE_URL", raising=False)
-    file = tiny_study / "study.toml"
-    text = file.read_text("utf-8")
-    many = text.replace(
-        "participants_per_comparison = 4", f"participants_per_comparison = {PEOPLE}"
+    redefine(
+        tiny_study,
+        ("participants_per_comparison = 4", f"participants_per_comparison = {PEOPLE}"),
+        ("trials = 4\npractice = 1", "trials = 1\npractice = 0"),
+        added=REMARKS,
     )
-    assert many != text
-    file.write_text(many + REMARKS, "utf-8")
     return tiny_study
 
 
@@ -84,7 +85,7 @@ def launched_study(study: Path) -> Iterator[tuple[str, str]]:
             yield f"http://127.0.0.1:{port}", link
         finally:
             server.send_signal(signal.SIGTERM)
-            server.wait(timeout=30)
+            server.wait(timeout=SLOW_SECONDS)
 
 
 def export(study: Path) -> pd.DataFrame:
@@ -129,7 +130,7 @@ def test_a_study_is_launched_watched_mended_extended_closed_and_exported(
             page.set_viewport_size(SIZES["laptop"])
 
         page.clock.install()
-        join(page, link)
+        join_and_log_in(page, link)
         prepare(page, look_at)
         with arriving_crowd(study, address, at_once=PEOPLE, remark=SCRIPT) as crowd:
             codes = crowd.come([f"participant-{number}" for number in range(PEOPLE)])
@@ -174,7 +175,7 @@ def test_a_study_is_launched_watched_mended_extended_closed_and_exported(
     form = pd.read_csv(study / "out" / "answers_form.csv")
     assert form["value"].tolist() == [SCRIPT] * (PEOPLE + 1)
     log = pd.read_csv(study / "out" / "answers_log.csv", keep_default_na=False)
-    assert log.loc[log["researcher"] == "Ada Lovelace", "event"].tolist()[-5:] == [
+    assert log.loc[log["researcher"] == NAME, "event"].tolist()[-5:] == [
         "newcomers paused",
         "newcomers let in",
         "participant excluded",
@@ -185,16 +186,12 @@ def test_a_study_is_launched_watched_mended_extended_closed_and_exported(
     assert "researcher" in json.dumps(book)
 
 
-def join(page: Page, link: str) -> None:
+def join_and_log_in(page: Page, link: str) -> None:
     """Become the owner by the printed link, log out, and log in."""
-    page.goto(link)
-    page.get_by_label("Your name").fill("Ada Lovelace")
-    for label in ("New password", "The same once more"):
-        page.get_by_label(label).fill(PASSWORD)
-    page.get_by_role("button", name="Join").click()
+    join(page, link)
     expect(page.get_by_role("heading", level=1)).to_have_text("How the study goes")
     page.get_by_role("button", name="Log out").click()
-    page.get_by_label("Name").fill("Ada Lovelace")
+    page.get_by_label("Name").fill(NAME)
     page.get_by_label("Password").fill(PASSWORD)
     page.get_by_role("button", name="Log in").click()
     expect(page.locator(".truth")).to_contain_text(f"0 of {PEOPLE} places done")
@@ -226,7 +223,7 @@ def exclude(page: Page, pseudonym: str, look_at: LookAt) -> None:
     expect(page.locator("main")).to_contain_text(SCRIPT)
     look_at("before-the-exclusion")
     send(page, "Exclude from the analysis", "wrote that she fell asleep")
-    expect(page.locator("main")).to_contain_text("Excluded by Ada Lovelace: wrote that she fell")
+    expect(page.locator("main")).to_contain_text(f"Excluded by {NAME}: wrote that she fell")
     look_at("after-the-exclusion")
 
 
@@ -243,7 +240,7 @@ def close(page: Page, address: str, look_at: LookAt) -> None:
 
 def with_everything_looked_at(page: Page, look_at: LookAt) -> None:
     """Go through the pages that nothing was decided on."""
-    for name in ("Results", "Changes", "Researchers", "Ada Lovelace"):
+    for name in ("Results", "Changes", "Researchers", NAME):
         follow(page, name)
         expect(page.get_by_role("heading", level=1)).to_be_visible()
         look_at(name.lower().replace(" ", "-"))

@@ -12,22 +12,17 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from studyapp.clock import Clock
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.looks import looks
-from studyapp.services.researchers.links import first_owner_link
 from studyapp.web.running import attach, running
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown
+from tests.functional.joining import NAME, join, link_for_owner
 from tests.functional.test_every_page_in_browser import SIZES, barriers, photograph
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.figures_at_hand import FiguresMeanwhile
-from tests.studyapp.researchers_at_hand import PASSWORD
 
 pytestmark = IN_A_BROWSER
-
-COMPUTED = 60_000
-"""Milliseconds that the figures may take on a machine with much to do."""
 
 
 def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier(
@@ -53,11 +48,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
             here = running()
         figures = FiguresMeanwhile(here.folder, here.figures.database_url)
         attach(app, replace(here, figures=figures))
-        page.goto(f"{address}/research/join/{first_owner_link(stored, Clock())}")
-        page.get_by_label("Your name").fill("Ada Lovelace")
-        for label in ("New password", "The same once more"):
-            page.get_by_label(label).fill(PASSWORD)
-        page.get_by_role("button", name="Join").click()
+        join(page, link_for_owner(address, stored))
         agreement = page.get_by_role("region", name="How far participants agree")
         expect(agreement.or_(page.get_by_text("It is being computed")).first).to_be_visible()
         page.get_by_role("link", name="Results", exact=True).press("Enter")
@@ -68,7 +59,7 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         reason.fill("a video broke for two participants")
         reason.press("Enter")
         note = page.get_by_role("note")
-        expect(note).to_contain_text("Interim: 3 of 4 participants", timeout=COMPUTED)
+        expect(note).to_contain_text("Interim: 3 of 4 participants")
         expect(page.locator("main")).to_contain_text("rule_based against mismatched")
         look_at(page, "results")
         page.get_by_role("link", name="Overview").click()
@@ -78,6 +69,6 @@ def test_results_are_behind_a_reason_and_no_page_on_the_way_has_a_severe_barrier
         expect(agreement).to_contain_text("rhythm")
         look_at(page, "overview-with-agreement")
         [look] = looks(stored)
-        assert (look.researcher, look.finished, look.planned) == ("Ada Lovelace", 3, 4)
+        assert (look.researcher, look.finished, look.planned) == (NAME, 3, 4)
 
     assert {name: each for name, each in found.items() if each} == {}

@@ -1,0 +1,26 @@
+"""How a researcher joins in a real browser."""
+
+from __future__ import annotations
+
+from playwright.sync_api import Page
+
+from studyapp.clock import Clock
+from studyapp.services.database import Database
+from studyapp.services.researchers.links import first_owner_link
+from tests.studyapp.researchers_at_hand import PASSWORD
+
+NAME = "Ada Lovelace"
+
+
+def link_for_owner(address: str, database: Database) -> str:
+    """Return the link with which the first owner of the study at `address` joins."""
+    return f"{address}/research/join/{first_owner_link(database, Clock())}"
+
+
+def join(page: Page, link: str) -> None:
+    """Become `NAME` by a link."""
+    page.goto(link)
+    page.get_by_label("Your name").fill(NAME)
+    for label in ("New password", "The same once more"):
+        page.get_by_label(label).fill(PASSWORD)
+    page.get_by_role("button", name="Join").click()
