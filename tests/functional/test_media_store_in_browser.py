@@ -10,7 +10,7 @@ from playwright.sync_api import Page, expect
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.media_store.record import Place
 from studyapp.stages.publishing import publish
-from tests.functional.browsing import IN_A_BROWSER, launched, serving
+from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, launched, serving
 from tests.studyapp.s3_stand_in import BUCKET, Store, s3_stand_in, use_keys
 
 pytestmark = IN_A_BROWSER
@@ -27,6 +27,7 @@ def test_videos_play_and_are_fetched_ahead_and_nothing_of_the_page_reaches_the_s
             store.origins = [address]
             store.asked.clear()
             page = chromium.new_page()
+            page.set_default_timeout(PATIENCE_MS)
             complaints: list[str] = []
             page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)
             own: list[str] = []
@@ -46,14 +47,14 @@ def take_trials(page: Page, address: str, count: int) -> None:
     page.get_by_role("button", name="I agree").click()
     page.get_by_role("button", name="Begin").click()
     for number in range(1, count + 1):
-        expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 6", timeout=60_000)
+        expect(page.locator(".progress")).to_contain_text(f"Trial {number} of 6")
         expect(page.locator("#play")).to_be_visible(timeout=60_000)
         watch(page)
-        expect(page.locator("#ahead")).to_contain_text("next page ready", timeout=60_000)
+        expect(page.locator("#ahead")).to_contain_text("next page ready")
         for name in ("rhythm", "emotion"):
             page.locator(f"input[name={name}]").first.check()
         page.get_by_role("button", name="Next").click()
-    expect(page.locator(".progress")).to_contain_text(f"Trial {count + 1} of 6", timeout=60_000)
+    expect(page.locator(".progress")).to_contain_text(f"Trial {count + 1} of 6")
 
 
 def watch(page: Page) -> None:
