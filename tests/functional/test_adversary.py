@@ -37,8 +37,8 @@ from tests.studyapp.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.slow
 
-SITTINGS: Final = 20
-"""Half of them are guessed: ten study sessions can exchange what is true of them in so many ways
+SITTINGS: Final = 16
+"""Half of them are guessed: eight study sessions can exchange what is true of them in so many ways
 that a perfect guess is far less probable than `CHANCE` allows, even of one catch trial in six."""
 CHANCE: Final = 0.01
 """How probable it may be that any guess is called better than chance where none is."""
