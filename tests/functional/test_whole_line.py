@@ -11,10 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tomlkit
+from click.testing import CliRunner
 
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import write_clip
+from studyapp.command.main import group
 
 pytestmark = pytest.mark.slow
 
@@ -41,6 +43,19 @@ def motionjury(home: Path) -> Callable[..., str]:
         )
         assert done.returncode == 0, done.stderr
         return done.stdout
+
+    return run
+
+
+@pytest.fixture
+def within(home: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """Return what runs a command in this process, where it need not show that it starts alone."""
+
+    def run(*arguments: object) -> str:
+        monkeypatch.chdir(home)
+        done = CliRunner().invoke(group, [*map(str, arguments)], catch_exceptions=False)
+        assert done.exit_code == 0, done.output
+        return done.output
 
     return run
 
@@ -84,10 +99,8 @@ def rehearsal_rows(study: Path, motionjury: Callable[..., str]) -> list[dict[str
         return list(csv.DictReader(file))
 
 
-def test_check_finds_nothing_that_must_be_mended(
-    study: Path, motionjury: Callable[..., str]
-) -> None:
-    said = motionjury("check", "lab")
+def test_check_finds_nothing_that_must_be_mended(study: Path, within: Callable[..., str]) -> None:
+    said = within("check", "lab")
     assert "can be served" in said
     assert "3 segments of anger allow 3 pairs" in said
     assert "error:" not in said
@@ -102,7 +115,7 @@ def test_the_report_is_one_file_that_says_rehearsal_and_answers(study: Path) -> 
 
 
 def test_rehearsal_answers_are_exported_apart_from_real_ones(
-    study: Path, rehearsal_rows: list[dict[str, str]], motionjury: Callable[..., str]
+    study: Path, rehearsal_rows: list[dict[str, str]], within: Callable[..., str]
 ) -> None:
     rows = rehearsal_rows
     sessions = {row["study_session"] for row in rows}
@@ -113,7 +126,7 @@ def test_rehearsal_answers_are_exported_apart_from_real_ones(
     }
     per_session = [sum(row["study_session"] == name for row in rows) for name in sessions]
     assert len(set(per_session)) == 1
-    assert "Wrote 0 answers" in motionjury("export", "lab")
+    assert "Wrote 0 answers" in within("export", "lab")
     assert not (study / "responses.db").exists()
 
 
@@ -127,9 +140,7 @@ def test_catch_trials_show_the_ground_truth_beside_the_broken_motion(
         assert shown == {"ground_truth", "broken"}
 
 
-def test_every_stage_done_again_makes_nothing_new(
-    study: Path, motionjury: Callable[..., str]
-) -> None:
-    assert "Generated 0 clips" in motionjury("generate", "lab")
-    assert "Rendered 0 videos" in motionjury("render", "lab")
-    assert f"{2 * PARTICIPANTS} of them in an earlier run" in motionjury("rehearse", "lab")
+def test_every_stage_done_again_makes_nothing_new(study: Path, within: Callable[..., str]) -> None:
+    assert "Generated 0 clips" in within("generate", "lab")
+    assert "Rendered 0 videos" in within("render", "lab")
+    assert f"{2 * PARTICIPANTS} of them in an earlier run" in within("rehearse", "lab")
