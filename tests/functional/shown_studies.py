@@ -11,6 +11,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from tests.finished_study import write_study_of_one_video
+from tests.functional.redefining import redefine
 from tests.tiny_study import BACKGROUND, write_tiny_study
 
 SIZE: Final = 360
@@ -155,7 +156,7 @@ comparisons = "all_pairs"
 layout = "players"
 reference = "first"
 participants = 50
-trials = 3
+trials = 2
 practice = 1
 announce_practice = true
 catch = {{ trials = 0 }}
@@ -266,13 +267,12 @@ def write_shown_study(folder: Path, name: str, *, language: str = "en") -> None:
     """Write one of the studies `NAMES` into `folder`, ready to serve."""
     folder.mkdir(parents=True)
     if name == "composed":
-        write_tiny_study(folder)
+        write_tiny_study(folder, seconds=1.0)
+        redefine(folder, ("trials = 4", "trials = 1"))
     else:
         write_figure_video(folder / "figure.mp4")
         write_study_of_one_video(folder, STUDIES[name], folder / "figure.mp4")
-    definition = folder / "study.toml"
-    text = definition.read_text("utf-8")
-    definition.write_text(text.replace("[page]", f'[page]\nlanguage = "{language}"'), "utf-8")
+    redefine(folder, ("[page]", f'[page]\nlanguage = "{language}"'))
 
 
 def write_figure_video(path: Path, *, seconds: float = 1.0) -> None:
