@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from functools import lru_cache
 
 import numpy as np
 
@@ -24,3 +25,12 @@ def stream(seed: int, *event: str | int) -> np.random.Generator:
     """
     digest = hashlib.sha256(json.dumps([seed, *event]).encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))
+
+
+@lru_cache(maxsize=65_536)
+def standard_normal(seed: int, *event: str | int) -> float:
+    """Return the first draw of an event's stream from the standard normal distribution.
+
+    For traits, which every answer asks for again.
+    """
+    return float(stream(seed, *event).standard_normal())

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
-from studyapp.rehearsal.chance import stream
+from studyapp.rehearsal.chance import standard_normal, stream
 from studyapp.rehearsal.kinds import Kind, kind_at
 from studyapp.rehearsal.scales import preference_thresholds, ranks, rating_thresholds, step
 
@@ -84,10 +84,10 @@ class Rater:
     def utility(self, stimulus: Stimulus, question: str) -> float:
         """Return how good `stimulus` is to this rater, as far as it looks, in logits."""
         condition, segment = stimulus.condition, stimulus.segment
-        draw = stream(self.seed, "taste", self.name, condition, question).standard_normal()
+        draw = standard_normal(self.seed, "taste", self.name, condition, question)
         own = (
             self.population.quality[condition][question]
-            + self.population.taste_sd * float(draw)
+            + self.population.taste_sd * draw
             + segment_fit(self.population, self.seed, condition, segment, question)
         )
         if stimulus.speech not in (None, segment):
@@ -175,10 +175,10 @@ class Rater:
 
     def _cost_of_wrong_speech(self, condition: str, segment: str, question: str) -> float:
         """Return how much worse this rater finds a motion with another segment's speech."""
-        draw = stream(self.seed, "belonging", self.name, condition, question).standard_normal()
+        draw = standard_normal(self.seed, "belonging", self.name, condition, question)
         return (
             self.population.belonging[condition][question]
-            + self.population.participant_sd * float(draw)
+            + self.population.participant_sd * draw
             + speech_fit(self.population, self.seed, condition, segment, question)
         )
 
@@ -190,8 +190,7 @@ def segment_fit(
 
     The same for every rater of a rehearsal: it is a trait of the stimulus.
     """
-    draw = stream(seed, "fit", condition, segment, question).standard_normal()
-    return population.fit_sd * float(draw)
+    return population.fit_sd * standard_normal(seed, "fit", condition, segment, question)
 
 
 def speech_fit(
@@ -201,5 +200,4 @@ def speech_fit(
 
     The same for every rater of a rehearsal, as the other speech of a segment is.
     """
-    draw = stream(seed, "other speech", condition, segment, question).standard_normal()
-    return population.item_sd * float(draw)
+    return population.item_sd * standard_normal(seed, "other speech", condition, segment, question)
