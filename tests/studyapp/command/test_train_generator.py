@@ -69,7 +69,7 @@ def test_a_corpus_becomes_a_network_and_the_network_moves_as_one_of_its_speakers
 ) -> None:
     corpus, out = tmp_path / "corpus", tmp_path / "networks" / "two.safetensors"
     made = run(
-        *("corpus", corpus, "--speakers", 2, "--sentences", 8, "--takes", 2),
+        *("corpus", corpus, "--speakers", 2, "--sentences", 8, "--takes", 1),
         *("--held-out-speakers", 0, "--processes", 1),
     )
     assert made.exit_code == 0, made.output
