@@ -275,7 +275,8 @@ def test_a_lost_connection_loses_no_answer(page: Page, address: str, database: D
     play(page)
     choose(page, "rhythm", "clearly A")
     choose(page, "emotion", "clearly A")
-    page.wait_for_timeout(500)
+    # The next video has come: only the answers are left to be sent.
+    expect(page.locator("#ahead")).to_contain_text("next page ready")
 
     page.context.set_offline(True)
     page.get_by_role("button", name="Next").click()
@@ -299,7 +300,7 @@ def test_only_the_next_video_is_fetched_ahead_and_only_after_watching(
     assert following not in fetched
 
     play(page)
-    page.wait_for_timeout(500)
+    expect(page.locator("#ahead")).to_contain_text("next page ready")
 
     assert len(set(fetched)) == 2
     assert following in fetched

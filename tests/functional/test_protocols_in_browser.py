@@ -141,6 +141,6 @@ def test_several_players_on_a_page(page: Page, study: Path) -> None:
     # The next trial's videos come when these were watched, one after the other.
     assert not [url for url in fetched if any(url.endswith(path) for path in following)]
     watch_all(page, ".replay")
-    page.wait_for_timeout(800)
+    expect(page.locator("#ahead")).to_contain_text("next page ready")
     ahead = [url for url in fetched if any(url.endswith(path) for path in following)]
     assert [url.rsplit("/", 1)[1] for url in ahead] == [p.rsplit("/", 1)[1] for p in following]
