@@ -22,6 +22,7 @@ from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.connection import study_client
 from studyapp.serving import run_server
+from studyapp.web.health import HEALTH
 
 HOST: Final = "127.0.0.1"
 PROCESSES: Final = 2
@@ -100,7 +101,7 @@ def _is_up(process: subprocess.Popen[bytes], address: str) -> bool:
     with study_client(address) as client:
         while time.monotonic() < deadline and process.poll() is None:
             with suppress(httpx.TransportError):
-                if client.get("/").is_success:
+                if client.get(HEALTH).is_success:
                     return True
             time.sleep(0.1)
     return False

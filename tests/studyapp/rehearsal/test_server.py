@@ -8,10 +8,14 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.server import rehearsal_server
 
 
-def test_the_study_is_served_until_the_block_ends(folder: StudyFolder) -> None:
+def test_the_study_is_served_until_the_block_ends_also_where_nobody_new_is_let_in(
+    folder: StudyFolder,
+) -> None:
+    folder.definition.write_text(f"open = false\n{folder.definition.read_text()}")
     with rehearsal_server(folder, speed=100) as address:
         page = httpx.get(address, trust_env=False)
-        assert "Gestures and speech" in page.text
+        assert page.status_code == httpx.codes.CONFLICT
+        assert "takes no new participants" in page.text
     with pytest.raises(httpx.ConnectError):
         httpx.get(address, trust_env=False)
 
