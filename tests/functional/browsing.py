@@ -111,8 +111,16 @@ def watched_page(browser: Browser, address: str) -> Iterator[Page]:
 
 def expect_watched(page: Page, label: str) -> None:
     """Wait until the page no longer asks for the video of that label."""
-    still_named = re.compile(rf"\b{label}\b")
-    expect(page.locator("#watched")).not_to_contain_text(still_named)
+    expect(page.locator("#watched")).not_to_contain_text(_named(label))
+
+
+def still_asked(page: Page, label: str) -> bool:
+    """Tell whether the page asks for the video of that label at this moment."""
+    return _named(label).search(page.locator("#watched").inner_text()) is not None
+
+
+def _named(label: str) -> re.Pattern[str]:
+    return re.compile(rf"\b{label}\b")
 
 
 @contextmanager
