@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,11 @@ SMALL = Design(participants=12, items=10, effect=0.0, participant_sd=1.0, item_s
 def measured(experiment: Experiment, studies: int, design: Design = SMALL) -> dict[str, Row]:
     one = replace(experiment, designs=(design,), share=1.0)
     return {row.number: row for row in measure(one, studies=studies, seed=7)}
+
+
+@cache
+def few_studies(name: str) -> dict[str, Row]:
+    return measured(BY_NAME[name], studies=15)
 
 
 def test_clustered_tests_keep_their_level_where_pooled_ones_do_not() -> None:
@@ -55,7 +61,7 @@ def test_a_study_with_an_effect_finds_it_more_often_than_one_without() -> None:
 def test_numbers_clustered_two_ways_find_less_that_is_not_there(
     name: str, clustered: str, naive: str
 ) -> None:
-    found = measured(BY_NAME[name], studies=15)
+    found = few_studies(name)
 
     [ours] = (row.realised for number, row in found.items() if number.startswith(clustered))
     assert ours.false_positives.value < found[naive].realised.false_positives.value
