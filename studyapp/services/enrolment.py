@@ -15,7 +15,7 @@ from studyapp.clock import Clock
 from studyapp.models import StudySession
 from studyapp.services.database import Database
 from studyapp.services.form_answers import entrance_answers
-from studyapp.services.letting_in import require_room, study_is_full
+from studyapp.services.letting_in import require_let_in, require_room, study_is_full
 from studyapp.services.places import least_filled, release_stale, take_allocation_turn
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sound_check import left_unheard
@@ -135,12 +135,12 @@ def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetim
     known = session.scalars(_known(arrival)).first()
     if known is not None and not left_unheard(known):
         return known.token
-    require_room(session, served, now)
+    require_let_in(session, served)
     answers = entrance_answers(served.study, arrival.form, now)
     release_stale(session, served, now)
     place = least_filled(session, served)
     if place is None:
-        raise study_is_full()  # somebody silent has come back at this very moment
+        raise study_is_full()
     if known is not None:
         session.delete(known)
         session.flush()  # no two study sessions may have the same name

@@ -14,6 +14,13 @@ from studyapp.services.served_study import ServedStudy
 
 def require_room(session: Session, served: ServedStudy, now: datetime) -> None:
     """Raise `StudyFullError` unless newcomers are let in and there is a place for one."""
+    require_let_in(session, served)
+    if not has_open_place(session, served, now):
+        raise study_is_full()
+
+
+def require_let_in(session: Session, served: ServedStudy) -> None:
+    """Raise `StudyFullError` unless newcomers are let in, whether or not there is a place."""
     state = present_intake(session).state
     if state == "closed":
         raise StudyFullError(
@@ -30,8 +37,6 @@ def require_room(session: Session, served: ServedStudy, now: datetime) -> None:
             "The study takes no new participants at the moment.",
             "Thank you for your interest. You can try later with the same link.",
         )
-    if not has_open_place(session, served, now):
-        raise study_is_full()
 
 
 def study_is_full() -> StudyFullError:
