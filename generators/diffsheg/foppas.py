@@ -12,7 +12,7 @@ from torch import Tensor
 from generators.diffsheg.estimates import Mover
 from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling
-from generators.diffsheg.window import Window, draw_noise
+from generators.diffsheg.window import Window, draw_noise, shared_frames
 from generators.interface import seeded_stream
 from motion.errors import InputError
 
@@ -87,7 +87,7 @@ def stream(
             begins = range(0, count * settled, settled)
             motions = moved([waiting.part(begin, begin + frames) for begin in begins])
             waiting = waiting.part(count * settled)
-            known = motions[-1][settled:] if sampling.overlap else None
+            known = shared_frames(motions[-1], sampling)
             yield from (motion[:settled] for motion in motions)
     if waiting is None:
         return

@@ -144,10 +144,9 @@ class PreparedDenoiser:
         sampling, values = self._sampling, self._values[name]
 
         def asked() -> Iterator[tuple[Estimate, WindowNoise]]:
-            continues = known is not None
             for window in windows:
-                told = conditions_of(window, sampling.entry if continues else sampling.steps)
-                continues = continues or sampling.overlap > 0
+                places = sampling.entry if window.noise.continues else sampling.steps
+                told = conditions_of(window, places)
 
                 def estimate(noisy: Tensor, place: int, told: Conditions = told) -> Tensor:
                     return found(noisy, place, told.at(place))

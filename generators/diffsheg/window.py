@@ -33,6 +33,11 @@ class WindowNoise:
     start: Tensor
     later: tuple[Tensor, ...]
 
+    @property
+    def continues(self) -> bool:
+        """Whether the window continues another one."""
+        return bool(self.later)
+
     def part(self, values: slice) -> WindowNoise:
         """Return the noise of some of a frame's values."""
         return WindowNoise(self.start[..., values], tuple(one[..., values] for one in self.later))
@@ -69,9 +74,14 @@ def sample_windows(
     made = []
     for estimate, noise in windows:
         motion = sample_window(estimate, sampling, noise, known)
-        known = motion[-sampling.overlap :] if sampling.overlap else None
+        known = shared_frames(motion, sampling)
         made.append(motion)
     return made
+
+
+def shared_frames(motion: Tensor, sampling: Sampling) -> Tensor | None:
+    """Return the last frames of a window, which the next one continues; None where it does not."""
+    return motion[-sampling.overlap :] if sampling.overlap else None
 
 
 def sample_window(
