@@ -14,7 +14,7 @@ from generators.registry import generator_names, needs_source
 from motion.errors import InputError
 from motion.segment import check_name
 from studyapp.command.asking import agree, ask, choose, explain
-from studyapp.command.init_options import FILES, VIDEOS, own_generators, read_source, source_of
+from studyapp.command.init_options import FILES, VIDEOS, generator_sources, read_source, source_of
 from studyapp.definition.conditions import Condition
 from studyapp.definition.placed_conditions import MOST_TOGETHER
 from studyapp.definition.study import GROUND_TRUTH
@@ -89,7 +89,7 @@ def _named(before: Mapping[str, Condition], folder: Path) -> dict[str, Condition
     explain(
         f"Name the conditions as files and tables will: 'ours', 'baseline', and the real recording "
         f"'{GROUND_TRUTH}'. For each, say where its motion comes from: a number, or a name such as "
-        f"{', '.join(own_generators())}."
+        f"{', '.join(generator_sources())}."
     )
     for number, (source, words) in enumerate(_SOURCES.items(), start=1):
         click.echo(f"  {number}  {source:10}  {words}")

@@ -55,7 +55,7 @@ def read_source(text: str, folder: Path) -> Condition:
     if kind not in generator_names():
         raise InputError(
             f"unknown source {text!r}",
-            remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(own_generators())}",
+            remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(generator_sources())}",
         )
     if needs_model(kind):
         return Condition(generator=kind, checkpoint=_weights(kind, of, folder))
@@ -79,7 +79,7 @@ def _weights(generator: str, file: str, folder: Path) -> str:
     return named_from(folder, path)
 
 
-def own_generators() -> tuple[str, ...]:
+def generator_sources() -> tuple[str, ...]:
     """Return the generators as sources are written."""
     return tuple(
         f"{name}:OTHER" if needs_source(name) else f"{name}:FILE" if needs_model(name) else name
