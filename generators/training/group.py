@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 from collections.abc import Iterable, Mapping
 from datetime import timedelta
+from importlib import import_module
 from typing import Any, Final, TypeVar
 
 import torch
@@ -44,6 +45,9 @@ class Group:
         if group_size() == 1:
             self._state = PartialState(cpu=device == "cpu")
             return
+        # Imported later, by torch's optimizers, its functions would keep this group as a default
+        # beyond its end, and the group's threads could abort the process as it exits.
+        import_module("torch.distributed.nn.functional")
         self._state = PartialState(cpu=device == "cpu", timeout=_PATIENCE)
         # NCCL complains of a process that leaves without a word.
         atexit.register(self._state.destroy_process_group)
