@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -12,13 +11,13 @@ from secrets import token_hex
 from flask import Flask
 from playwright.sync_api import Page, expect
 from sqlalchemy import select
-from werkzeug.serving import make_server
 
 from studyapp.models import StudySession
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.taking_part import begin
 from studyapp.web.app import create_app
 from studyapp.web.running import running
+from tests.local_server import listening
 
 KINDS = {
     "#answers": "trial",
@@ -33,23 +32,14 @@ KINDS = {
 """What a page is, by something that only it holds; a new kind of page is one line here."""
 
 
-SHUTDOWN_SECONDS = 0.02
-"""Within this time a server notices that it is to end."""
-
-
 @contextmanager
 def shown(study: Path) -> Iterator[tuple[str, Flask]]:
     """Serve the study from a thread; give its address and the application."""
     app = create_app(study)
-    server = make_server("127.0.0.1", 0, app, threaded=True)
-    serving = threading.Thread(target=server.serve_forever, args=[SHUTDOWN_SECONDS])
-    serving.start()
     try:
-        yield f"http://127.0.0.1:{server.port}", app
+        with listening(app) as address:
+            yield address, app
     finally:
-        server.shutdown()
-        serving.join()
-        server.server_close()
         with app.app_context():
             running().database.close()
 

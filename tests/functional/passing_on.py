@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from http.client import HTTPConnection
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
-SHUTDOWN_SECONDS = 0.02
-"""Within this time the proxy notices that it is to end."""
+from tests.local_server import answering
 
 OF_ONE_CONNECTION = {"connection", "keep-alive", "transfer-encoding"}
 
@@ -36,16 +34,16 @@ def passing_on(server: str, prefix: str) -> Iterator[tuple[str, list[str]]]:
                 beside.append(self.path)
                 self.send_error(404)
                 return
-            there = HTTPConnection(host, timeout=60)
             headers = {
                 name: value
                 for name, value in self.headers.items()
                 if name.lower() not in OF_ONE_CONNECTION
             }
             headers["X-Forwarded-For"] = self.client_address[0]
-            there.request(self.command, self.path, body, headers)
-            answer = there.getresponse()
-            content = answer.read()
+            with closing(HTTPConnection(host, timeout=60)) as there:
+                there.request(self.command, self.path, body, headers)
+                answer = there.getresponse()
+                content = answer.read()
             self.send_response(answer.status)
             for name, value in answer.getheaders():
                 if name.lower() not in {"content-length", "date", "server"} | OF_ONE_CONNECTION:
@@ -53,7 +51,6 @@ def passing_on(server: str, prefix: str) -> Iterator[tuple[str, list[str]]]:
             self.send_header("Content-Length", str(len(content)))
             self.end_headers()
             self.wfile.write(content)
-            there.close()
 
         do_GET = do_POST = pass_on  # noqa: N815 - so the library calls them
 
@@ -61,11 +58,5 @@ def passing_on(server: str, prefix: str) -> Iterator[tuple[str, list[str]]]:
             """Say nothing."""
 
     proxy = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-    thread = threading.Thread(target=proxy.serve_forever, args=[SHUTDOWN_SECONDS])
-    thread.start()
-    try:
-        yield f"http://127.0.0.1:{proxy.server_port}", beside
-    finally:
-        proxy.shutdown()
-        thread.join()
-        proxy.server_close()
+    with answering(proxy) as address:
+        yield address, beside

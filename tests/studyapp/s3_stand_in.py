@@ -10,7 +10,6 @@ import base64
 import hashlib
 import hmac
 import os
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -22,6 +21,8 @@ from xml.etree import ElementTree
 from xml.sax.saxutils import escape
 
 import pytest
+
+from tests.local_server import answering
 
 KEY = "AKIASTANDIN"
 SECRET = "a-secret-that-must-never-be-seen"  # noqa: S105 - of this stand-in alone
@@ -293,11 +294,5 @@ def s3_stand_in() -> Iterator[Store]:
     server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
     server.daemon_threads = True
     store.port = server.server_address[1]
-    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
-    thread.start()
-    try:
+    with answering(server):
         yield store
-    finally:
-        server.shutdown()
-        thread.join()
-        server.server_close()

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
 from flask import Flask, abort, jsonify, request
 from flask.typing import ResponseReturnValue
-from werkzeug.serving import make_server
+
+from tests.local_server import listening
 
 TOKEN = "stand-in-token-0123456789"  # noqa: S105
 
@@ -186,14 +186,5 @@ def _refuse(error: Any) -> ResponseReturnValue:
 @contextmanager
 def served(stand_in: StandIn) -> Iterator[StandIn]:
     """Answer at an address of this machine."""
-    server = make_server("127.0.0.1", 0, stand_in.app(), threaded=True)
-    run: Callable[..., None] = server.serve_forever
-    serving = threading.Thread(target=run, kwargs={"poll_interval": 0.02})
-    serving.start()
-    try:
-        stand_in.address = f"http://127.0.0.1:{server.port}"
+    with listening(stand_in.app()) as stand_in.address:
         yield stand_in
-    finally:
-        server.shutdown()
-        serving.join()
-        server.server_close()
