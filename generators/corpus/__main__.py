@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from generators.corpus.measuring import MeasuredTake, decided, minutes, read_measured, told
+from generators.corpus.pace import BEAT, paces
 from motion.files import write_text
 
 _STILL = "it does not change"
@@ -60,6 +61,13 @@ def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:
     for found in told(takes):
         right = f"{found.share:.0%}" if found.takes else "– (there is no such take)"
         yield f"| {found.what} | {right} | {found.chance:.0%} | {found.takes} |"
+    yield ""
+    yield "| wrists | mean | median | 95th percentile |"
+    yield "|---|---|---|---|"
+    for whose, found_paces in (("here", paces(take.wrists for take in takes)), ("BEAT", BEAT)):
+        for pace in found_paces:
+            values = f"{pace.mean:.2f} | {pace.median:.2f} | {pace.high:.2f}"
+            yield f"| {pace.quantity}, {whose} | {values} |"
 
 
 def _number(value: float, why_not: str) -> str:

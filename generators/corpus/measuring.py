@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from generators.corpus.description import read_request
 from generators.corpus.heard_speech import HeardSpeech, hear
-from generators.corpus.motion_curves import MotionCurves, curves_of, follow
+from generators.corpus.motion_curves import MotionCurves, curves_of, follow, wrist_positions
+from generators.corpus.pace import FRAME_RATE
 from generators.corpus.plan import PlannedTake, Split, planned_takes
 from generators.corpus.recording import RecordingFiles
 from generators.corpus.truth import read_truth
@@ -40,6 +41,8 @@ class MeasuredTake:
         What the motion does, and what of it the speech decides.
     pose, sound : ndarray
         Mean and deviation of each value of the motion (384,), and of what is heard (10,).
+    wrists : ndarray, shape (T, 2, 3)
+        Where they are, in metres, at `generators.corpus.pace.FRAME_RATE`.
     """
 
     plan: PlannedTake
@@ -48,6 +51,7 @@ class MeasuredTake:
     drive: MotionCurves
     pose: FloatArray
     sound: FloatArray
+    wrists: FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +137,7 @@ def _measured(folder: Path, plan: PlannedTake) -> MeasuredTake:
         drive=truth.drive,
         pose=_summary(np.concatenate([body, face], axis=1)),
         sound=_summary(_heard(hear(speech))),
+        wrists=wrist_positions(_thinned(body, motion.frame_rate)),
     )
 
 
@@ -240,6 +245,13 @@ def _told(
 
 def _summary(values: FloatArray) -> FloatArray:
     return np.concatenate([values.mean(axis=0), values.std(axis=0)])
+
+
+def _thinned(values: FloatArray, frame_rate: float) -> FloatArray:
+    """Return the frames nearest to those at the rate at which the pace is measured."""
+    wanted = np.arange(0, len(values), frame_rate / FRAME_RATE)
+    thinned: FloatArray = values[np.minimum(np.round(wanted).astype(int), len(values) - 1)]
+    return thinned
 
 
 def _heard(heard: HeardSpeech) -> FloatArray:

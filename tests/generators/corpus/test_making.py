@@ -152,5 +152,6 @@ def test_a_corpus_is_measured_on_its_files(corpus: Path) -> None:
     assert np.isnan(found["wrist_speed"].of_other_speech)
     page = "\n".join(tables(takes, 10**6))
     assert "| wrist speed |" in page
+    assert "| acceleration, m/s², BEAT | 3.60 | 3.00 | 8.70 |" in page
     assert "there is no such take" in page
     assert "nan" not in page
