@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import signal
 import socket
@@ -16,6 +15,8 @@ from pathlib import Path
 import httpx
 import pytest
 from playwright.sync_api import Browser, Locator, Page, Request, expect, sync_playwright
+
+from tests.functional.looking import LAPTOP
 
 CHROMIUM = Path("/usr/bin/chromium")
 PATIENCE_MS = 60_000
@@ -32,12 +33,6 @@ ARGUMENTS = (
     "--disable-sync",
     "--autoplay-policy=document-user-activation-required",
 )
-LAPTOP = {"width": 1366, "height": 768}
-VIEWPORTS = {
-    "laptop": LAPTOP,
-    "desktop": {"width": 1920, "height": 1080},
-    "phone": {"width": 420, "height": 900},
-}
 
 IN_A_BROWSER = [
     pytest.mark.browser,
@@ -137,18 +132,3 @@ def expect_playing(page: Page, name: str) -> None:
     """Wait until the player `name` plays, and no other."""
     expect(page.locator(f".playing[aria-label='{name}']")).to_have_count(1)
     expect(page.locator(".playing")).to_have_count(1)
-
-
-def photograph(page: Page, name: str, *, resized: bool = True) -> None:
-    """Take the page, where screenshots are wanted: in every size, and left as wide as a laptop."""
-    if "SCREENSHOTS" not in os.environ:
-        return
-    folder = Path(os.environ["SCREENSHOTS"])
-    folder.mkdir(parents=True, exist_ok=True)
-    if not resized:
-        page.screenshot(path=folder / f"{name}.png")
-        return
-    for size, viewport in VIEWPORTS.items():
-        page.set_viewport_size(viewport)
-        page.screenshot(path=folder / f"{name}-{size}.png", full_page=size == "phone")
-    page.set_viewport_size(LAPTOP)

@@ -5,63 +5,24 @@ With ``SCREENSHOTS=folder`` in the environment each page is also taken in every 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from flask import Flask
 from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import update
 
 from studyapp.models import StudySession
 from studyapp.web.running import attach, running
-from tests.functional.browsing import IN_A_BROWSER, LAPTOP, watched_page
+from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import fill, shown, spoken_digits, walk
+from tests.functional.looking import LAPTOP, SIZES, barriers, photograph
 from tests.functional.shown_studies import NAMES, write_shown_study
 
 pytestmark = IN_A_BROWSER
-
-SIZES = {
-    "laptop": LAPTOP,
-    "desktop": {"width": 1920, "height": 1080},
-    "phone": {"width": 390, "height": 844},
-}
-CONTRAST = {"runOnly": {"type": "rule", "values": ["color-contrast"]}}
-SEVERE = ("serious", "critical")
-
-
-def barriers(page: Page) -> list[str]:
-    """Return what axe-core finds severe on the page, light and dark."""
-    found = []
-    for scheme, options in (("dark", CONTRAST), ("light", {"resultTypes": ["violations"]})):
-        page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
-        results = Axe().run(page, options=options).response
-        found += [
-            f"{scheme}: {violation['id']} at {node['target']}: {node['failureSummary']}"
-            for violation in results["violations"]
-            if violation["impact"] in SEVERE
-            for node in violation["nodes"]
-        ]
-    return found
-
-
-def photograph(page: Page, name: str) -> None:
-    """Take the page light and dark in every size, where screenshots are wanted."""
-    if "SCREENSHOTS" not in os.environ:
-        return
-    folder = Path(os.environ["SCREENSHOTS"])
-    folder.mkdir(parents=True, exist_ok=True)
-    for size, viewport in SIZES.items():
-        page.set_viewport_size(viewport)
-        for scheme in ("dark", "light"):
-            page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
-            path = folder / f"{name}-{size}-{scheme}.png"
-            page.screenshot(path=path, full_page=size == "phone")
-    page.set_viewport_size(LAPTOP)
 
 
 def made_of(page: Page) -> str:
@@ -144,13 +105,13 @@ def beside_the_way(page: Page, address: str, app: Flask) -> Iterator[str]:
 def test_no_page_beside_the_way_has_a_severe_barrier(browser: Browser, tmp_path: Path) -> None:
     write_shown_study(tmp_path / "players", "players")
     with shown(tmp_path / "players") as (address, app):
-        page = browser.new_context(viewport=LAPTOP).new_page()  # type: ignore[arg-type]
+        page = browser.new_context(viewport=LAPTOP).new_page()
         found = {}
         for name in beside_the_way(page, address, app):
             photograph(page, f"beside-{name}")
             found[name] = barriers(page)
         page.context.close()
-        phone = browser.new_page(viewport=SIZES["phone"], is_mobile=True, has_touch=True)  # type: ignore[arg-type]
+        phone = browser.new_page(viewport=SIZES["phone"], is_mobile=True, has_touch=True)
         phone.goto(address)
         expect(phone.get_by_role("heading", level=1)).to_contain_text("on a computer")
         photograph(phone, "beside-phone")
@@ -210,7 +171,7 @@ def test_no_page_of_trouble_has_a_severe_barrier(browser: Browser, tmp_path: Pat
     text = definition.read_text("utf-8")
     definition.write_text(text.replace("participants = 50", "participants = 1"), "utf-8")
     with shown(tmp_path / "labels") as (address, app):
-        page = browser.new_context(viewport=LAPTOP).new_page()  # type: ignore[arg-type]
+        page = browser.new_context(viewport=LAPTOP).new_page()
         found = {}
         for name in in_trouble(page, address, app):
             photograph(page, f"trouble-{name}")

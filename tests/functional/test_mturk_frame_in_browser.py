@@ -10,8 +10,9 @@ from flask import Flask
 from playwright.sync_api import Browser, expect
 
 from studyapp.web.running import running
-from tests.functional.browsing import IN_A_BROWSER, LAPTOP
+from tests.functional.browsing import IN_A_BROWSER
 from tests.functional.every_page import shown
+from tests.functional.looking import LAPTOP
 from tests.functional.mturk_frame import (
     TASK,
     WORKER,

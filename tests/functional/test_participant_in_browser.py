@@ -16,7 +16,8 @@ from sqlalchemy import select
 
 from studyapp.models import Response, StudySession, Trial
 from studyapp.services.database import Database
-from tests.functional.browsing import IN_A_BROWSER, LAPTOP, PATIENCE_MS, VIEWPORTS, photograph
+from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS
+from tests.functional.looking import LAPTOP, SIZES, photograph
 from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER
@@ -126,7 +127,7 @@ def test_a_study_session_from_consent_to_code(page: Page, address: str, database
 def test_video_questions_and_next_are_in_view_without_scrolling(
     page: Page, address: str, size: str
 ) -> None:
-    page.set_viewport_size(VIEWPORTS[size])
+    page.set_viewport_size(SIZES[size])
     take_part(page, address)
     wait_for_video(page, "readyState >= 1")
 
@@ -134,7 +135,7 @@ def test_video_questions_and_next_are_in_view_without_scrolling(
         box = page.locator(part).bounding_box()
         assert box is not None
         assert box["y"] >= 0
-        assert box["y"] + box["height"] <= VIEWPORTS[size]["height"]
+        assert box["y"] + box["height"] <= SIZES[size]["height"]
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 

@@ -16,12 +16,12 @@ from tests.functional.browsing import (
     IN_A_BROWSER,
     expect_playing,
     expect_watched,
-    photograph,
     playing_on,
     still_asked,
     watched_page,
 )
 from tests.functional.every_page import shown
+from tests.functional.looking import photograph
 from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER

@@ -20,7 +20,7 @@ from studyapp.services.taking_part import begin, look
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import join, link_for_owner
-from tests.functional.test_every_page_in_browser import SIZES, barriers, photograph
+from tests.functional.looking import SIZES, barriers, photograph
 
 pytestmark = IN_A_BROWSER
 

@@ -23,8 +23,8 @@ from playwright.sync_api import Browser, Page, expect
 from tests.functional.arriving_crowd import arriving_crowd
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.joining import NAME, join
+from tests.functional.looking import SIZES, barriers, photograph
 from tests.functional.redefining import redefine
-from tests.functional.test_every_page_in_browser import SIZES, barriers, photograph
 from tests.studyapp.researchers_at_hand import PASSWORD
 
 pytestmark = IN_A_BROWSER

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.functional.browsing import IN_A_BROWSER, LAPTOP, PATIENCE_MS, photograph, serving
+from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, serving
+from tests.functional.looking import LAPTOP, photograph
 from tests.functional.mturk_frame import (
     TASK,
     WORKER,

@@ -18,7 +18,7 @@ from studyapp.web.running import attach, running
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import NAME, join, link_for_owner
-from tests.functional.test_every_page_in_browser import SIZES, barriers, photograph
+from tests.functional.looking import SIZES, barriers, photograph
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.figures_at_hand import FiguresMeanwhile
 

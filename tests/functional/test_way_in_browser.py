@@ -12,7 +12,8 @@ from sqlalchemy import select
 
 from studyapp.models import FormAnswer, Response, StudySession, Trial, WatchBatch
 from studyapp.services.database import Database
-from tests.functional.browsing import IN_A_BROWSER, LAPTOP, photograph, playing_on
+from tests.functional.browsing import IN_A_BROWSER, playing_on
+from tests.functional.looking import LAPTOP, photograph
 from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER
