@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from statistics import median
@@ -25,6 +24,7 @@ from generators.diffsheg.config import BEAT
 from generators.diffsheg.denoiser import Denoiser
 from generators.diffsheg.estimates import Mover, plainly, prepared
 from generators.diffsheg.foppas import stream
+from generators.diffsheg.shared_threads import torch_threads
 from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling, evaluations
 
@@ -74,17 +74,6 @@ def moved(mover: Mover, speech: SpeechFrames) -> Tensor:
         seed=SEED,
     )
     return torch.cat(list(pieces))
-
-
-@contextmanager
-def torch_threads(number: int) -> Iterator[None]:
-    """Give torch so many threads for a while."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(number)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before)
 
 
 def timed(work: Callable[[], object]) -> Turn:

@@ -1,9 +1,10 @@
-"""Two computations beside each other, which share the threads that torch was given."""
+"""Torch's threads, and two computations that share them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from threading import Lock
 from typing import Final, TypeVar
 
@@ -13,6 +14,17 @@ First = TypeVar("First")
 Second = TypeVar("Second")
 
 _TURN: Final = Lock()
+
+
+@contextmanager
+def torch_threads(number: int) -> Iterator[None]:
+    """Give torch so many threads for a while; rounding may differ with their number."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(number)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)
 
 
 def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tuple[First, Second]:
@@ -32,14 +44,10 @@ def side_by_side(first: Callable[[], First], second: Callable[[], Second]) -> tu
 def _halved(
     first: Callable[[], First], second: Callable[[], Second], whole: int
 ) -> tuple[First, Second]:
-    torch.set_num_threads(whole // 2)
-    try:
-        with ThreadPoolExecutor(1, "side-by-side") as other:
-            firstly = other.submit(_without_gradients, first)
-            found = second()
-            return firstly.result(), found
-    finally:
-        torch.set_num_threads(whole)
+    with torch_threads(whole // 2), ThreadPoolExecutor(1, "side-by-side") as other:
+        firstly = other.submit(_without_gradients, first)
+        found = second()
+        return firstly.result(), found
 
 
 def _without_gradients(work: Callable[[], First]) -> First:

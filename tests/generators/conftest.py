@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-import torch
 
+from generators.diffsheg.shared_threads import torch_threads
 from generators.interface import Generator, SpeechSegment
 from generators.model_settings import ModelSettings
 from generators.registry import load_generator, needs_model
@@ -60,10 +60,8 @@ class ClipsInMemory:
 @pytest.fixture(scope="module", autouse=True)
 def one_thread() -> Iterator[None]:
     """Leave torch one thread: tests run beside each other, and threads would wait for threads."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+    with torch_threads(1):
+        yield
 
 
 @pytest.fixture(scope="session")

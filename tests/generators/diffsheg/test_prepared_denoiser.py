@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -15,6 +14,7 @@ from generators.diffsheg.denoiser import Denoiser
 from generators.diffsheg.estimates import Mover, plainly, prepared
 from generators.diffsheg.foppas import stream
 from generators.diffsheg.prepared_branch import PreparedBranch
+from generators.diffsheg.shared_threads import torch_threads
 from generators.diffsheg.speech_frames import SpeechFrames
 from generators.diffsheg.walk import Sampling
 
@@ -55,16 +55,6 @@ def moved(mover: Mover, frames: int = 24) -> Tensor:
     return torch.cat(list(pieces))
 
 
-@contextmanager
-def threads(number: int) -> Iterator[None]:
-    before = torch.get_num_threads()
-    torch.set_num_threads(number)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before)
-
-
 @pytest.mark.parametrize("number", [1, 2])
 @pytest.mark.parametrize(("guidance", "skip"), [(None, False), (1.3, True)])
 @pytest.mark.parametrize("flow", FLOWS)
@@ -73,14 +63,14 @@ def test_the_motion_is_that_of_the_plain_network(
 ) -> None:
     denoiser = shaken(replace(SMALL, flow=flow, guidance=guidance, skip=skip))
     plain = moved(plainly(denoiser, PERSON, SAMPLING))
-    with threads(number):
+    with torch_threads(number):
         found = moved(prepared(denoiser, PERSON, SAMPLING))
     assert float((found - plain).abs().max()) < 1e-4 * float(plain.abs().max())
 
 
 def test_branches_beside_each_other_give_the_same_bits_every_time() -> None:
     mover = prepared(shaken(SMALL), PERSON, SAMPLING)
-    with threads(2):
+    with torch_threads(2):
         first = moved(mover)
         assert all(torch.equal(moved(mover), first) for _ in range(3))
 
@@ -103,7 +93,7 @@ def test_what_stops_the_branch_ahead_is_told_at_once(
         return answer(self, noisy, place, conditions)  # type: ignore[arg-type]
 
     monkeypatch.setattr(PreparedBranch, "answer", failing)
-    with threads(number), pytest.raises(MemoryError, match="for the face"):
+    with torch_threads(number), pytest.raises(MemoryError, match="for the face"):
         moved(mover)
 
 

@@ -8,21 +8,19 @@ from threading import Barrier, get_ident
 import pytest
 import torch
 
-from generators.diffsheg.shared_threads import side_by_side
+from generators.diffsheg.shared_threads import side_by_side, torch_threads
 
 
 @pytest.fixture(params=[1, 2, 4])
-def threads(request: pytest.FixtureRequest) -> Iterator[int]:
-    before = torch.get_num_threads()
-    torch.set_num_threads(request.param)
-    yield request.param
-    torch.set_num_threads(before)
+def given(request: pytest.FixtureRequest) -> Iterator[int]:
+    with torch_threads(request.param):
+        yield request.param
 
 
-def test_each_has_half_of_the_threads_and_they_are_given_back(threads: int) -> None:
+def test_each_has_half_of_the_threads_and_they_are_given_back(given: int) -> None:
     shares = side_by_side(torch.get_num_threads, torch.get_num_threads)
-    assert shares == ((1, 1) if threads == 1 else (threads // 2, threads // 2))
-    assert torch.get_num_threads() == threads
+    assert shares == ((1, 1) if given == 1 else (given // 2, given // 2))
+    assert torch.get_num_threads() == given
 
 
 def test_with_one_thread_the_first_is_done_before_the_second_begins() -> None:
@@ -32,20 +30,19 @@ def test_with_one_thread_the_first_is_done_before_the_second_begins() -> None:
 
 
 def test_with_more_threads_both_run_at_once() -> None:
-    before, both = torch.get_num_threads(), Barrier(2, timeout=60)
+    both = Barrier(2, timeout=60)
 
     def met() -> int:
         both.wait()
         return get_ident()
 
-    torch.set_num_threads(2)
-    first, second = side_by_side(met, met)
-    torch.set_num_threads(before)
+    with torch_threads(2):
+        first, second = side_by_side(met, met)
     assert first != second == get_ident()
 
 
 @pytest.mark.parametrize("fails", [0, 1])
-def test_threads_are_given_back_after_a_failure(threads: int, fails: int) -> None:
+def test_threads_are_given_back_after_a_failure(given: int, fails: int) -> None:
     def failing() -> None:
         raise MemoryError("too large")
 
@@ -53,10 +50,10 @@ def test_threads_are_given_back_after_a_failure(threads: int, fails: int) -> Non
     works[fails] = failing
     with pytest.raises(MemoryError, match="too large"):
         side_by_side(*works)
-    assert torch.get_num_threads() == threads
+    assert torch.get_num_threads() == given
 
 
-def test_the_other_thread_computes_without_gradients(threads: int) -> None:
+def test_the_other_thread_computes_without_gradients(given: int) -> None:
     weight = torch.ones(1, requires_grad=True)
     with torch.inference_mode():
         first, second = side_by_side(lambda: 2 * weight, lambda: 3 * weight)

@@ -10,6 +10,7 @@ import torch
 from click.testing import CliRunner, Result
 
 from analysis.metrics.networks import load_evaluator
+from generators.diffsheg.shared_threads import torch_threads
 from motion.formats import write_clip
 from studyapp.command.main import group
 from tests.analysis.metrics.networks.swinging import SWINGS, swinging
@@ -17,10 +18,8 @@ from tests.analysis.metrics.networks.swinging import SWINGS, swinging
 
 @pytest.fixture(scope="module", autouse=True)
 def one_thread() -> Iterator[None]:
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+    with torch_threads(1):
+        yield
 
 
 def run(*arguments: object) -> Result:

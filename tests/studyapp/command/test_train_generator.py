@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import torch
 from click.testing import CliRunner, Result
 
+from generators.diffsheg.shared_threads import torch_threads
 from generators.registry import generator_names, trainable_names, trainable_of
 from motion.errors import InputError
 from motion.formats import read_clip
@@ -17,10 +17,8 @@ from studyapp.command.main import group
 
 @pytest.fixture(scope="module", autouse=True)
 def one_thread() -> Iterator[None]:
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+    with torch_threads(1):
+        yield
 
 
 def run(*arguments: object) -> Result:

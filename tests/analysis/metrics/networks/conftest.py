@@ -5,11 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-import torch
 
 from analysis.metrics.networks import Evaluator, load_evaluator
 from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
 from analysis.metrics.networks.training import train_evaluator
+from generators.diffsheg.shared_threads import torch_threads
 from generators.training.run_folder import RunFolder
 from motion.body import read_body
 from motion.face_landmarks import FaceLandmarks
@@ -20,10 +20,8 @@ from tests.analysis.metrics.networks.swinging import sources
 @pytest.fixture(scope="package", autouse=True)
 def one_thread() -> Iterator[None]:
     """Leave torch one thread: tests run beside each other, and threads would wait for threads."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
+    with torch_threads(1):
+        yield
 
 
 def trained(folder: Path, kind: str, channels: str, *, steps: int, **options: object) -> Path:
@@ -33,7 +31,9 @@ def trained(folder: Path, kind: str, channels: str, *, steps: int, **options: ob
         kind=kind, size="tiny", channels=channels, training=training, **options
     )
     out = folder / f"{kind}-{channels}.safetensors"
-    train_evaluator(request, sources(), out, RunFolder(out.with_suffix(".run")))
+    # A session's first file is made before `one_thread` holds, and bytes are compared with it.
+    with torch_threads(1):
+        train_evaluator(request, sources(), out, RunFolder(out.with_suffix(".run")))
     return out
 
 
