@@ -4,20 +4,22 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help rehearsal-tables setup setup-browser setup-database demo serve test check messages format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
+.PHONY: help rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
 setup: $(VENV)/.installed  ## Install everything that running the project needs.
 	@scripts/debian-packages espeak-ng libosmesa6
-	@$(BIN)/python -m renderer.body_asset
 
 setup-browser: setup
 	@scripts/debian-packages chromium fonts-dejavu-core fonts-ipafont-gothic
 
 setup-database: setup
 	@scripts/debian-packages postgresql
+
+setup-proxies: setup
+	@scripts/debian-packages --unpack build/proxies caddy nginx
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	@scripts/debian-packages --for-python $(PYTHON)
@@ -29,11 +31,11 @@ demo: setup  ## Run the whole line on synthetic speech and write a report.
 	$(BIN)/motionjury demo demo-study
 
 serve: setup  ## Serve a study (STUDY=demo-study) to take part in it oneself.
-	$(BIN)/motionjury serve $(STUDY)
+	$(BIN)/motionjury serve $(STUDY) --try
 
 # The tests start Python hundreds of times; what is compiled is kept even where the environment says otherwise.
 test: export PYTHONDONTWRITEBYTECODE =
-test: setup-browser setup-database  ## Run all tests, the ones in a real browser included.
+test: setup-browser setup-database setup-proxies  ## Run all tests, the ones in a real browser included.
 	$(BIN)/pytest -n 2 --dist loadfile -m "not slow and not browser"
 	$(BIN)/pytest -n 2 --dist loadfile -m "slow or browser"
 
@@ -44,54 +46,57 @@ check: $(VENV)/.installed  ## Check format, lint, types and layers.
 	$(BIN)/lint-imports
 
 messages: $(VENV)/.installed  ## Bring the translations up to date with the pages' texts.
-	$(BIN)/python -m studyapp.web.catalogues.updating
+	$(BIN)/python -m tools.message_catalogues
+
+size: $(VENV)/.installed  ## Count files and lines of code, for CONTRIBUTING.md.
+	$(BIN)/python -m tools.code_size
 
 format: $(VENV)/.installed  ## Format the code.
 	$(BIN)/ruff check --fix --select I .
 	$(BIN)/ruff format .
 
 bench: setup  ## Measure rendering speed and the validity of the statistics.
-	$(BIN)/python -m renderer.benchmark
-	$(BIN)/python -m analysis.validity --studies 100
+	$(BIN)/python -m benchmarks.rendering
+	$(BIN)/python -m benchmarks.validity --studies 100
 
 bench-adaptive: setup  ## Simulate how much sooner adaptive pairs find an order, and draw it.
-	$(BIN)/python -m studyapp.bench.adaptive_pairs docs/adaptive.png
+	$(BIN)/python -m benchmarks.adaptive_pairs docs/adaptive.png
 
 bench-diffsheg: setup  ## Measure DiffSHEG's full network beside a plain loop over the same evaluations.
-	$(BIN)/python -m generators.diffsheg.bench
+	$(BIN)/python -m benchmarks.diffsheg
 
 bench-learned-motion: setup  ## Train DiffSHEG on the synthetic corpus and compare it with all else, in docs/learned-motion.md.
-	$(BIN)/python -m studyapp.bench.learned_motion.benchmark --write docs/learned-motion.md
+	$(BIN)/python -m benchmarks.learned_motion --write docs/learned-motion.md
 
 bench-metrics: setup  ## Time the Fréchet distance beside a matrix square root, and all metrics of 10,000 clips.
-	$(BIN)/python -m analysis.metrics.benchmark
-	$(BIN)/python -m studyapp.bench.metrics_benchmark
+	$(BIN)/python -m benchmarks.metrics.frechet_distance
+	$(BIN)/python -m benchmarks.metrics.many_clips
 
 bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
-	$(BIN)/python -m renderer.benchmark
+	$(BIN)/python -m benchmarks.rendering
 
 bench-statistics: setup  ## Measure the statistics beside R's ordinal and choix, which it installs for itself.
 	@scripts/debian-packages r-cran-ordinal || echo "Without R's ordinal, only the rest is compared."
 	@test -d build/choix || $(BIN)/pip install --quiet --no-deps --target build/choix choix==0.4.1
-	OPENBLAS_NUM_THREADS=1 PYTHONPATH=build/choix $(BIN)/python -m analysis.bench.statistics
+	OPENBLAS_NUM_THREADS=1 PYTHONPATH=build/choix $(BIN)/python -m benchmarks.statistics
 
 bench-validity: setup  ## Simulate studies with known truth: false positives, coverage and power of every headline.
-	$(BIN)/python -m analysis.validity
+	$(BIN)/python -m benchmarks.validity
 
 bench-report: setup  ## Measure reports of a million answers, from tables and from a study's database.
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m studyapp.bench.report_benchmark
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.report
 
 rehearsal-tables: setup  ## Simulate rehearsals of the pairwise template, and put what they find into docs/rehearsal.md.
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m studyapp.bench.rehearsal_recovery --write docs/rehearsal.md
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.rehearsal_recovery --write docs/rehearsal.md
 
 bench-serve: setup setup-database  ## Measure the study's server under simulated participants.
-	$(BIN)/python -m studyapp.bench.serve_benchmark
+	$(BIN)/python -m benchmarks.server
 
 soak: setup setup-database  ## Kill the study's server at random, and send it 100,000 malformed requests.
-	$(BIN)/python -m studyapp.bench.server_soak
+	$(BIN)/python -m benchmarks.server.soak
 
 soak-render: setup  ## Render 10,000 frames and print whether memory stays flat.
-	$(BIN)/python -m renderer.bench.soak
+	$(BIN)/python -m benchmarks.rendering.soak
 
 pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/pictures.py demo-study
@@ -100,18 +105,18 @@ screens: setup-browser  ## Take every page of every protocol, in every size, lig
 	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_every_page_in_browser.py
 
 command-pages: $(VENV)/.installed  ## Bring docs/commands up to date with the commands' options.
-	$(BIN)/python -m studyapp.handbook.command_pages
+	$(BIN)/python -m tools.handbook.command_pages
 
 guide: setup-browser  ## Run docs/guide.md and the commands' examples in a fresh folder, and write what they print into them.
 	rm -rf build/guide
-	$(BIN)/python -m studyapp.handbook.guide build/guide
+	$(BIN)/python -m tools.handbook.guide build/guide
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/guide_pictures.py build/guide
 
 deploy-page: $(VENV)/.installed  ## Bring the files that docs/deploy.md shows up to date.
-	$(BIN)/python -m studyapp.handbook.deploy_page
+	$(BIN)/python -m tools.handbook.deploy_page
 
 worked-examples: $(VENV)/.installed  ## Compute the worked examples in docs/ anew from published numbers.
-	$(BIN)/python -m analysis.published docs/worked-examples.md
+	$(BIN)/python -m tools.worked_examples.page docs/worked-examples.md
 
 clean:  ## Remove what was installed and made here (studies of yours stay).
 	rm -rf $(VENV) demo-study screens build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -56,6 +56,7 @@ class Broken:
     """Breaks the source condition's clip of the same segment."""
 
     name: Final = "broken"
+    version: Final = "1"
     needs_source: Final = True
 
     def generate(

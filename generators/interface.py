@@ -76,6 +76,9 @@ class Generator(Protocol):
     ----------
     name : str
         The name it is registered under.
+    version : str
+        Raised with every change by which the same speech and seed give another clip, whatever
+        module it is made in: clips of another version are made anew. Tests hold what each gives.
     needs_source : bool
         Whether `generate` needs the clips of another condition.
     """
@@ -83,6 +86,11 @@ class Generator(Protocol):
     @property
     def name(self) -> str:
         """The name it is registered under."""
+        ...
+
+    @property
+    def version(self) -> str:
+        """Raised with every change by which the same speech and seed give another clip."""
         ...
 
     @property

@@ -30,6 +30,7 @@ class Mismatched:
     """Gives each segment the source condition's clip of another segment."""
 
     name: Final = "mismatched"
+    version: Final = "1"
     needs_source: Final = True
 
     def generate(

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Final
 
-from generators.diffsheg.sampling_settings import SamplingSettings
+from generators.diffsheg.walk import SamplingSettings
 from motion.errors import InputError
 
 DATASETS: Final = ("beat", "show")

@@ -11,7 +11,6 @@ from generators.interface import Generator
 from generators.model_settings import ModelSettings
 from generators.trainable import Trainable
 from motion.errors import InputError
-from motion.source_version import imported_sources, source_version
 
 
 @dataclass(frozen=True)
@@ -31,9 +30,9 @@ _GENERATORS: Final = MappingProxyType(
         "static": _Entry("generators.static:Static"),
         "broken": _Entry("generators.broken:Broken", needs_source=True),
         "diffsheg": _Entry(
-            "generators.diffsheg.generator:DiffSheg",
+            "generators.diffsheg.generate:DiffSheg",
             needs_model=True,
-            trainable="generators.diffsheg.trainable:TRAINABLE",
+            trainable="generators.diffsheg.config:TRAINABLE",
         ),
     }
 )
@@ -75,17 +74,6 @@ def trainable_of(name: str) -> Trainable:
         )
     module, _, constant = home.partition(":")
     return cast("Trainable", getattr(import_module(module), constant))
-
-
-def generator_version(name: str) -> str:
-    """Return a text that changes whenever generator `name` might move otherwise."""
-    module = _entry(name).home.partition(":")[0]
-    if needs_model(name):
-        return source_version(imported_sources([module]), ("scipy", "torch", "transformers"))
-    home = module.split(".")
-    own = f"{'/'.join(home[:-1])}/*.py" if len(home) > 2 else f"{'/'.join(home)}.py"
-    shared = ("generators/clip_length.py", "motion/prosody.py", "motion/resample.py")
-    return source_version((own, *shared))
 
 
 def load_generator(name: str, model: ModelSettings | None = None) -> Generator:

@@ -17,6 +17,7 @@ class Static:
     """Stands with the arms down and a neutral face; nothing moves."""
 
     name: Final = "static"
+    version: Final = "1"
     needs_source: Final = False
 
     def generate(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 from motion.errors import InputError
 
 if TYPE_CHECKING:
-    from generators.data.take import TakeFolder
+    from training.data.take import TakeFolder
 
 Show = Callable[[int, int, str], None]
 """Told how much is done, of how much, and what was last."""
@@ -81,7 +81,7 @@ class TrainingRequest:
     config : str
         One of `Trainable.configs`.
     changes : mapping
-        Fields of `generators.training.config.TrainingConfig` that are to differ from the config's.
+        Fields of `training.config.TrainingConfig` that are to differ from the config's.
     choices : mapping of str to str
         Of the generator's own choices, those that were made.
     device : {'cpu', 'cuda'}
@@ -144,7 +144,7 @@ class TrainGenerator(Protocol):
         ------
         InputError
             If the recordings do not fit, or the run kept in `run` is another one.
-        generators.training.loop.TrainingStopped
+        training.loop.TrainingStopped
             After Ctrl-C; the state is saved.
         """
         ...

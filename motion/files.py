@@ -10,13 +10,15 @@ from pathlib import Path
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, *, private: bool = False) -> Iterator[Path]:
     """Give a temporary path beside `path` that takes its place when the block succeeds.
 
     Parameters
     ----------
     path : Path
         The file to be written; missing folders are made.
+    private : bool
+        Whether its owner alone may read it; else everybody who may read new files.
 
     Yields
     ------
@@ -29,15 +31,16 @@ def replacing(path: Path) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
+        if not private:
+            umask = os.umask(0)
+            os.umask(umask)
+            temporary.chmod(0o666 & ~umask)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write UTF-8 `text` to `path` in one step."""
-    with replacing(path) as temporary:
+def write_text(path: Path, text: str, *, private: bool = False) -> None:
+    """Write UTF-8 `text` to `path` in one step, as `replacing` does."""
+    with replacing(path, private=private) as temporary:
         temporary.write_text(text, encoding="utf-8")

@@ -33,7 +33,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks, resample_poly
 
 from motion.audio import Audio
-from motion.audio_analysis import librosa_alone
+from motion.audio_analysis import load_librosa
 from motion.errors import InputError
 
 FloatArray = NDArray[np.float64]
@@ -171,16 +171,16 @@ def _pitch(samples: FloatArray, energy: FloatArray) -> FloatArray:
     """Return the fundamental frequency in Hz, one value per analysis step, NaN unvoiced."""
     if not energy.any() or len(samples) < _PITCH_WINDOW:
         return np.full(len(energy), np.nan)
-    with librosa_alone() as librosa:
-        found, _, _ = librosa.pyin(
-            samples,
-            fmin=_LOWEST_PITCH,
-            fmax=_HIGHEST_PITCH,
-            sr=_ANALYSIS_RATE,
-            frame_length=_PITCH_WINDOW,
-            hop_length=_HOP,
-            resolution=0.25,
-        )
+    librosa = load_librosa()
+    found, _, _ = librosa.pyin(
+        samples,
+        fmin=_LOWEST_PITCH,
+        fmax=_HIGHEST_PITCH,
+        sr=_ANALYSIS_RATE,
+        frame_length=_PITCH_WINDOW,
+        hop_length=_HOP,
+        resolution=0.25,
+    )
     pitch = np.full(len(energy), np.nan)
     length = min(len(energy), len(found))
     pitch[:length] = found[:length]

@@ -1,6 +1,6 @@
 """Where the default body's joints are when nothing is posed.
 
-Taken from the body that `renderer.body_asset` freezes (a test holds the two together), so that
+Taken from the body that `renderer.avatars` freezes (a test holds the two together), so that
 importing or generating motion needs no mesh.
 """
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import Audio
-from motion.audio_analysis import librosa_alone
+from motion.audio_analysis import load_librosa
 
 DETECTOR: Final = "librosa 0.11 spectral-flux onsets, 16 kHz, 10 ms hop"
 """What `speech_onsets` runs, in words for a footnote."""
@@ -43,8 +43,8 @@ def speech_onsets(audio: Audio) -> NDArray[np.float64]:
     samples = np.asarray(audio.samples, np.float32)
     if float(np.max(np.abs(samples), initial=0.0)) < _SILENCE:
         return np.zeros(0)
-    with librosa_alone() as librosa:
-        if audio.sample_rate != _RATE:
-            samples = librosa.resample(samples, orig_sr=audio.sample_rate, target_sr=_RATE)
-        onsets = librosa.onset.onset_detect(y=samples, sr=_RATE, hop_length=_HOP, units="time")
+    librosa = load_librosa()
+    if audio.sample_rate != _RATE:
+        samples = librosa.resample(samples, orig_sr=audio.sample_rate, target_sr=_RATE)
+    onsets = librosa.onset.onset_detect(y=samples, sr=_RATE, hop_length=_HOP, units="time")
     return np.asarray(onsets, np.float64)

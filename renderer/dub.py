@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -67,8 +68,9 @@ def _write(original: Any, copy: Any, sound: Audio) -> None:
     for packet in original.demux(source):
         if packet.pts is not None:
             packet.stream = picture
-            copy.mux(packet)
-    copy.mux(packets)
+            packets.append(packet)
+    # A muxer sorts by time only within 10 s; a longer file would tell that it was dubbed.
+    copy.mux(sorted(packets, key=lambda packet: packet.dts * Fraction(packet.time_base)))
 
 
 def _lasting(sound: Audio, count: int) -> Audio:

@@ -51,7 +51,7 @@ class Stages:
     def of(self, job: ClipJob) -> Stage:
         """Return a stage with the body, camera and look of `job`."""
         # Imported here: pair jobs need neither OpenGL nor a body.
-        from renderer.body_asset import default_body
+        from renderer.avatars import default_body
         from renderer.clip_video import Stage
 
         key = (job.body, job.camera, job.look)

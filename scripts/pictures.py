@@ -23,9 +23,10 @@ import httpx
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
-from renderer.avatar_sheet import everyone
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
+from studyapp.services.database import sqlite_url
+from tools.avatars.sheet import everyone
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 CHROMIUM_FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
@@ -46,7 +47,7 @@ def served(folder: StudyFolder) -> Iterator[tuple[str, Path]]:
         database = Path(scratch) / "pictures.db"
         server = subprocess.Popen(
             ["motionjury", "serve", str(folder.root), "--port", str(port), "--workers", "1"],
-            env={**os.environ, "DATABASE_URL": f"sqlite:///{database}"},
+            env={**os.environ, "DATABASE_URL": sqlite_url(database)},
         )
         try:
             for _ in range(600):

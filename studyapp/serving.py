@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import logging
+import resource
 import socket
 import time
 from collections.abc import Callable
@@ -18,10 +19,13 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.media_store.store import MediaStore
+from studyapp.services.monitoring.alarm_channels import AlarmChannels
+from studyapp.services.monitoring.alarms import watch_for_alarms
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from studyapp.web.address import believed_proxies
 from studyapp.web.app import create_app
-from studyapp.web.research.address import believed_proxies
+from studyapp.web.running import running
 from studyapp.web.sub_path import checked_prefix
 from studyapp.worker import StudyWorker
 
@@ -30,11 +34,17 @@ RETRY_SECONDS: Final = 1.0
 
 WORKERS: Final = 2
 THREADS: Final = 128
-"""Requests that one worker handles side by side.
+"""Requests that one worker works on side by side.
 
-A participant with a slow line keeps a thread for as long as a video takes. Threads that wait cost
-next to nothing, so there are more of them than participants who watch at the same time.
+Lines cost no thread, however slow they are: see `studyapp.worker`. Threads that wait for the
+database cost next to nothing.
 """
+
+CONNECTIONS: Final = 1000
+"""Lines that one worker keeps open."""
+
+DESCRIPTORS: Final = 4 * CONNECTIONS
+"""Files that one worker may have open; each line may have a video's besides its own."""
 
 
 class StudyServer(BaseApplication):  # type: ignore[misc]
@@ -59,11 +69,14 @@ class StudyServer(BaseApplication):  # type: ignore[misc]
         """
         while True:
             try:
-                return create_app(self.folder, **self.application)
+                app = create_app(self.folder, **self.application)
             except (InputError, SQLAlchemyError) as error:
                 kind = type(error.__cause__ or error).__name__
                 logging.getLogger("gunicorn.error").error("A worker waits to start (%s)", kind)
                 time.sleep(RETRY_SECONDS)
+            else:
+                _watch_for_alarms(app)
+                return app
 
 
 def run_server(
@@ -79,6 +92,7 @@ def run_server(
     rehearsal_speed: float | None = None,
     new_version: bool = False,
     from_store: bool = False,
+    origin: str = "",
     on_ready: Callable[[], None] | None = None,
 ) -> None:
     """Serve the study in `folder` until the process is told to stop (SIGINT or SIGTERM).
@@ -93,7 +107,7 @@ def run_server(
         Processes.
     threads : int
         Requests that each of them handles side by side.
-    database_url, rehearsal_speed, accel_prefix, prefix
+    database_url, rehearsal_speed, accel_prefix, prefix, origin
         See `studyapp.web.app.create_app`.
     new_version : bool
         Whether a design that has changed since participants came becomes a new version.
@@ -107,14 +121,15 @@ def run_server(
     InputError
         Before anything is served: if the study or a video is missing, here or in the store, the
         address is taken, the database cannot be used, `prefix` is no path,
-        ``FORWARDED_ALLOW_IPS`` names no network, or the design has changed and `new_version` is
-        not given.
+        ``FORWARDED_ALLOW_IPS`` names no network, alarms cannot be sent as the study says, or the
+        design has changed and `new_version` is not given.
     """
     prefix = checked_prefix(prefix)
     believed_proxies()
     rehearsal = rehearsal_speed is not None
     served = ServedStudy.read(folder).opened_for(rehearsal=rehearsal)
     store = MediaStore.of(folder, served) if from_store else None
+    AlarmChannels.of(served.study)
     _require_free(host, port)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
     # The workers find the newest schema and version and need not make them all at once.
@@ -128,6 +143,7 @@ def run_server(
         "workers": workers,
         "worker_class": StudyWorker,
         "threads": threads,
+        "worker_connections": CONNECTIONS,
         "preload_app": False,
         # Addresses hold participants' tokens.
         "accesslog": None,
@@ -135,12 +151,13 @@ def run_server(
         "proc_name": "motionjury",
         "control_socket_disable": True,
         # Of what a proxy may say in headers, the scheme alone is believed here; for whom it asks
-        # is read in `studyapp.web.research.address`. The sub-path is ours to name.
+        # is read in `studyapp.web.address`. The sub-path is ours to name.
         "secure_scheme_headers": {"X-FORWARDED-PROTO": "https"},
         "forwarder_headers": "",
     }
     if on_ready is not None:
         options["when_ready"] = lambda _arbiter: on_ready()
+    _allow_descriptors()
     # What is loaded here stays for good. Workers share its memory as long as no collection of
     # garbage walks over it, and end without one.
     gc.freeze()
@@ -153,7 +170,24 @@ def run_server(
         prefix=prefix,
         served=served,
         store=store,
+        origin=origin,
     ).run()
+
+
+def _watch_for_alarms(app: Flask) -> None:
+    """Tell researchers what happens to the study of `app`; a rehearsal concerns nobody."""
+    with app.app_context():
+        here = running()
+    if here.clock.speed == 1.0 and (channels := AlarmChannels.of(here.study)).is_any:
+        watch_for_alarms(here.database, here.served, here.clock, channels.send)
+
+
+def _allow_descriptors() -> None:
+    """Let this process and its workers open as many files as they may need, if the system does."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    most = DESCRIPTORS if hard == resource.RLIM_INFINITY else min(DESCRIPTORS, hard)
+    if soft != resource.RLIM_INFINITY and soft < most:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
 
 
 def _require_free(host: str, port: int) -> None:

@@ -5,17 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.feature_networks import FeatureNetwork, Network, open_network
+from analysis.metrics.feature_networks import FeatureNetwork, Network, Source, open_network
 from analysis.metrics.kept_arrays import KeptArrays
 from analysis.metrics.seen_motion import SeenMotion
 from motion.errors import InputError
-from motion.source_version import imported_sources, source_version
 
 Array = NDArray[np.float32]
+
+VERSION: Final = "1"
+"""Raised whenever the same network gives other features of the same motion file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,7 +87,7 @@ class FeaturesOf:
             if found is not None and found.shape[1] > labels:
                 return _split(found, labels, place)
         clip = self.motion.read(path)
-        network = _opened(self.network.path, self.network.sha256)
+        network = _opened(self.network.source, self.network.sha256)
         both = np.asarray(network.embed(clip), np.float32)
         if labels:
             both = np.hstack([both, np.asarray(network.classify(clip), np.float32)])
@@ -92,7 +95,7 @@ class FeaturesOf:
             raise InputError(
                 "the network's features are not finite",
                 where=path,
-                remedy="Train the network again, or repair the motion",
+                remedy="Repair the motion, or use another network",
             )
         if place is not None:
             KeptArrays.keep(place, both)
@@ -109,13 +112,13 @@ def _split(both: Array, labels: int, place: Path | None) -> ClipFeatures:
 
 
 @lru_cache(maxsize=8)
-def _opened(path: Path, sha256: str) -> FeatureNetwork:
+def _opened(source: Source, sha256: str) -> FeatureNetwork:
     """Return the network once per process; another content of the file is another network."""
-    network = open_network(path)
+    network = open_network(source)
     if network.sha256 != sha256:
         raise InputError(
             "the network's file changed while it was being used",
-            where=path,
+            where=source if isinstance(source, Path) else source.file,
             remedy="Leave it alone until the metrics are there",
         )
     return network
@@ -123,10 +126,4 @@ def _opened(path: Path, sha256: str) -> FeatureNetwork:
 
 @lru_cache(maxsize=8)
 def _kept(folder: Path) -> KeptArrays:
-    return KeptArrays(folder, "features", _code_version())
-
-
-@lru_cache(maxsize=1)
-def _code_version() -> str:
-    sources = imported_sources([__name__, "analysis.metrics.networks"])
-    return source_version(sources, ["numpy", "scipy", "torch"])
+    return KeptArrays(folder, "features", VERSION)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,24 +11,12 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.evaluators.published_distance import Rule
 from analysis.metrics import network_names as names
 from motion.clip import MotionClip
 
-_OF_CHANNELS: Final = {
-    "body": names.EMOTION,
-    "landmarks": names.LANDMARKS,
-    "gesture": names.GESTURE,
-    "expression": names.EXPRESSION,
-    "both": names.WHOLE,
-}
-
-_SEES: Final = {
-    names.EMOTION: frozenset[str](),
-    names.GESTURE: frozenset[str](),
-    names.WHOLE: frozenset[str](),
-    names.EXPRESSION: frozenset({"face"}),
-    names.LANDMARKS: frozenset({"face"}),
-}
+_SEES_THE_FACE: Final = (names.EXPRESSION, names.LANDMARKS)
+"""Networks that have nothing else to look at."""
 
 _COMMANDS: Final = {
     names.EMOTION: "motionjury train evaluator emotion",
@@ -43,16 +32,43 @@ def command_for(name: str) -> str:
     return _COMMANDS[name]
 
 
+@dataclass(frozen=True, kw_only=True)
+class PublishedFile:
+    """A published network's checkpoint.
+
+    Attributes
+    ----------
+    preset : str
+        Which network; a key of `analysis.metrics.network_names.PUBLISHED`.
+    file : Path
+        Its checkpoint.
+    statistics : Path or None
+        For ``beat``, the folder of its mean and spread; None for that of the checkpoint.
+    """
+
+    preset: str
+    file: Path
+    statistics: Path | None = None
+
+
+Source = Path | PublishedFile
+"""Where a network is: a file of ``motionjury train evaluator``, or a published one's."""
+
+
 class FeatureNetwork(Protocol):
     """A network that turns clips into features, and of kind ``emotion`` into emotions too."""
 
     @property
-    def channels(self) -> str:
-        """What it looks at: ``body``, ``gesture``, ``expression``, ``both`` or ``landmarks``."""
+    def name(self) -> str:
+        """Which kind it is; a name in `analysis.metrics.network_names`."""
 
     @property
     def sha256(self) -> str:
         """Hash of its file."""
+
+    @property
+    def rule(self) -> Rule | None:
+        """By which rule published code takes distances in its features, if it is published."""
 
     @property
     def labels(self) -> Sequence[str]:
@@ -74,8 +90,8 @@ class Network:
 
     Attributes
     ----------
-    path : Path
-        Its file.
+    source : Path or PublishedFile
+        Where it is.
     sha256 : str
         Hash of the file.
     name : str
@@ -88,32 +104,46 @@ class Network:
     sees : frozenset of str
         Channels (`motion.freeze`) without which it has nothing to look at: where a study holds
         all of them still, it measures nothing.
+    rule : {'pytorch-fid', 'offset'} or None
+        By which rule published code takes distances in its features
+        (`analysis.evaluators.published_distance`); None for networks that were trained here.
     """
 
-    path: Path
+    source: Source
     sha256: str
     name: str
     settings: Mapping[str, str]
     labels: tuple[str, ...] = ()
     sees: frozenset[str] = frozenset()
+    rule: Rule | None = None
 
 
-def open_network(path: Path) -> FeatureNetwork:
-    """Return the network in the file `path`.
+def open_network(source: Source) -> FeatureNetwork:
+    """Return the network of a file.
+
+    In a process that another one started, torch is left one thread: such processes share the
+    processors already.
 
     Raises
     ------
     InputError
-        If the file is no network that ``motionjury train evaluator`` has made.
+        If the file holds no such network.
     """
     # Imported here: torch takes seconds to load, and most metrics do without.
+    import torch
+
+    if multiprocessing.parent_process() is not None:
+        torch.set_num_threads(1)
+    if isinstance(source, PublishedFile):
+        from analysis.evaluators.published import load_published
+
+        return load_published(source.preset, source.file, statistics=source.statistics)
     from analysis.metrics.networks import load_evaluator
 
-    network: FeatureNetwork = load_evaluator(path)
-    return network
+    return load_evaluator(source)
 
 
-def networks(paths: Iterable[Path]) -> tuple[Network, ...]:
+def networks(sources: Iterable[Source]) -> tuple[Network, ...]:
     """Return what is known of the networks in files; the same file is taken once.
 
     Raises
@@ -121,22 +151,23 @@ def networks(paths: Iterable[Path]) -> tuple[Network, ...]:
     InputError
         If a file is no such network.
     """
-    found: dict[str, tuple[Path, FeatureNetwork]] = {}
-    for path in paths:
-        network = open_network(path)
-        found.setdefault(network.sha256, (path, network))
-    names_there = [_OF_CHANNELS[network.channels] for _, network in found.values()]
+    found: dict[str, tuple[Source, FeatureNetwork]] = {}
+    for source in sources:
+        network = open_network(source)
+        found.setdefault(network.sha256, (source, network))
+    kinds = [network.name for _, network in found.values()]
     result = []
-    for name, (path, network) in zip(names_there, found.values(), strict=True):
-        several = names_there.count(name) > 1
+    for kind, (source, network) in zip(kinds, found.values(), strict=True):
+        several = kinds.count(kind) > 1
         result.append(
             Network(
-                path=path,
+                source=source,
                 sha256=network.sha256,
-                name=f"{name}, {network.sha256[:8]}" if several else name,
+                name=f"{kind}, {network.sha256[:8]}" if several else kind,
                 settings=dict(network.describe()),
                 labels=tuple(network.labels),
-                sees=_SEES[name],
+                sees=frozenset({"face"} if kind in _SEES_THE_FACE else ()),
+                rule=network.rule,
             )
         )
     return tuple(result)

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from analysis.evaluators.published_distance import FAILED, RULES, Rule, published_distance
 from analysis.metrics import network_names as names
 from analysis.metrics.clip_features import ClipFeatures
 from analysis.metrics.conditions import ConditionScore, counted, whole_condition
@@ -168,13 +169,16 @@ def _distances(
 ) -> Iterator[MetricResult]:
     """Yield Fréchet distance, FGD∞ and kernel distance from recorded motion."""
     distance = names.distance_of(network.name)
+    wanted = [distance, names.extrapolated(distance), names.kernel_of(network.name)]
+    if network.rule:
+        wanted.append(names.as_published(distance))
     reason = ""
     if not len(reference):
         reason = "there is no recorded motion to compare with"
     elif not len(generated):
         reason = "the network can look at none of the clips"
     if reason:
-        for name in (distance, names.extrapolated(distance), names.kernel_of(network.name)):
+        for name in wanted:
             yield _missing(name, reason, network)
         return
     count = min(shared, len(generated), len(reference))
@@ -197,6 +201,39 @@ def _distances(
     )
     yield kernel_distance(
         generated, reference, name=names.kernel_of(network.name), settings=network.settings
+    )
+    if network.rule:
+        name = names.as_published(distance)
+        yield _by_published_rule(network, generated, reference, network.rule, name)
+
+
+def _by_published_rule(
+    network: Network, generated: Embeddings, reference: Embeddings, rule: Rule, name: str
+) -> MetricResult:
+    """Return the Fréchet distance that the network's authors' code gives: over all windows."""
+    fewest, dimensions = min(len(generated), len(reference)), reference.values.shape[1]
+    settings = dict(network.settings) | {
+        "samples": f"{len(generated)} generated, {len(reference)} recorded",
+        "dimensions": f"{dimensions}",
+        "covariance": RULES[rule],
+    }
+    if fewest < 2:
+        return _missing(name, "a covariance needs two samples", network)
+    remark = ""
+    if fewest <= dimensions:
+        remark = (
+            f"{fewest} samples do not fill {dimensions} dimensions: the published rule takes the "
+            "root of a singular product, whose value depends on library versions and threads, and "
+            f"which may end as {FAILED:.0e}"
+        )
+    return MetricResult(
+        name=name,
+        value=published_distance(generated.values, reference.values, rule),
+        unit="",
+        n=fewest,
+        settings=settings,
+        remark=remark,
+        better="lower",
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,11 @@ from motion.ground import stand_on_ground
 from motion.resample import resample
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_COUNT, forward_kinematics
-from motion.source_version import imported_sources, source_version
 
 FloatArray = NDArray[np.float64]
+
+VERSION: Final = "1"
+"""Raised whenever the joints of the same motion file come to lie elsewhere."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,8 +69,7 @@ class JointMotionStore:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        version = source_version(imported_sources([__name__]), ["numpy", "scipy"])
-        self._kept = KeptArrays(folder, "joints", version)
+        self._kept = KeptArrays(folder, "joints", VERSION)
 
     def place(self, path: Path, frame_rate: float, motion: SeenMotion) -> Path:
         """Return where the joint motion of the file at `path` is kept, whether it is there or not.

@@ -6,6 +6,7 @@ import hashlib
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +24,11 @@ from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from motion.resample import resample
 from motion.skeleton import joint_index
-from motion.source_version import imported_sources, source_version
 
 FloatArray = NDArray[np.float64]
+
+LANDMARKS_VERSION: Final = "1"
+"""Raised whenever the landmarks of the same motion file on the same body come to lie elsewhere."""
 
 FACE_RATE = 15.0
 """Frames per second of faces and their landmarks; S2UE's and DiffSHEG's."""
@@ -244,8 +247,7 @@ def _landmarks_on(body: LandmarkBody) -> FaceLandmarks:
 @lru_cache(maxsize=8)
 def kept_landmarks(folder: Path) -> KeptArrays:
     """Return where landmarks are kept between runs."""
-    version = source_version(imported_sources(["motion.face_landmarks"]), ["numpy", "scipy"])
-    return KeptArrays(folder, "landmarks", version)
+    return KeptArrays(folder, "landmarks", LANDMARKS_VERSION)
 
 
 @lru_cache(maxsize=2)

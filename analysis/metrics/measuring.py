@@ -13,7 +13,7 @@ from analysis.metrics.conditions import (
     StudyMetrics,
     clip_means,
 )
-from analysis.metrics.feature_networks import Network, command_for, networks
+from analysis.metrics.feature_networks import Network, Source, command_for, networks
 from analysis.metrics.feature_scores import FeatureScores, scores_without_network
 from analysis.metrics.joint_motion import JointMotionStore
 from analysis.metrics.joint_positions import common_frame_rate
@@ -53,7 +53,7 @@ def study_metrics(
     recorded: Mapping[str, Path] | None = None,
     semantics: Mapping[str, Path] | None = None,
     emotions: Mapping[str, str] | None = None,
-    evaluators: Iterable[Path] = (),
+    evaluators: Iterable[Source] = (),
     face: LandmarkBody | None = None,
     penetrable: Path | None = None,
     presets: Iterable[str] = (REPORT,),
@@ -80,9 +80,9 @@ def study_metrics(
         Which gestures of the recordings carry meaning (`motion.formats.semantic_txt`).
     emotions : mapping of segment to str, optional
         Which emotion each segment is spoken with, for gesture emotion accuracy.
-    evaluators : iterable of Path
-        Feature networks that ``motionjury train evaluator`` has made; all of them are measured
-        with, whatever the presets ask for.
+    evaluators : iterable of Path or PublishedFile
+        Feature networks that ``motionjury train evaluator`` has made, or published ones; all of
+        them are measured with, whatever the presets ask for.
     face : LandmarkBody, optional
         Whose face landmarks are on, for metrics that compare them with recorded ones.
     penetrable : Path, optional

@@ -13,6 +13,23 @@ EXPRESSION: Final = "expression autoencoder"
 WHOLE: Final = "autoencoder of gesture and expression"
 LANDMARKS: Final = "landmark autoencoder"
 
+OF_CHANNELS: Final = {
+    "body": EMOTION,
+    "landmarks": LANDMARKS,
+    "gesture": GESTURE,
+    "expression": EXPRESSION,
+    "both": WHOLE,
+}
+"""The networks that are trained here, by what they look at."""
+
+PUBLISHED: Final = {
+    "emage": "EMAGE's evaluator",
+    "beat": "BEAT's evaluator",
+    "ted": "TED's evaluator",
+    "talkshow": "TalkSHOW's evaluator",
+}
+"""The published networks that `analysis.evaluators` loads, by preset."""
+
 FGD_OF_EMOTION: Final = f"FGD ({EMOTION})"
 FGD: Final = f"FGD ({GESTURE})"
 FED: Final = f"FED ({EXPRESSION})"
@@ -27,6 +44,7 @@ DISTANCES: Final = {
     EXPRESSION: FED,
     WHOLE: FMD,
     LANDMARKS: FLD,
+    **{name: f"FGD ({name})" for name in PUBLISHED.values()},
 }
 """The Fréchet distance in the features of each network."""
 
@@ -40,6 +58,11 @@ def distance_of(network: str) -> str:
 def extrapolated(distance: str) -> str:
     """Return what a Fréchet distance extrapolated to infinitely many samples is called."""
     return distance.replace(" (", "∞ (", 1)
+
+
+def as_published(distance: str) -> str:
+    """Return what a Fréchet distance by the published code's own rule is called."""
+    return distance.replace(" (", " by the published rule (", 1)
 
 
 def kernel_of(network: str) -> str:

@@ -290,7 +290,15 @@ def _result(
         boundary=zero,
         link=answers.link,
         structure=answers.thresholds.structure,
-        remark=_remark(converged, separated, parted, zero),
+        remark=_remark(
+            converged,
+            # Effects grow with the variance between groups where that is what diverges.
+            []
+            if parted and np.abs(deviations).max() > np.abs(effects).max(initial=0.0)
+            else separated,
+            parted,
+            zero,
+        ),
     )
 
 

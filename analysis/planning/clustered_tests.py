@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse, stats
 
+from analysis.clustered_variance import freedom_of, one_way
+
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
 
@@ -48,30 +50,30 @@ def clustered_tests(values: Floats, participants: Codes, items: Codes) -> tuple[
     studies, count = values.shape
     groups = [np.unique(codes, return_inverse=True)[1] for codes in (participants, items)]
     sizes = [int(codes.max(initial=-1)) + 1 for codes in groups]
-    if not count or min(sizes) < 2:
+    if not count or sizes[0] < 2:
         means = values.mean(axis=1) if count else np.full(studies, np.nan)
         return means, np.full(studies, np.nan)
     means = values.mean(axis=1)
     influences = (values - means[:, None]).T / count
     cells = np.unique(groups[0] * sizes[1] + groups[1], return_inverse=True)[1]
-    by_participant, by_item, by_cell = (_one_way(influences, codes) for codes in (*groups, cells))
+    ways = [(codes, np.bincount(codes) / count) for codes in (*groups, cells)]
+    if sizes[1] < 2:
+        ways = [ways[0]] * 3
+    by_participant, by_item, by_cell = (_variances(influences, *way) for way in ways)
     independent = (influences**2).sum(axis=0)
     variances = np.maximum.reduce([by_participant + by_item - by_cell, by_participant, by_item])
     rounding = variances <= 1e-12 * count * independent
     variances[rounding] = independent[rounding] * count / (count - 1)
     with np.errstate(invalid="ignore", divide="ignore"):
         distance = np.abs(means) / np.sqrt(variances)
-    p_values = 2 * stats.t(min(sizes) - 1).sf(distance)
+    p_values = 2 * stats.t(min(float(freedom_of(shares)) for _, shares in ways[:2])).sf(distance)
     p_values[np.ptp(values, axis=1) == 0] = np.nan
     return means, np.asarray(p_values, np.float64)
 
 
-def _one_way(influences: Floats, codes: Codes) -> Floats:
-    count = int(codes.max()) + 1
-    if count == len(codes):
-        return np.asarray((influences**2).sum(axis=0) * count / (count - 1), np.float64)
+def _variances(influences: Floats, codes: Codes, shares: Floats) -> Floats:
     table = sparse.csr_array(
-        (np.ones(len(codes)), (codes, np.arange(len(codes)))), (count, len(codes))
+        (np.ones(len(codes)), (codes, np.arange(len(codes)))), (len(shares), len(codes))
     )
     sums = np.asarray(table @ influences, np.float64)
-    return np.asarray((sums**2).sum(axis=0) * count / (count - 1), np.float64)
+    return one_way(sums, shares[:, None])[0]

@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy import stats
 
 from analysis.planning.clustered_tests import Findings, clustered_tests
 from analysis.planning.crossed_model import crossed_models
@@ -22,6 +21,7 @@ from analysis.planning.part import Opinions, Part
 from analysis.results.net_preference import Expected, expected, net_preference
 from analysis.results.preference import FEWEST
 from analysis.results.sided import SidedAnswers
+from analysis.strengths.contrasts import difference_tests
 from analysis.strengths.plackett_luce import plackett_luce
 from motion.errors import InputError
 
@@ -166,7 +166,7 @@ class DecidingTests:
         )
 
     def _worths(self, given: Floats) -> tuple[Floats, Floats]:
-        """Return which differences of worths the simultaneous rank intervals rest on."""
+        """Return the tests of differences of worths."""
         trials = self.part.trials
         count, width = given.shape
         names = [str(number) for number in range(width)]
@@ -186,10 +186,9 @@ class DecidingTests:
             none = np.full(len(self.pairs), np.nan)
             return none, none
         first, second = np.array(self.pairs).T
-        difference = found.worths[first] - found.worths[second]
-        error = found.two_way.differences[first, second]
-        return 2 * stats.t(found.two_way.freedom).sf(np.abs(difference) / error), np.sign(
-            difference
+        return (
+            difference_tests(found.worths, found.two_way)[first, second],
+            np.sign(found.worths[first] - found.worths[second]),
         )
 
 

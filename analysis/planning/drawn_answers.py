@@ -1,25 +1,30 @@
 """The answers of many simulated studies at once, on any design.
 
-What people feel is what `analysis.validity.studies` lets them feel: a difference of two conditions
+What people feel follows one process: a difference of two conditions
 has an effect, a part of the participant's own, one of the item's own, and logistic noise.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logit
 
-from analysis.planning.part import Opinions, Part, Trials
-from analysis.validity.studies import RATING_THRESHOLDS, graded
+from analysis.planning.part import RATING_THRESHOLDS, THRESHOLDS, Opinions, Part, Trials
 
 Floats = NDArray[np.float64]
 
 POINTS: Final = len(RATING_THRESHOLDS) + 1
 """Points of the scale that `RATING_THRESHOLDS` cut."""
+
+
+def graded(latent: Floats, thresholds: Sequence[float] = THRESHOLDS) -> Floats:
+    """Return how clearly a felt difference is answered: below 0 for the second condition."""
+    return np.asarray(np.sign(latent) * np.searchsorted(thresholds, np.abs(latent)), np.float64)
 
 
 def drawn_answers(

@@ -10,13 +10,17 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.validity.studies import THRESHOLDS
-
 Codes = NDArray[np.intp]
 
 Kind = Literal["pairs", "ratings", "rankings"]
 Test = Literal["report", "crossed_lmm"]
 """What decides: what the study's report decides by, or a crossed linear mixed model of scores."""
+
+THRESHOLDS: Final = (0.45, 1.6)
+"""Latent size of a difference from which answers are slight, and from which they are clear."""
+
+RATING_THRESHOLDS: Final = (-1.6, -0.45, 0.45, 1.6)
+"""Between five ratings on the latent scale."""
 
 PARTICIPANT_SD: Final = 0.6
 ITEM_SD: Final = 0.45

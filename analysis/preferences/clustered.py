@@ -10,10 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.clustered_variance import clustered_variance
+from analysis.clustered_variance import clustered_variance, freedom_of
 
 LEVEL: Final = 0.95
 """Confidence level of every interval in the report."""
+
+EVEN: Final = 0.5
+"""Share of the degrees of freedom of equally busy participants below which the report warns."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +35,13 @@ class ClusteredMean:
         Two-sided p of the mean being `null`; NaN where there is no standard error.
     answers, participants, segments : int
         What the estimate rests on.
+    freedom : float
+        Degrees of freedom of the standard error; NaN where there is none.
     method : str
         Which variance was used; empty where there is none.
+    remark : str
+        What limits the estimate: that one participant weighs much more than the others, and how
+        far it moves without any one of them.
     reason : str
         Why there is no interval; empty where there is one.
     """
@@ -46,7 +54,9 @@ class ClusteredMean:
     answers: int
     participants: int
     segments: int
+    freedom: float = math.nan
     method: str = ""
+    remark: str = ""
     reason: str = ""
 
 
@@ -60,8 +70,8 @@ def clustered_mean(
 ) -> ClusteredMean:
     """Return the mean of `values` with an interval clustered by participant and segment.
 
-    The variance is that of `clustered_variance`; the quantiles are those of t with
-    min(participants, segments) - 1 degrees of freedom.
+    Variance and degrees of freedom are those of `clustered_variance`: of one segment, the
+    interval is over participants alone.
 
     Parameters
     ----------
@@ -77,8 +87,8 @@ def clustered_mean(
     Returns
     -------
     ClusteredMean
-        Without an interval, and with the reason, where there are no answers, one participant,
-        one segment, or all answers alike.
+        Without an interval, and with the reason, where there are no answers, one participant, or
+        all answers alike.
     """
     people = np.unique(participants, return_inverse=True)[1]
     items = np.unique(segments, return_inverse=True)[1]
@@ -92,13 +102,11 @@ def clustered_mean(
         participants=int(people.max(initial=-1)) + 1,
         segments=int(items.max(initial=-1)) + 1,
     )
-    reason = _why_no_interval(values, unknown.participants, unknown.segments)
+    reason = _why_no_interval(values, unknown.participants)
     if reason:
         return replace(unknown, reason=reason)
-    influences = (values - unknown.estimate) / len(values)
-    variance, method = clustered_variance(influences, people, items)
-    error = math.sqrt(variance)
-    law = stats.t(min(unknown.participants, unknown.segments) - 1)
+    found = clustered_variance((values - unknown.estimate) / len(values), people, items)
+    error, law = math.sqrt(found.variance), stats.t(found.freedom)
     margin = float(law.ppf((1 + LEVEL) / 2)) * error
     return replace(
         unknown,
@@ -106,17 +114,29 @@ def clustered_mean(
         low=max(limits[0], unknown.estimate - margin),
         high=min(limits[1], unknown.estimate + margin),
         p_value=float(2 * law.sf(abs(unknown.estimate - null) / error)),
-        method=method,
+        freedom=found.freedom,
+        method=found.method,
+        remark=_unequal(values, people),
     )
 
 
-def _why_no_interval(values: NDArray[np.float64], participants: int, segments: int) -> str:
+def _unequal(values: NDArray[np.float64], people: NDArray[np.intp]) -> str:
+    """Say that participants answered very unequally often, and what hangs on one of them."""
+    counts = np.bincount(people)
+    if float(freedom_of(counts / len(values))) >= (len(counts) - 1) * EVEN:
+        return ""
+    without = (values.sum() - np.bincount(people, weights=values)) / (len(values) - counts)
+    return (
+        f"one participant gave {counts.max()} of {len(values)} answers; without any one "
+        f"participant the estimate lies between {without.min():.3g} and {without.max():.3g}"
+    )
+
+
+def _why_no_interval(values: NDArray[np.float64], participants: int) -> str:
     if not len(values):
         return "no answers"
     if participants < 2:
         return "one participant"
-    if segments < 2:
-        return "one segment"
     if np.ptp(values) == 0:
         return "all answers alike"
     return ""

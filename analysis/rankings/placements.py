@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -59,6 +59,22 @@ class Placements:
         """Which rankings place every condition."""
         return np.asarray(~np.isnan(self.given).any(axis=1))
 
+    def averaged(self) -> Placements:
+        """Return one ranking of each participant and segment, by the mean of their ranks."""
+        cells, cell = np.unique(
+            np.column_stack([self.participants, self.segments]), axis=0, return_inverse=True
+        )
+        if len(cells) == len(self.given):
+            return self
+        cell = cell.ravel()
+        there = ~np.isnan(self.given)
+        sums, counts = np.zeros((2, len(cells), len(self.conditions)))
+        np.add.at(sums, cell, np.where(there, self.ranks, 0.0))
+        np.add.at(counts, cell, there)
+        with np.errstate(invalid="ignore"):
+            means = sums / counts
+        return replace(self, given=means, participants=cells[:, 0], segments=cells[:, 1])
+
     def _compared(self, how: np.ufunc) -> Floats:
         found = np.zeros_like(self.given)
         for other in range(len(self.conditions)):
@@ -74,33 +90,35 @@ def placements(answers: pd.DataFrame, conditions: Sequence[str]) -> Placements:
     ----------
     answers : DataFrame
         Columns `participant`, `segment`, `condition` and `rank` (1 is best, equal numbers are a
-        tie), one row per placed condition.
+        tie), one row per placed condition; `trial`, where somebody ranked a segment repeatedly.
     conditions : sequence of str
         All of them, in the order wanted.
 
     Raises
     ------
     InputError
-        If somebody placed a condition of a segment twice.
+        If a ranking places a condition twice.
     """
     columns = condition_columns(answers["condition"], conditions)
     own = columns >= 0
     people, participant_names = pd.factorize(answers["participant"][own])
     things, segment_names = pd.factorize(answers["segment"][own])
-    width = max(len(segment_names), 1)
-    cells, rows = np.unique(people * width + things, return_inverse=True)
+    trials = pd.factorize(answers["trial"][own])[0] if "trial" in answers else np.zeros_like(people)
+    named = np.column_stack([people, things, trials])
+    cells, rows = np.unique(named, axis=0, return_inverse=True)
+    rows = rows.ravel()
     given = np.full((len(cells), len(conditions)), np.nan)
     if pd.Series(rows * len(conditions) + columns[own]).duplicated().any():
         raise InputError(
-            "a participant placed a condition twice in one segment",
+            "a participant placed a condition twice in one ranking",
             remedy="Summarise one question and one set at a time",
         )
     given[rows, columns[own]] = answers["rank"].to_numpy(np.float64)[own]
     return Placements(
         conditions=tuple(conditions),
         given=given,
-        participants=cells // width,
-        segments=cells % width,
+        participants=cells[:, 0],
+        segments=cells[:, 1],
         participant_names=tuple(map(str, participant_names)),
         segment_names=tuple(map(str, segment_names)),
     )

@@ -59,8 +59,8 @@ def cliffs_delta(
     """Compare the ratings of two conditions (Cliff 1993).
 
     The error is not Cliff's, who takes all ratings as independent: what each rating adds to
-    delta is clustered by participant and segment as for a win share, with min(participants,
-    segments) - 1 degrees of freedom; the interval is made on the scale of Fisher's z.
+    delta is clustered by participant and segment as for a win share; the interval is made on the
+    scale of Fisher's z.
 
     Parameters
     ----------
@@ -90,25 +90,25 @@ def cliffs_delta(
     dominance = np.where(of_first, _above(y, y[~of_first]), -_above(y, y[of_first]))
     estimate = float(dominance[of_first].mean())
     found = replace(unknown, estimate=estimate)
-    groups = min(found.participants, found.segments)
-    if groups < 2:
-        one = "participant" if found.participants < 2 else "segment"
-        return replace(found, reason=f"one {one}")
+    if found.participants < 2:
+        return replace(found, reason="one participant")
     if abs(estimate) == 1:
         return replace(found, reason="the ratings do not overlap")
     influences = (dominance - estimate) / np.where(of_first, first, second)
     if not influences.any():
         return replace(found, reason="all ratings alike")
-    variance, method = clustered_variance(influences, who, what)
-    error = math.sqrt(variance)
-    margin = float(stats.t(groups - 1).ppf(0.975)) * error / (1 - estimate**2)
+    spread = clustered_variance(
+        influences, who, what, np.where(of_first, first, second).astype(np.float64) ** -2
+    )
+    error = math.sqrt(spread.variance)
+    margin = float(stats.t(spread.freedom).ppf(0.975)) * error / (1 - estimate**2)
     middle = math.atanh(estimate)
     return replace(
         found,
         standard_error=error,
         low=math.tanh(middle - margin),
         high=math.tanh(middle + margin),
-        method=method,
+        method=spread.method,
     )
 
 

@@ -105,8 +105,8 @@ def mean_difference(cells: RatedCells, a: int, b: int) -> ClusteredMean:
     Returns
     -------
     ClusteredMean
-        Tested against zero; two-way clustered (CR1), t with min(participants, segments) - 1
-        degrees of freedom. `method` says which ratings and which variance it rests on.
+        Tested against zero, clustered as `clustered_mean`. `method` says which ratings and which
+        variance it rests on.
     """
     there = ~np.isnan(cells.means[:, [a, b]])
     both = there.all(axis=1)
@@ -146,15 +146,13 @@ def _of_all(cells: RatedCells, pair: Sequence[int], there: NDArray[np.bool_]) ->
         return replace(unknown, reason="one of the conditions has no ratings")
     means = np.bincount(column, weights=values) / counts
     unknown = replace(unknown, estimate=float(means[0] - means[1]))
-    freedom = min(unknown.participants, unknown.segments) - 1
-    if freedom < 1:
-        one = "participant" if unknown.participants < 2 else "segment"
-        return replace(unknown, reason=f"one {one}")
+    if unknown.participants < 2:
+        return replace(unknown, reason="one participant")
     influences = np.array([1.0, -1.0])[column] * (values - means[column]) / counts[column]
     if not influences.any():
         return replace(unknown, reason="all ratings of a condition alike")
-    variance, method = clustered_variance(influences, who, what)
-    error, law = math.sqrt(variance), stats.t(freedom)
+    found = clustered_variance(influences, who, what, counts[column].astype(np.float64) ** -2)
+    error, law = math.sqrt(found.variance), stats.t(found.freedom)
     reach = float(law.ppf((1 + LEVEL) / 2)) * error
     return replace(
         unknown,
@@ -162,5 +160,6 @@ def _of_all(cells: RatedCells, pair: Sequence[int], there: NDArray[np.bool_]) ->
         low=unknown.estimate - reach,
         high=unknown.estimate + reach,
         p_value=float(2 * law.sf(abs(unknown.estimate) / error)),
-        method=f"{UNPAIRED}, {method}",
+        freedom=found.freedom,
+        method=f"{UNPAIRED}, {found.method}",
     )

@@ -43,7 +43,10 @@ class RatingSummary:
 
 
 def rating_table(
-    answers: pd.DataFrame, conditions: Sequence[str], scores: Sequence[int]
+    answers: pd.DataFrame,
+    conditions: Sequence[str],
+    scores: Sequence[int],
+    limits: tuple[float, float] = (-math.inf, math.inf),
 ) -> tuple[RatingSummary, ...]:
     """Summarise the ratings of one question.
 
@@ -55,6 +58,8 @@ def rating_table(
         In the order wanted; one without ratings gets a row that says so.
     scores : sequence of int
         All scores that can be given, ascending.
+    limits : (float, float)
+        Where intervals are cut: the ends of the scale, where it is known.
 
     Raises
     ------
@@ -70,12 +75,17 @@ def rating_table(
             remedy="Correct the rating, or name all scores of the scale",
         )
     return tuple(
-        _summary(condition, answers[answers["condition"] == condition], scores)
+        _summary(condition, answers[answers["condition"] == condition], scores, limits)
         for condition in conditions
     )
 
 
-def _summary(condition: str, ratings: pd.DataFrame, scores: Sequence[int]) -> RatingSummary:
+def _summary(
+    condition: str,
+    ratings: pd.DataFrame,
+    scores: Sequence[int],
+    limits: tuple[float, float],
+) -> RatingSummary:
     values = ratings["value"].to_numpy(np.float64)
     counts = [int((values == score).sum()) for score in scores]
     above = np.cumsum(counts[::-1])[::-1]
@@ -86,7 +96,7 @@ def _summary(condition: str, ratings: pd.DataFrame, scores: Sequence[int]) -> Ra
             pd.factorize(ratings["participant"])[0],
             pd.factorize(ratings["segment"])[0],
             null=math.nan,
-            limits=(min(scores), max(scores)),
+            limits=limits,
         ),
         sd=float(values.std(ddof=1)) if len(values) > 1 else math.nan,
         counts=dict(zip(scores, counts, strict=True)),

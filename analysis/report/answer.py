@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.by_question import each_question
 from analysis.report.flow_words import is_half_finished, places_words
 from analysis.report.looks_section import looks_sentence
 from analysis.report.subject import Subject
-from analysis.report.verdicts import (
-    SIGNIFICANCE,
-    Verdict,
-    about,
-    largest_first,
-    leaders,
-    share_with_interval,
-    verdicts,
-)
+from analysis.report.verdicts import SIGNIFICANCE, Verdict, about, largest_first, verdicts
+from analysis.results.grouping import ByQuestion
+from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
-from analysis.results.ranking import RankedCondition, RankingResults
+from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import Results, TableReport
-from analysis.results.strength_errors import RankInterval
+from analysis.results.strengths import Standings
 from motion.listing import listed
 
 MOST: Final = 4
@@ -39,16 +33,20 @@ def answer(report: TableReport, subject: Subject) -> tuple[str, ...]:
         )
     if report.remark:
         return (report.remark, *_unfinished(report, subject))
-    if isinstance(report.results, RankingResults):
-        effect, certainty = _ranked(report, report.results, subject), ""
-    else:
-        found = verdicts(report)
-        effect, certainty = _effect(found, subject), _certainty(found)
+    found = verdicts(report)
     return (
-        effect,
+        _effect(found, subject),
         " ".join(
             part
-            for part in (certainty, _equivalent(report.results), _basis(report, subject))
+            for part in (
+                _together(report),
+                _certainty(found),
+                _stand_ins(found),
+                _seeming(found),
+                _equivalent(report.results),
+                _unequal(report.results),
+                _basis(report, subject),
+            )
             if part
         ),
         " ".join(
@@ -66,6 +64,7 @@ def answer(report: TableReport, subject: Subject) -> tuple[str, ...]:
 def _effect(found: tuple[Verdict, ...], subject: Subject) -> str:
     """Name what is decided, the largest first, or say that nothing is."""
     decided = largest_first([one for one in found if one.outcome == "decided"])
+    found = tuple(one for one in found if one.outcome != "outside")
     tested = [one for one in found if one.outcome != "untested"]
     people = subject.people.capitalize()
     if not tested:
@@ -123,35 +122,69 @@ def _open(undecided: list[Verdict], tests: int) -> str:
     return f"the answers do not decide between {'; '.join(pairs)}"
 
 
-def _ranked(report: TableReport, results: RankingResults, subject: Subject) -> str:
-    """Name the best mean rank of each question."""
-    ranks = {
-        (of, question, name): found
-        for of, question, worths in each_question(results.plackett_luce, report.sets)
-        for name, found in worths.ranks.items()
-    }
-    firsts = []
-    for ordered in leaders(results):
-        best, of = ordered[0], ordered[0].set or ""
-        if best.mean_rank == ordered[-1].mean_rank:
-            firsts.append(f"none before the others {about(best.question, of)}")
-            continue
-        numbers = _rank_numbers(best, ranks.get((of, best.question, best.condition)))
-        firsts.append(f"{wording.name(best.condition)} {about(best.question, of)} ({numbers})")
-    rest = f", and so on for {len(firsts) - MOST} more" if len(firsts) > MOST else ""
+def _together(report: TableReport) -> str:
+    """Say whether conditions differ at all, where strengths or worths decide."""
+    match report.results:
+        case PairwiseResults(decided_by="strengths", bradley_terry=fitted):
+            models: ByQuestion[Standings] = fitted
+        case RankingResults(plackett_luce=fitted_worths):
+            models = fitted_worths
+        case _:
+            return ""
+    parts = [
+        f"{about(question, of)} (F({test.df:.0f}, {wording.quantity(test.df_rest)}) = "
+        f"{wording.fixed(test.f, 2)}, {wording.p_is(test.p)})"
+        for of, question, model in each_question(models, report.sets)
+        for test in (model.omnibus,)
+        if not math.isnan(test.p)
+    ]
+    more = f", and {len(parts) - MOST} more" if len(parts) > MOST else ""
+    return f"One test of all conditions together: {listed(parts[:MOST])}{more}." if parts else ""
+
+
+def _stand_ins(found: tuple[Verdict, ...]) -> str:
+    """Name tests that stand in for the usual one, and why."""
+    by_reason: dict[tuple[str, str], int] = {}
+    for one in found:
+        if one.why and one.outcome in ("decided", "undecided"):
+            key = one.measure, one.why.rstrip(".")
+            by_reason[key] = by_reason.get(key, 0) + 1
+    named = [
+        f"{wording.count(count, 'test')} {'is' if count == 1 else 'are'} of the {measure}, because "
+        f"the usual test cannot be used ({why})"
+        for (measure, why), count in list(by_reason.items())[:2]
+    ]
+    more = "; the tables name others" if len(by_reason) > 2 else ""
+    text = "; ".join(named)
+    return f"{text[0].upper()}{text[1:]}{more}." if text else ""
+
+
+def _seeming(found: tuple[Verdict, ...]) -> str:
+    """Say why an interval may leave out no difference where the test does not decide."""
+    seeming = sum(one.apart and one.outcome == "undecided" for one in found)
+    if not seeming:
+        return ""
+    verb = "leaves" if seeming == 1 else "leave"
     return (
-        f"{subject.people.capitalize()} placed best, by mean rank, {listed(firsts[:MOST])}{rest}; "
-        "which ranks the others may have is in the tables."
+        f"Intervals stand for one test at a time: {seeming} of them {verb} out no difference, "
+        f"although p, corrected over {wording.count(len(found), 'test')}, does not decide."
     )
 
 
-def _rank_numbers(best: RankedCondition, ranks: RankInterval | None) -> str:
-    share = share_with_interval(best.first_share_interval)
-    words = f"mean rank {wording.fixed(best.mean_rank, 2)}; first places {share}"
-    if ranks is None:
-        return words
-    span = f"{ranks.best}" if ranks.best == ranks.worst else f"{ranks.best}–{ranks.worst}"
-    return f"{words}; its rank may be {span} at {LEVEL:.0%}"
+def _unequal(results: Results) -> str:
+    """Warn where one participant weighs much more than the others."""
+    match results:
+        case PairwiseResults(comparisons=found):
+            remarks = [(f"{one.a} against {one.b}", one.win_share.remark) for one in found]
+        case MismatchResults(conditions=matched):
+            remarks = [(one.condition, one.win_share.remark) for one in matched]
+        case RatingResults(contrasts=rated):
+            remarks = [(f"{one.a} against {one.b}", one.difference.remark) for one in rated]
+        case RankingResults(conditions=ranked):
+            remarks = [(one.condition, one.mean_rank_interval.remark) for one in ranked]
+    said = [f"{name}: {remark}" for name, remark in remarks if remark]
+    more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
+    return f"Participants answered very unequally often. {said[0]}{more}." if said else ""
 
 
 def _equivalent(results: Results) -> str:

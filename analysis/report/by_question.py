@@ -32,6 +32,13 @@ def each_question(
             yield name, question, one
 
 
+def of(found: ByQuestion[Result], name: str | None) -> Mapping[str, Result]:
+    """Return the results of the set `name` by question; of all questions where it is None."""
+    if name is None:
+        return cast(Mapping[str, Result], found)
+    return cast(Mapping[str, Mapping[str, Result]], found).get(name, {})
+
+
 def question_name(of: str, question: str) -> str:
     """Return what a row about a question is called."""
     return wording.name(question) if not of else f"{wording.name(of)}: {wording.name(question)}"

@@ -21,7 +21,8 @@ def csv_tables(report: TableReport) -> dict[str, pd.DataFrame]:
     excluded = [{"participant": who, "reason": why} for who, why in results["exclusions"].items()]
     rows = {"exclusions": excluded}
     for name in (*_PER_REPORT, *vars(report.results)):
-        rows[name] = _rows(results[name], with_sets=bool(report.sets))
+        if not isinstance(results[name], str):
+            rows[name] = _rows(results[name], with_sets=bool(report.sets))
     beside = _rows(results["metrics_against_people"], with_sets=bool(report.sets))
     rows["metrics_against_people"] = [row for one in beside for row in _metrics(one)]
     rows["heterogeneity"] = [row for one in rows["heterogeneity"] for row in _levels(one)]

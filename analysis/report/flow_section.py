@@ -25,7 +25,7 @@ def flow_section(report: TableReport, subject: Subject) -> Section | None:
     return Section(
         anchor="flow",
         heading="Who is analysed, who is left out",
-        paragraphs=(*_rules(report), *_remarks(report)),
+        paragraphs=(*_rules(report), *_unwatched(report), *_remarks(report)),
         tables=tuple(table for table in (_flow(report, subject), _reasons(report)) if table.rows),
     )
 
@@ -73,6 +73,7 @@ def _sum(flows: tuple[Flow, ...]) -> Flow:
         opened=total("opened"),
         withdrawn=total("withdrawn"),
         earlier=total("earlier"),
+        unwatched=total("unwatched"),
         completed=total("completed"),
         answered=sum(flow.answered for flow in flows),
         removed=tuple(map(sum, zip(*(flow.removed for flow in flows), strict=True))),
@@ -107,6 +108,16 @@ def _rules(report: TableReport) -> tuple[str, ...]:
             "it."
         )
     return tuple(words)
+
+
+def _unwatched(report: TableReport) -> tuple[str, ...]:
+    ended = sum(flow.unwatched or 0 for flow in report.flow)
+    if not ended:
+        return ()
+    return (
+        f"{wording.count(ended, 'study session')} ended before the last trial, since too many "
+        "videos were said not to play. They have no completion code, and their places are free.",
+    )
 
 
 def _remarks(report: TableReport) -> tuple[str, ...]:

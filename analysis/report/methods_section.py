@@ -13,14 +13,15 @@ from analysis.report.content import Section
 from analysis.report.looks_section import looks_sentence
 from analysis.report.subject import Subject
 from analysis.report.verdicts import SIGNIFICANCE, verdicts
+from analysis.results.pairwise import PairwiseResults
 from analysis.results.preference import FEWEST
 from analysis.results.report import TableReport
 from motion.listing import listed
 
 _CLUSTERED: Final = (
-    "intervals are two-way cluster-robust (CR1; participants and segments; Cameron, Gelbach and "
-    "Miller 2011), with the t distribution of min(participants, segments) − 1 degrees of freedom, "
-    "never narrower than one-way ones, and not corrected for multiplicity"
+    "intervals are two-way cluster-robust (participants and segments; Cameron, Gelbach and Miller "
+    "2011) with the small-sample correction CR2 and Satterthwaite degrees of freedom (Bell and "
+    "McCaffrey 2002), never narrower than one-way ones, and not corrected for multiplicity"
 )
 
 _MODEL: Final = (
@@ -30,13 +31,17 @@ _MODEL: Final = (
 )
 
 _FEW: Final = (
-    f"with fewer than {FEWEST} participants or segments, where it finds too much, those of the win "
-    "share decide."
+    f"with fewer than {FEWEST} participants or segments, where it finds too much, or where the "
+    "model cannot be fitted, those of the win share decide, and where all answers agree, an exact "
+    "sign test of participants."
 )
 
 _STRENGTHS: Final = (
-    "clustered by participant and segment, t with min(participants, segments) − 1 degrees of "
-    f"freedom) hold for all conditions together at {LEVEL:.0%} (Bonferroni)."
+    f"clustered by participant and segment) hold for all conditions together at {LEVEL:.0%} "
+    "(Bonferroni); differences of two are tested by their two-way errors (CR2, Satterthwaite), "
+    "and all together by a Wald test (Hotelling's T²). Where a condition never lost, the fit is "
+    "penalised by half a win and half a loss of each against an average one (Turner and others "
+    "2020), and an exact sign test of participants decides."
 )
 
 TESTS: Final = MappingProxyType(
@@ -62,12 +67,12 @@ TESTS: Final = MappingProxyType(
             "Ratings are described by means (" + _CLUSTERED + "). Conditions were contrasted two "
             "by two in the mean difference of paired ratings, clustered likewise, which decides, "
             "and in a cumulative link mixed model (logit, flexible thresholds, Laplace "
-            "approximation) with crossed random intercepts of participants and segments; Cliff's δ "
-            "stands beside as a measure of size."
+            "approximation) with crossed random intercepts of participants and segments, which "
+            "describes and does not test; Cliff's δ stands beside as a measure of size."
         ),
         "ranking": (
             "Rankings are described by mean ranks and shares of first places (" + _CLUSTERED + "), "
-            "and by Plackett–Luce worths with ties; rank intervals (" + _STRENGTHS
+            "and by Plackett–Luce worths with ties, which decide; rank intervals (" + _STRENGTHS
         ),
     }
 )
@@ -157,13 +162,25 @@ def _rules(report: TableReport) -> str:
 
 
 def _family(report: TableReport) -> tuple[str, ...]:
-    count = len(verdicts(report))
+    found = verdicts(report)
+    count = sum(one.outcome != "outside" for one in found)
     if not count:
         return ()
+    declared = report.settings.family
+    which = "everything compared, on every question"
+    if declared == "by question":
+        which = "everything compared, those of each question by themselves"
+    elif declared != "all":
+        which = f"the declared family “{declared}”; other tests are described and do not decide"
+    strengths = (
+        " More than three conditions were compared, so that differences of strengths decide."
+        if isinstance(report.results, PairwiseResults) and report.results.decided_by == "strengths"
+        else ""
+    )
     return (
-        f"All tests are two-sided. p values were corrected by Holm's method over "
-        f"{wording.count(count, 'test')}: everything compared, on every question; a test that "
-        f"could not be made counts as one. Corrected values below {SIGNIFICANCE:g} decide.",
+        f"All tests are two-sided.{strengths} p values were corrected by Holm's method over "
+        f"{wording.count(count, 'test')}: {which}; a test that could not be made counts as one. "
+        f"Corrected values below {SIGNIFICANCE:g} decide.",
     )
 
 

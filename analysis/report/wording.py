@@ -67,6 +67,12 @@ def p_value(value: float) -> str:
     return text[1:]
 
 
+def p_is(value: float) -> str:
+    """Return a p value as a sentence has it, 'p < .001' or 'p = .34'."""
+    text = p_value(value)
+    return f"p {text}" if text.startswith("<") else f"p = {text}"
+
+
 def percent(value: float) -> str:
     """Return a percentage without decimals; a dash for NaN."""
     return "–" if math.isnan(value) else f"{value:.0f}"

@@ -17,8 +17,10 @@ class Estimate:
         NaN where there is none.
     n, participants, segments : int
         What it rests on.
-    method, reason : str
-        Which variance was used; why there is no interval.
+    df : float
+        Degrees of freedom of the standard error.
+    method, remark, reason : str
+        Which variance was used; what limits the estimate; why there is no interval.
     """
 
     estimate: float
@@ -29,7 +31,9 @@ class Estimate:
     n: int
     participants: int
     segments: int
+    df: float
     method: str
+    remark: str
     reason: str
 
 
@@ -44,6 +48,8 @@ def estimate_of(mean: ClusteredMean) -> Estimate:
         n=mean.answers,
         participants=mean.participants,
         segments=mean.segments,
+        df=mean.freedom,
         method=mean.method,
+        remark=mean.remark,
         reason=mean.reason,
     )

@@ -29,6 +29,8 @@ class ArmState:
     withdrawn, earlier : int
         Those of them whose participants withdrew; that belong to an earlier design of the study
         and are not analysed.
+    unwatched : int
+        Those that ended before, since too many videos were said not to play.
     completed : int
         Those of all others that reached the end.
     """
@@ -38,6 +40,7 @@ class ArmState:
     opened: int
     withdrawn: int
     earlier: int
+    unwatched: int
     completed: int
 
 
@@ -49,7 +52,7 @@ class Flow:
     ----------
     arm : str
         Its name; empty for a table, and for a study with one arm.
-    places, opened, withdrawn, earlier, completed : int or None
+    places, opened, withdrawn, earlier, unwatched, completed : int or None
         As in `ArmState`; None for a table.
     answered : int
         How many gave an answer, and did not withdraw.
@@ -64,6 +67,7 @@ class Flow:
     opened: int | None = None
     withdrawn: int | None = None
     earlier: int | None = None
+    unwatched: int | None = None
     completed: int | None = None
     answered: int
     removed: tuple[int, ...]

@@ -37,14 +37,11 @@ class Within(Estimate):
         about others of its kind, and `p` is NaN.
     p_holm : float
         `p`, corrected over all such tests of the report.
-    remark : str
-        Why it is not tested, if it is not.
     """
 
     level: str
     descriptive: bool
     p_holm: float = math.nan
-    remark: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,12 +171,12 @@ def corrected_tests(found: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity
 
 def _within(cell: Cell) -> Within:
     count = cell.mean.segments
-    remark = f"{count} segment{'s' * (count > 1)}: described, not tested"
+    untested = f"{count} segment{'s' * (count > 1)}: described, not tested"
+    remark = "; ".join(filter(None, (untested * cell.descriptive, cell.mean.remark)))
     return Within(
-        **vars(estimate_of(cell.mean)),
+        **vars(estimate_of(replace(cell.mean, remark=remark))),
         level=cell.level,
         descriptive=cell.descriptive,
-        remark=remark if cell.descriptive else "",
     )
 
 

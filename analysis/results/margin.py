@@ -78,7 +78,7 @@ def margin_test(difference: Estimate, margin: float) -> MarginTest:
         difference.estimate,
         difference.se,
         margin,
-        freedom=max(1, min(difference.participants, difference.segments) - 1),
+        freedom=difference.df,
     )
     return MarginTest(
         estimate=found.estimate,

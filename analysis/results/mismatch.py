@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
+from analysis.results.family import EVERYTHING, Family, Member
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
 from analysis.results.heterogeneity import (
     ConditionHeterogeneity,
@@ -58,7 +59,9 @@ class MismatchResults:
     heterogeneity: tuple[ConditionHeterogeneity, ...]
 
 
-def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
+def mismatch_results(
+    table: AnswerTable, left_out: LeftOut, family: Family = EVERYTHING
+) -> MismatchResults:
     """Analyse mismatch trials.
 
     Parameters
@@ -67,6 +70,8 @@ def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
         Of the mismatch layout.
     left_out : LeftOut
         Who is left out.
+    family : Family
+        Which tests decide.
     """
     found = [
         MatchedCondition(
@@ -82,7 +87,19 @@ def mismatch_results(table: AnswerTable, left_out: LeftOut) -> MismatchResults:
         if not (answers := part[codes(part, "condition") == place]).empty
     ]
     return MismatchResults(
-        conditions=with_holm(found),
+        conditions=with_holm(
+            found,
+            [
+                Member(
+                    conditions=(one.condition,),
+                    set=one.set,
+                    question=one.question,
+                    p=one.decision.p,
+                )
+                for one in found
+            ],
+            family,
+        ),
         side_bias=by_question(table, left_out.analysed, _side_bias),
         agreement=by_question(table, left_out.analysed, mismatch_agreement),
         test_retest=by_question(table, left_out.kept, mismatch_retest),

@@ -99,7 +99,7 @@ def expected(
             effects=[effect] * len(covariates),
             deviations=deviations,
         )
-        for covariates in ({"side": side}, {})
+        for covariates in ({"preference": side}, {})
     )
     return Expected(full, reduced)
 
@@ -125,7 +125,7 @@ def net_preference(answers: SidedAnswers, near: Expected | None = None) -> NetPr
     try:
         full = fit(
             answers.responses,
-            {"side": side},
+            {"preference": side},
             random,
             errors=near is None,
             begin=None if near is None else near.full,
@@ -143,10 +143,10 @@ def net_preference(answers: SidedAnswers, near: Expected | None = None) -> NetPr
         return replace(unknown, reason=full.remark)
     return replace(
         unknown,
-        estimate=full.estimates["side"],
-        se=full.standard_errors["side"],
+        estimate=full.estimates["preference"],
+        se=full.standard_errors["preference"],
         p=likelihood_ratio(full, reduced)[2] if reduced.converged else math.nan,
-        wald_p=full.wald_p("side"),
+        wald_p=full.wald_p("preference"),
         loglik=full.log_likelihood,
         sd_participant=full.deviations["participant"],
         sd_segment=full.deviations["segment"],

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final, Literal
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
-from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
+from analysis.results.family import EVERYTHING, Family, Member
+from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
 from analysis.results.margin import Equivalent, equivalent
@@ -19,9 +21,17 @@ from analysis.results.place import PairPlace
 from analysis.results.preference import Preference, left_share, preference, with_holm
 from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
-from analysis.results.strengths import Strengths, strengths_of
+from analysis.results.strengths import (
+    StrengthContrast,
+    Strengths,
+    corrected_contrasts,
+    strengths_of,
+)
 from analysis.tables.answers import AnswerTable
 from analysis.trial_kinds import ANALYSED_KINDS
+
+MOST_PAIRED: Final = 3
+"""Conditions up to which single comparisons decide; of more, the strengths of all of them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +57,11 @@ class PairwiseResults:
         In the order of sets, conditions and questions.
     side_bias, agreement, test_retest, bradley_terry : mapping of question to result
         See `ByQuestion`.
+    contrasts : tuple of StrengthContrast
+        Every two conditions by their strengths, in the order of sets and questions.
+    decided_by : {'comparisons', 'strengths'}
+        What the report's first sentences rest on: strengths where more than three conditions are
+        compared, unless all of them are compared with one alone.
     equivalence : tuple of Equivalent
         In the order of `comparisons`; empty where no margin was stated.
     heterogeneity : tuple of PairHeterogeneity
@@ -58,12 +73,17 @@ class PairwiseResults:
     agreement: ByQuestion[Agreement]
     test_retest: ByQuestion[TestRetest]
     bradley_terry: ByQuestion[Strengths]
+    contrasts: tuple[StrengthContrast, ...]
+    decided_by: Literal["comparisons", "strengths"]
     equivalence: tuple[Equivalent, ...]
     heterogeneity: tuple[PairHeterogeneity, ...]
 
 
 def pairwise_results(
-    table: AnswerTable, left_out: LeftOut, margin: float | None = None
+    table: AnswerTable,
+    left_out: LeftOut,
+    margin: float | None = None,
+    family: Family = EVERYTHING,
 ) -> PairwiseResults:
     """Analyse pairwise comparisons.
 
@@ -75,19 +95,41 @@ def pairwise_results(
         Who is left out.
     margin : float, optional
         Difference of a win share from one half that does not matter.
+    family : Family
+        Which tests decide.
     """
     analysed = left_out.analysed
     found = _comparisons(table, left_out.exclusions)
-    comparisons = with_holm(found)
+    members = [
+        Member(conditions=(one.a, one.b), set=one.set, question=one.question, p=one.decision.p)
+        for one in found
+    ]
+    comparisons = with_holm(found, members, family)
+    fitted = {
+        (name, question): strengths_of(answers, set_name(table, name), question)
+        for name, question, answers in parts(table, analysed)
+    }
     return PairwiseResults(
         comparisons=comparisons,
         side_bias=by_question(table, analysed, _side_bias),
         agreement=by_question(table, analysed, pairwise_agreement),
         test_retest=by_question(table, left_out.kept, pairwise_retest),
-        bradley_terry=by_question(table, analysed, strengths_of),
+        bradley_terry=nested(table, {place: one for place, (one, _) in fitted.items()}),
+        contrasts=corrected_contrasts(
+            [one for _, contrasts in fitted.values() for one in contrasts], family
+        ),
+        decided_by=_decided_by(comparisons),
         equivalence=tuple(_equivalent(one, margin) for one in comparisons if margin is not None),
         heterogeneity=corrected_tests(_heterogeneity(table, analysed)),
     )
+
+
+def _decided_by(comparisons: Sequence[Comparison]) -> Literal["comparisons", "strengths"]:
+    for name in dict.fromkeys(one.set for one in comparisons):
+        pairs = [{one.a, one.b} for one in comparisons if one.set == name]
+        if len(set().union(*pairs)) > MOST_PAIRED and not set.intersection(*pairs):
+            return "strengths"
+    return "comparisons"
 
 
 def _comparisons(table: AnswerTable, excluded: Mapping[str, str]) -> list[Comparison]:
@@ -152,7 +194,7 @@ def _equivalent(one: Comparison, margin: float) -> Equivalent:
         share.estimate - 0.5,
         share.se,
         margin,
-        freedom=min(share.participants, share.segments) - 1,
+        freedom=share.df,
         reason=share.reason,
         of=PairPlace(set=one.set, a=one.a, b=one.b, question=one.question),
     )

@@ -10,19 +10,24 @@ from typing import Final, Literal, TypeVar
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy import stats
 
-from analysis.holm import holm
 from analysis.preferences.clustered import clustered_mean
-from analysis.published.pooled import pooled_tests
 from analysis.results.estimate import Estimate, estimate_of
+from analysis.results.family import Family, Member
 from analysis.results.grouping import codes, people
 from analysis.results.net_preference import NetPreference, net_preference
 from analysis.results.sided import SidedAnswers, sided
 from analysis.robustness.min_f import min_f
 from analysis.robustness.participant_means import group_means
+from analysis.robustness.pooled import pooled_tests
 from analysis.robustness.sign_test import sign_test
 from analysis.robustness.wilcoxon import signed_rank
 from analysis.trial_kinds import ANALYSED_KINDS
+
+Z_95: Final = float(stats.norm.ppf(0.975))
+
+By = Literal["clmm", "win_share", "sign"]
 
 FEWEST: Final = 20
 """Participants and segments from which on the mixed model's likelihood ratio decides.
@@ -84,6 +89,48 @@ class Unexcluded:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Decision:
+    """What the report decides by, and what it quotes.
+
+    Attributes
+    ----------
+    by : {'clmm', 'win_share', 'sign'}
+        The mixed model's likelihood ratio; where there is none, or few participants or segments,
+        the win share; where it has no test either, the exact sign test of participants.
+    estimate, low, high : float
+        Of what decides, for the one: log-odds, a win share, or the share of participants who
+        prefer it among those who prefer either; with its 95 % interval.
+    p, p_holm : float
+        Its test; corrected over the report's family, NaN outside of it.
+    why : str
+        Why the mixed model does not decide; empty where it does.
+    reason : str
+        Why there is no test.
+    """
+
+    by: By
+    estimate: float
+    low: float
+    high: float
+    p: float
+    p_holm: float = math.nan
+    why: str = ""
+    reason: str = ""
+
+    @property
+    def null(self) -> float:
+        """The estimate of no preference."""
+        return 0.0 if self.by == "clmm" else 0.5
+
+    def turned(self) -> Decision:
+        """Return the same, seen from the other side."""
+        whole = 2 * self.null
+        return replace(
+            self, estimate=whole - self.estimate, low=whole - self.high, high=whole - self.low
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Preference:
     """What answers for one thing (`one`) and against another (`other`) say.
 
@@ -105,11 +152,8 @@ class Preference:
         What pooled answers would say.
     without_exclusions : Unexcluded
         For comparison.
-    decided_by : {'clmm', 'win_share'}
-        Whose test the report decides by: the mixed model's likelihood ratio, or with fewer than
-        `FEWEST` participants or segments, where that finds too much, the win share's.
-    p_holm, win_share_p_holm : float
-        `clmm.p`, and `win_share.p`, each corrected over all of the report.
+    decision : Decision
+        What the report decides by.
     """
 
     n: int
@@ -122,31 +166,19 @@ class Preference:
     robustness: Robustness
     as_published: AsPublished
     without_exclusions: Unexcluded
-    decided_by: Literal["clmm", "win_share"]
-    p_holm: float = math.nan
-    win_share_p_holm: float = math.nan
-
-    @property
-    def deciding_p(self) -> float:
-        """The p value that the report decides by."""
-        return self.clmm.p if self.decided_by == "clmm" else self.win_share.p
-
-    @property
-    def deciding_p_holm(self) -> float:
-        """The same, corrected over all of the report."""
-        return self.p_holm if self.decided_by == "clmm" else self.win_share_p_holm
+    decision: Decision
 
 
 AnyPreference = TypeVar("AnyPreference", bound=Preference)
 
 
-def with_holm(found: Sequence[AnyPreference]) -> tuple[AnyPreference, ...]:
-    """Return the preferences of a report, their tests corrected over all of them."""
-    of_models = holm([one.clmm.p for one in found])
-    of_shares = holm([one.win_share.p for one in found])
+def with_holm(
+    found: Sequence[AnyPreference], members: Sequence[Member], family: Family
+) -> tuple[AnyPreference, ...]:
+    """Return the preferences of a report, what decides corrected over its family."""
     return tuple(
-        replace(one, p_holm=p, win_share_p_holm=q)
-        for one, p, q in zip(found, of_models, of_shares, strict=True)
+        replace(one, decision=replace(one.decision, p_holm=p))
+        for one, p in zip(found, family.corrected(members), strict=True)
     )
 
 
@@ -174,9 +206,6 @@ def preference(
     of_all = sided(answers[analysed], on_right[analysed])
     of_kept = sided(answers[analysed & kept], on_right[analysed & kept])
     net, share = net_preference(of_kept), win_share(of_kept)
-    few = min(share.participants, share.segments) < FEWEST
-    if few and not net.reason:
-        net = replace(net, remark=" ".join(filter(None, (net.remark, _too_few(share)))))
     return Preference(
         n=len(of_kept.responses),
         recruited=people(answers),
@@ -190,15 +219,47 @@ def preference(
         without_exclusions=Unexcluded(
             n=len(of_all.responses), share=_shares(of_all, names), win_share=win_share(of_all)
         ),
-        decided_by="win_share" if few else "clmm",
+        decision=_decision(of_kept, net, share),
     )
 
 
-def _too_few(share: Estimate) -> str:
-    return (
-        f"{share.participants} participants and {share.segments} segments: with so few, the "
-        "likelihood ratio finds differences that are not there too often; the win share's p "
-        "decides."
+def _decision(answers: SidedAnswers, net: NetPreference, share: Estimate) -> Decision:
+    """Return the first of model, win share and sign test that there is."""
+    why = net.reason or (net.remark if math.isnan(net.p) else "")
+    if not why and min(share.participants, share.segments) < FEWEST:
+        why = (
+            f"with fewer than {FEWEST} participants or segments, the mixed model's likelihood "
+            "ratio too often finds differences that are not there"
+        )
+    if not why:
+        reach = Z_95 * net.se
+        return Decision(
+            by="clmm",
+            estimate=net.estimate,
+            low=net.estimate - reach,
+            high=net.estimate + reach,
+            p=net.p,
+        )
+    of_share = Decision(
+        by="win_share",
+        estimate=share.estimate,
+        low=share.low,
+        high=share.high,
+        p=share.p,
+        why=why,
+    )
+    signs = sign_test(group_means(answers.towards.astype(np.float64), answers.participants))
+    if not math.isnan(share.p):
+        return of_share
+    if share.participants < 2 or math.isnan(signs.p_value):
+        return replace(of_share, reason=net.reason or share.reason)
+    return Decision(
+        by="sign",
+        estimate=signs.estimate,
+        low=signs.low,
+        high=signs.high,
+        p=signs.p_value,
+        why=f"{why.rstrip('.')}; the win share has no interval: {share.reason}",
     )
 
 

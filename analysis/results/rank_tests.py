@@ -101,7 +101,7 @@ class RankContrast(PairPlace):
 
 def concordance_of(given: Placements) -> Concordance:
     """Measure how far participants agree about one question."""
-    found = kendall_w(given)
+    found = kendall_w(given.averaged())
     return Concordance(
         mean=found.mean,
         low=found.low,

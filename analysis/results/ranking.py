@@ -11,9 +11,9 @@ import pandas as pd
 from analysis.rankings.placements import Placements, placements
 from analysis.rankings.summary import RankSummary, rank_summaries
 from analysis.results.estimate import Estimate, estimate_of
+from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
     ByQuestion,
-    by_question,
     codes,
     nested,
     parts,
@@ -35,7 +35,13 @@ from analysis.results.rank_tests import (
     friedman_of,
     posthoc_of,
 )
-from analysis.results.worths import Worths, worths_of
+from analysis.results.strengths import (
+    RANKING,
+    StrengthContrast,
+    Worths,
+    corrected_contrasts,
+    worths_of,
+)
 from analysis.tables.answers import AnswerTable
 
 
@@ -76,6 +82,8 @@ class RankingResults:
         In the order of sets, questions and conditions.
     plackett_luce, kendall_w, friedman : mapping of question to result
         See `ByQuestion`.
+    contrasts : tuple of StrengthContrast
+        Every two conditions by their worths, in the order of sets and questions; the headline.
     posthoc : tuple of RankContrast
         Every two conditions, in the order of sets and questions.
     heterogeneity : tuple of ConditionHeterogeneity
@@ -86,11 +94,14 @@ class RankingResults:
     plackett_luce: ByQuestion[Worths]
     kendall_w: ByQuestion[Concordance]
     friedman: ByQuestion[Friedman]
+    contrasts: tuple[StrengthContrast, ...]
     posthoc: tuple[RankContrast, ...]
     heterogeneity: tuple[ConditionHeterogeneity, ...]
 
 
-def ranking_results(table: AnswerTable, left_out: LeftOut) -> RankingResults:
+def ranking_results(
+    table: AnswerTable, left_out: LeftOut, family: Family = EVERYTHING
+) -> RankingResults:
     """Analyse rankings.
 
     Parameters
@@ -99,8 +110,14 @@ def ranking_results(table: AnswerTable, left_out: LeftOut) -> RankingResults:
         Of the ranking layout.
     left_out : LeftOut
         Who is left out.
+    family : Family
+        Which tests decide.
     """
     analysed = left_out.analysed
+    fitted = {
+        (name, question): worths_of(answers, set_name(table, name), question)
+        for name, question, answers in parts(table, analysed)
+    }
     placed = {
         (name, question): placements_of(answers)
         for name, question, answers in parts(table, analysed)
@@ -111,7 +128,10 @@ def ranking_results(table: AnswerTable, left_out: LeftOut) -> RankingResults:
             for (name, question), given in placed.items()
             for one in rank_summaries(given)
         ),
-        plackett_luce=by_question(table, analysed, worths_of),
+        plackett_luce=nested(table, {place: one for place, (one, _) in fitted.items()}),
+        contrasts=corrected_contrasts(
+            [one for _, contrasts in fitted.values() for one in contrasts], family
+        ),
         kendall_w=nested(table, {place: concordance_of(given) for place, given in placed.items()}),
         friedman=nested(table, {place: friedman_of(given) for place, given in placed.items()}),
         posthoc=tuple(
@@ -127,7 +147,7 @@ def _heterogeneity(table: AnswerTable, analysed: pd.DataFrame) -> list[Condition
     found = []
     for name, question, answers in parts(table, analysed):
         shown = np.unique(codes(answers, "condition")).tolist()
-        ranks = answers.groupby(["participant", "segment"], observed=True)["value"].rank()
+        ranks = answers.groupby(RANKING, observed=True, dropna=False)["value"].rank()
         for place in shown:
             own = codes(answers, "condition") == place
             found += [

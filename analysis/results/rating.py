@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -12,6 +13,7 @@ import pandas as pd
 from analysis.equivalence import equivalence_of_means
 from analysis.ratings.table import RatingSummary, rating_table
 from analysis.results.agreement import Agreement, agreement_of
+from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
@@ -89,7 +91,10 @@ class RatingResults:
 
 
 def rating_results(
-    table: AnswerTable, left_out: LeftOut, margin: float | None = None
+    table: AnswerTable,
+    left_out: LeftOut,
+    margin: float | None = None,
+    family: Family = EVERYTHING,
 ) -> RatingResults:
     """Analyse ratings.
 
@@ -101,6 +106,8 @@ def rating_results(
         Who is left out.
     margin : float, optional
         Difference of two means, in scores, that does not matter.
+    family : Family
+        Which tests decide.
     """
     analysed = left_out.analysed
     conditions: list[RatedCondition] = []
@@ -111,14 +118,12 @@ def rating_results(
     for name, question, answers in parts(table, analysed):
         shown = _conditions(table, answers)
         of = set_name(table, name)
-        fitted, model = rating_model(answers, shown)
-        models[name, question] = model
+        models[name, question] = rating_model(answers, shown)
         conditions += [
-            _condition(of, question, one) for one in rating_table(answers, shown, scores_of(table))
+            _condition(of, question, one)
+            for one in rating_table(answers, shown, scores_of(table), limits_of(table, question))
         ]
-        differences += rating_contrasts(
-            of, question, answers, shown, fitted, models[name, question]
-        )
+        differences += rating_contrasts(of, question, answers, shown, models[name, question])
         apart += _heterogeneity(of, question, answers, shown)
         if margin is not None:
             own = [one for one in differences if (one.set, one.question) == (of, question)]
@@ -126,7 +131,7 @@ def rating_results(
     return RatingResults(
         conditions=tuple(conditions),
         clmm=nested(table, models),
-        contrasts=with_holm(differences),
+        contrasts=with_holm(differences, family),
         agreement=by_question(table, analysed, rating_agreement),
         test_retest=by_question(table, left_out.kept, rating_retest),
         equivalence=tuple(equivalents),
@@ -140,10 +145,19 @@ def _conditions(table: AnswerTable, answers: pd.DataFrame) -> tuple[str, ...]:
 
 
 def scores_of(table: AnswerTable) -> tuple[int, ...]:
-    """Return the scale, ascending: five points at least, or the scores given where many are."""
+    """Return all scales' scores, ascending, or the scores given where there are many.
+
+    A scale that is not stated has five points at least.
+    """
     given = np.unique(table.shown["value"].to_numpy()).astype(int).tolist()
-    low, high = min(1, given[0]), max(5, given[-1])
+    low = min((low for low, _ in table.scales.values()), default=min(1, given[0]))
+    high = max((high for _, high in table.scales.values()), default=max(5, given[-1]))
     return tuple(range(low, high + 1)) if high - low < MOST_SCORES else tuple(given)
+
+
+def limits_of(table: AnswerTable, question: str) -> tuple[float, float]:
+    """Return where ratings can lie: anywhere, unless the scale is stated."""
+    return table.scales.get(question, (-math.inf, math.inf))
 
 
 def _condition(of: str | None, question: str, found: RatingSummary) -> RatedCondition:

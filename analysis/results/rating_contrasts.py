@@ -10,12 +10,10 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from analysis.holm import holm
-from analysis.ordinal.mixed_model import OrdinalFit
 from analysis.ratings.cliffs_delta import cliffs_delta
-from analysis.ratings.contrasts import Contrast, contrasts
 from analysis.ratings.differences import RatedCells, mean_differences, rated_cells
 from analysis.results.estimate import Estimate, estimate_of
+from analysis.results.family import Family, Member
 from analysis.results.grouping import codes
 from analysis.results.place import PairPlace
 from analysis.results.rating_model import RatingModel
@@ -53,7 +51,7 @@ class RatedDifference(Estimate):
     Attributes
     ----------
     p_holm : float
-        `p`, corrected over all contrasts and questions of the report.
+        `p`, corrected over the report's family; NaN outside of it.
     """
 
     p_holm: float = math.nan
@@ -67,32 +65,17 @@ class RatingContrast(PairPlace):
     ----------
     difference : RatedDifference
         Mean difference of paired ratings; the headline.
-    estimate, se, low, high : float
-        Difference in logits in the mixed model, with its 95 % interval. The model takes
-        conditions to differ alike for all participants and segments.
-    z, p : float
-        Its test.
-    p_holm : float
-        That p, corrected over all contrasts and questions of the report.
-    odds_ratio, odds_low, odds_high : float
-        Odds of a better rating for a over those for b.
+    log_odds, odds_ratio : float
+        Of a better rating for a than for b in the mixed model, which describes and does not test.
     cliffs_delta : Dominance
         How far the ratings lie apart.
     remark : str
-        Why there is no difference, or what limits it.
+        Why there are no log-odds, or what limits them.
     """
 
     difference: RatedDifference
-    estimate: float
-    se: float
-    low: float
-    high: float
-    z: float
-    p: float
-    p_holm: float
+    log_odds: float
     odds_ratio: float
-    odds_low: float
-    odds_high: float
     cliffs_delta: Dominance
     remark: str
 
@@ -102,7 +85,6 @@ def rating_contrasts(
     question: str,
     answers: pd.DataFrame,
     shown: tuple[str, ...],
-    fitted: OrdinalFit | None,
     model: RatingModel,
 ) -> list[RatingContrast]:
     """Compare every two conditions; where there is no model, by what can be said without it.
@@ -115,46 +97,35 @@ def rating_contrasts(
         Main and repeated trials.
     shown : tuple of str
         Conditions that were rated, in order.
-    fitted, model
-        See `rating_model`.
+    model : RatingModel
+        Of the same ratings.
     """
-    of_model = {(c.a, c.b): c for c in contrasts(fitted, shown)} if fitted is not None else {}
     differences = _differences(answers, shown)
-    found = []
-    for a, b in combinations(shown, 2):
-        delta = _dominance(answers, a, b)
-        contrast = of_model.get((a, b)) or _unknown(a, b, model)
-        found.append(
-            RatingContrast(
-                set=of,
-                a=a,
-                b=b,
-                question=question,
-                difference=differences[a, b],
-                estimate=contrast.estimate,
-                se=contrast.standard_error,
-                low=contrast.low,
-                high=contrast.high,
-                z=contrast.statistic,
-                p=contrast.p_value,
-                p_holm=math.nan,
-                odds_ratio=contrast.odds_ratio,
-                odds_low=contrast.odds_low,
-                odds_high=contrast.odds_high,
-                cliffs_delta=delta,
-                remark=contrast.remark,
-            )
+    return [
+        RatingContrast(
+            set=of,
+            a=a,
+            b=b,
+            question=question,
+            difference=differences[a, b],
+            log_odds=(log_odds := model.estimates[a] - model.estimates[b]),
+            odds_ratio=math.exp(log_odds),
+            cliffs_delta=_dominance(answers, a, b),
+            remark=model.reason or model.remark,
         )
-    return found
+        for a, b in combinations(shown, 2)
+    ]
 
 
-def with_holm(found: Sequence[RatingContrast]) -> tuple[RatingContrast, ...]:
-    """Return the contrasts of a report, their tests corrected over all of them."""
-    of_scores = holm([one.difference.p for one in found])
-    of_model = holm([one.p for one in found])
+def with_holm(found: Sequence[RatingContrast], family: Family) -> tuple[RatingContrast, ...]:
+    """Return the contrasts of a report, their tests corrected over its family."""
+    members = [
+        Member(conditions=(one.a, one.b), set=one.set, question=one.question, p=one.difference.p)
+        for one in found
+    ]
     return tuple(
-        replace(one, difference=replace(one.difference, p_holm=p), p_holm=q)
-        for one, p, q in zip(found, of_scores, of_model, strict=True)
+        replace(one, difference=replace(one.difference, p_holm=p))
+        for one, p in zip(found, family.corrected(members), strict=True)
     )
 
 
@@ -185,26 +156,6 @@ def _differences(
         (shown[a], shown[b]): RatedDifference(**vars(estimate_of(found)))
         for (a, b), found in mean_differences(cells).items()
     }
-
-
-def _unknown(a: str, b: str, model: RatingModel) -> Contrast:
-    none = math.nan
-    return Contrast(
-        a=a,
-        b=b,
-        estimate=none,
-        standard_error=none,
-        low=none,
-        high=none,
-        statistic=none,
-        p_value=none,
-        holm_p=none,
-        odds_ratio=none,
-        odds_low=none,
-        odds_high=none,
-        answers=model.n,
-        remark=model.reason,
-    )
 
 
 def _dominance(answers: pd.DataFrame, a: str, b: str) -> Dominance:

@@ -1,4 +1,4 @@
-"""The cumulative link mixed model of ratings."""
+"""The cumulative link mixed model of ratings, which describes and does not test."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
+from analysis.ordinal.mixed_model import RandomEffect, fit
 from analysis.results.grouping import codes
 from motion.errors import InputError
 
@@ -22,16 +22,15 @@ MOST_SCORES: Final = 21
 class RatingModel:
     """The model ``rating ~ condition + (1 | participant) + (1 | segment)``, in logits.
 
+    It takes conditions to differ alike for all participants and segments. Where they do not, its
+    errors are too small, so that it gives none: the differences of paired ratings test.
+
     Attributes
     ----------
     reference : str
-        The condition whose effect, and its error, are zero.
-    estimates, se : mapping of condition to float
+        The condition whose effect is zero.
+    estimates : mapping of condition to float
         Above zero where a condition is rated better than the reference.
-    wald_p : mapping of condition to float
-        Of all others, by their errors.
-    statistic, df, p : float
-        Likelihood ratio of the model without conditions.
     loglik : float
         By Laplace's approximation.
     sd_participant, sd_segment : float
@@ -48,11 +47,6 @@ class RatingModel:
 
     reference: str = ""
     estimates: Mapping[str, float]
-    se: Mapping[str, float]
-    wald_p: Mapping[str, float]
-    statistic: float = math.nan
-    df: int = 0
-    p: float = math.nan
     loglik: float = math.nan
     sd_participant: float = math.nan
     sd_segment: float = math.nan
@@ -63,10 +57,8 @@ class RatingModel:
     reason: str = ""
 
 
-def rating_model(
-    answers: pd.DataFrame, shown: tuple[str, ...]
-) -> tuple[OrdinalFit | None, RatingModel]:
-    """Fit the ratings of one question; also return the fit, None where there is none.
+def rating_model(answers: pd.DataFrame, shown: tuple[str, ...]) -> RatingModel:
+    """Fit the ratings of one question.
 
     Parameters
     ----------
@@ -81,8 +73,6 @@ def rating_model(
     unknown = RatingModel(
         reference=shown[0],
         estimates=dict.fromkeys(shown, math.nan),
-        se=dict.fromkeys(shown, math.nan),
-        wald_p=dict.fromkeys(shown[1:], math.nan),
         scores_given=scores,
         n=len(ratings),
     )
@@ -91,31 +81,23 @@ def rating_model(
     ]
     reason = _why_no_model(shown, scores, random)
     if reason:
-        return None, replace(unknown, reason=reason)
+        return replace(unknown, reason=reason)
     covariates = {name: (names == name).astype(np.float64) for name in shown[1:]}
     try:
-        full = fit(ratings, covariates, random)
-        reduced = fit(ratings, {}, random, errors=False)
+        found = fit(ratings, covariates, random)
     except InputError as error:
-        return None, replace(unknown, reason=error.what)
-    if not full.converged:
-        return full, replace(unknown, reason=full.remark)
-    known = replace(
+        return replace(unknown, reason=error.what)
+    if not found.converged:
+        return replace(unknown, reason=found.remark)
+    return replace(
         unknown,
-        estimates={shown[0]: 0.0, **full.estimates},
-        se={shown[0]: 0.0, **full.standard_errors},
-        wald_p={name: full.wald_p(name) for name in shown[1:]},
-        loglik=full.log_likelihood,
-        sd_participant=full.deviations["participant"],
-        sd_segment=full.deviations["segment"],
-        thresholds=full.thresholds,
-        remark=full.remark,
+        estimates={shown[0]: 0.0, **found.estimates},
+        loglik=found.log_likelihood,
+        sd_participant=found.deviations["participant"],
+        sd_segment=found.deviations["segment"],
+        thresholds=found.thresholds,
+        remark=found.remark,
     )
-    if not reduced.converged:
-        remark = f"Without conditions the model did not converge. {full.remark}".strip()
-        return full, replace(known, remark=remark)
-    statistic, freedom, p = likelihood_ratio(full, reduced)
-    return full, replace(known, statistic=statistic, df=freedom, p=p)
 
 
 def _why_no_model(

@@ -16,6 +16,7 @@ from analysis.against_people.result import AgainstPeople
 from analysis.exclusions.applying import RuleOutcome
 from analysis.exclusions.rules import ExclusionRule
 from analysis.metrics.conditions import StudyMetrics
+from analysis.results.family import EVERYTHING, Family, read_family
 from analysis.results.flow import ArmState, Flow, participant_flow
 from analysis.results.grouping import ByQuestion
 from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out, table_rules
@@ -52,6 +53,7 @@ class Settings:
 
     max_catch_failures: int | None
     margin: float | None
+    family: str = "all"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,6 +133,8 @@ def analyse_table(
     *,
     max_catch_failures: int = MAX_CATCH_FAILURES,
     margin: float | None = None,
+    family: str = "all",
+    scale: tuple[int, int] | None = None,
     exclude: Sequence[ExclusionRule] = (),
 ) -> TableReport:
     """Read a platform's table and analyse it.
@@ -146,6 +150,10 @@ def analyse_table(
     margin : float, optional
         Largest difference that does not matter, stated before the answers were seen: of a win
         share from one half, of two mean ratings in scores.
+    family : str
+        Which tests decide; see `read_family`.
+    scale : (int, int), optional
+        Of ratings: the lowest and the highest that could be given.
     exclude : sequence of ExclusionRule
         Exploratory rules, applied after those of every table.
 
@@ -155,7 +163,7 @@ def analyse_table(
         If the table cannot be used, or the protocol has no test of equivalence.
     """
     check_margin(protocol, margin)
-    table = read_answers(path, LAYOUTS[protocol])
+    table = read_answers(path, LAYOUTS[protocol], scale)
     return analyse_answers(
         table,
         leave_out(
@@ -170,7 +178,7 @@ def analyse_table(
             sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
             motionjury=metadata.version("motionjury"),
         ),
-        settings=Settings(max_catch_failures=max_catch_failures, margin=margin),
+        settings=Settings(max_catch_failures=max_catch_failures, margin=margin, family=family),
     )
 
 
@@ -210,12 +218,18 @@ def analyse_answers(
     Raises
     ------
     InputError
-        If the protocol has no test of equivalence but a margin is given, or it means nothing.
+        If the protocol has no test of equivalence but a margin is given, or it means nothing, or
+        the family names what there is not.
     """
     check_margin(table.protocol, settings.margin)
+    family = (
+        read_family(settings.family, table.conditions, table.questions)
+        if table.conditions
+        else EVERYTHING
+    )
     # The models' matrices are small: more threads cost more than they bring.
     with threadpool_limits(limits=1, user_api="blas"):
-        results = _results(table, left_out, settings.margin)
+        results = _results(table, left_out, settings.margin, family)
         beside = metrics_against_people(table, left_out.analysed, metrics, recorded)
     return TableReport(
         protocol=table.protocol,
@@ -257,16 +271,18 @@ def check_margin(protocol: str, margin: float | None) -> None:
         )
 
 
-def _results(table: AnswerTable, left_out: LeftOut, margin: float | None) -> Results:
+def _results(
+    table: AnswerTable, left_out: LeftOut, margin: float | None, family: Family
+) -> Results:
     match table.protocol:
         case "pairwise":
-            return pairwise_results(table, left_out, margin)
+            return pairwise_results(table, left_out, margin, family)
         case "rating":
-            return rating_results(table, left_out, margin)
+            return rating_results(table, left_out, margin, family)
         case "ranking":
-            return ranking_results(table, left_out)
+            return ranking_results(table, left_out, family)
         case _:
-            return mismatch_results(table, left_out)
+            return mismatch_results(table, left_out, family)
 
 
 def _remark(table: AnswerTable, left_out: LeftOut) -> str:

@@ -17,7 +17,7 @@ from analysis.rankings.placements import placements
 from analysis.rankings.summary import rank_summaries
 from analysis.results.grouping import codes, parts, set_name
 from analysis.results.left_out import LeftOut
-from analysis.results.rating import scores_of
+from analysis.results.rating import limits_of
 from analysis.results.sided import sided
 from analysis.tables.answers import AnswerTable
 
@@ -159,7 +159,6 @@ def _own_speech(table: AnswerTable, answers: pd.DataFrame) -> Means:
 
 def _ratings(table: AnswerTable, answers: pd.DataFrame) -> Means:
     """Give each condition's mean rating."""
-    scores = scores_of(table)
     for condition, own in _by_condition(table, answers):
         yield (
             (condition,),
@@ -168,7 +167,7 @@ def _ratings(table: AnswerTable, answers: pd.DataFrame) -> Means:
                 codes(own, "participant"),
                 codes(own, "segment"),
                 null=math.nan,
-                limits=(min(scores), max(scores)),
+                limits=limits_of(table, str(own["question"].iloc[0])),
             ),
         )
 

@@ -26,7 +26,7 @@ from analysis.results.pairwise import pairwise_agreement, pairwise_retest
 from analysis.results.preference import win_share
 from analysis.results.rank_tests import concordance_of
 from analysis.results.ranking import placements_of
-from analysis.results.rating import rating_agreement, rating_retest, scores_of
+from analysis.results.rating import limits_of, rating_agreement, rating_retest, scores_of
 from analysis.results.retest import TestRetest
 from analysis.results.sided import sided
 from analysis.tables.answers import AnswerTable
@@ -201,7 +201,8 @@ def _matched(
 def _rated(
     table: AnswerTable, of: str | None, question: str, answers: pd.DataFrame
 ) -> Iterator[EstimateSoFar]:
-    for one in rating_table(answers, shown_conditions(answers), scores_of(table)):
+    scores, limits = scores_of(table), limits_of(table, question)
+    for one in rating_table(answers, shown_conditions(answers), scores, limits):
         yield _number(of, question, (one.condition, ""), "mean_rating", estimate_of(one.mean))
 
 

@@ -1,37 +1,74 @@
-"""Strengths of conditions over all their comparisons, and the ranks they may have."""
+"""Strengths and worths of conditions, their differences, and the ranks that they allow."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Any, Final, Literal
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy import stats
 
-from analysis.results.grouping import codes
-from analysis.results.strength_errors import ONE_SEGMENT, RankInterval, strength_errors
-from analysis.strengths.bradley_terry import bradley_terry
+from analysis.preferences.clustered import LEVEL
+from analysis.results.family import Family, Member
+from analysis.results.grouping import codes, shown_conditions
+from analysis.results.place import PairPlace
+from analysis.robustness.participant_means import group_means
+from analysis.robustness.sign_test import sign_test
+from analysis.strengths.bradley_terry import BradleyTerry, bradley_terry
+from analysis.strengths.contrasts import Omnibus, difference_tests, omnibus, rank_intervals
+from analysis.strengths.plackett_luce import PlackettLuce, plackett_luce
 from analysis.strengths.votes import Votes
+
+Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
+
+ONE_SEGMENT: Final = "one segment: intervals and ranks take it as the only one of interest"
+
+PENALISED: Final = (
+    "strengths are finite only because each condition is given half a win and half a loss against "
+    "an average one (pseudo-rankings of Turner and others 2020)"
+)
+
+SWEPT: Final = (
+    "one of the two never lost to the other: the difference has no interval, and an exact sign "
+    "test of participants decides, who alone are taken as a sample"
+)
+
+NEVER_MET: Final = (
+    "one of the two conditions never lost, and they were never compared with each other"
+)
+
+LEANS_ON_ONE: Final = "one participant or one segment alone bears this difference"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Strengths:
-    """Bradley-Terry strengths with Davidson's ties and a left-side term.
+class RankInterval:
+    """The best and the worst rank that a condition may have, from 1."""
+
+    best: int
+    worst: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standings:
+    """How strong conditions are, one beside the others, in logits that add up to zero.
 
     Attributes
     ----------
-    strengths, errors : mapping of condition to float
-        Log strengths, which add up to zero, and their errors clustered by participant.
+    errors : mapping of condition to float
+        Clustered by participant.
     errors_two_way, low, high : mapping of condition to float
-        Errors clustered by participant and segment, and the ends of the 95 % intervals.
+        Errors clustered by participant and segment, and the ends of the 95 % intervals; NaN where
+        a condition is unbeaten.
     ranks : mapping of condition to RankInterval
-        At 95 %, all together.
-    tie, tie_error : float
-        Davidson's log nu: how likely ties are among equals; NaN where nobody tied.
-    left, left_error : float
-        The left side's advantage in logits.
+        At 95 %, all together; empty where nothing is known.
+    omnibus : Omnibus
+        Whether conditions differ at all.
     loglik : float
         At the estimates.
     n, participants, segments : int
@@ -42,16 +79,12 @@ class Strengths:
         What limits the result; why there is none.
     """
 
-    strengths: Mapping[str, float]
     errors: Mapping[str, float]
     errors_two_way: Mapping[str, float]
     low: Mapping[str, float]
     high: Mapping[str, float]
     ranks: Mapping[str, RankInterval]
-    tie: float
-    tie_error: float
-    left: float
-    left_error: float
+    omnibus: Omnibus
     loglik: float
     n: int
     participants: int
@@ -61,65 +94,292 @@ class Strengths:
     reason: str
 
 
-def strengths_of(answers: pd.DataFrame) -> Strengths:
-    """Fit strengths to pairwise answers to one question."""
+@dataclass(frozen=True, kw_only=True)
+class Strengths(Standings):
+    """Bradley-Terry strengths with Davidson's ties and a left-side term.
+
+    Attributes
+    ----------
+    strengths : mapping of condition to float
+        Log strengths.
+    tie, tie_error : float
+        Davidson's log nu: how likely ties are among equals; NaN where nobody tied.
+    left, left_error : float
+        The left side's advantage in logits.
+    """
+
+    strengths: Mapping[str, float]
+    tie: float
+    tie_error: float
+    left: float
+    left_error: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Worths(Standings):
+    """Plackett-Luce worths, partial and tied rankings included.
+
+    Attributes
+    ----------
+    worths : mapping of condition to float
+        Log worths.
+    ties : mapping of int to float
+        For each size of tie that occurs, the logarithm of its parameter.
+    """
+
+    worths: Mapping[str, float]
+    ties: Mapping[int, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StrengthContrast(PairPlace):
+    """How much stronger a is than b.
+
+    Attributes
+    ----------
+    difference, low, high, se, df : float
+        In logits, with its two-way clustered 95 % interval.
+    p, p_holm : float
+        Of there being no difference; corrected over the report's family, NaN outside of it.
+    by : {'wald', 'sign'}
+        The difference by its error, or the sign test of participants where one never lost.
+    remark, reason : str
+        What limits the result; why there is no test.
+    """
+
+    difference: float
+    low: float = math.nan
+    high: float = math.nan
+    se: float = math.nan
+    df: float = math.nan
+    p: float = math.nan
+    p_holm: float = math.nan
+    by: Literal["wald", "sign"] = "wald"
+    remark: str = ""
+    reason: str = ""
+
+
+def strengths_of(
+    answers: pd.DataFrame, of: str | None, question: str
+) -> tuple[Strengths, tuple[StrengthContrast, ...]]:
+    """Fit strengths to pairwise answers to one question, and compare every two conditions."""
     left, right = codes(answers, "left"), codes(answers, "right")
     shown, number = np.unique(np.concatenate([left, right]), return_inverse=True)
     names = tuple(str(answers["left"].cat.categories[place]) for place in shown)
-    found = bradley_terry(
-        Votes(
-            conditions=names,
-            left=number[: len(left)].astype(np.intp),
-            right=number[len(left) :].astype(np.intp),
-            outcome=np.sign(3 - answers["value"].to_numpy()).astype(np.intp),
-            participant=_numbered(answers, "participant"),
-            segment=_numbered(answers, "segment"),
-        )
+    votes = Votes(
+        conditions=names,
+        left=number[: len(left)].astype(np.intp),
+        right=number[len(left) :].astype(np.intp),
+        outcome=np.sign(3 - answers["value"].to_numpy()).astype(np.intp),
+        participant=_numbered(answers, "participant"),
+        segment=_numbered(answers, "segment"),
     )
-    if not (answers["value"] != 3).any():
+    found = bradley_terry(votes)
+    if not votes.outcome.any():
         found = replace(found, reason="all answers are ties")
-    segments = len(np.unique(codes(answers, "segment")))
-    no_ties = found.tie is None and not found.reason
     known = not found.reason
+    p_values = _p_values(found.strengths, found, votes)
     return Strengths(
-        strengths=named(names, found.strengths, hide=not known),
-        errors=named(names, found.errors, hide=not known),
-        **vars(
-            strength_errors(
-                names,
-                found.strengths,
-                found.covariance,
-                found.two_way,
-                participants=found.participants,
-                known=known,
-            )
-        ),
+        strengths=_named(names, found.strengths, hide=not known),
         tie=found.tie if known and found.tie is not None else math.nan,
         tie_error=found.tie_error if known else math.nan,
         left=found.left if known and found.left is not None else math.nan,
         left_error=found.left_error if known else math.nan,
-        loglik=found.log_likelihood if known else math.nan,
-        n=found.answers,
+        **vars(
+            _standings(
+                found.strengths,
+                found,
+                p_values,
+                found.answers,
+                _segments(answers),
+                "nobody answered with a tie" if known and found.tie is None else "",
+            )
+        ),
+    ), _contrasts(found.strengths, found, p_values, of, question)
+
+
+def worths_of(
+    answers: pd.DataFrame, of: str | None, question: str
+) -> tuple[Worths, tuple[StrengthContrast, ...]]:
+    """Fit worths to the rankings of one question, and compare every two conditions."""
+    names = shown_conditions(answers)
+    rows = pd.DataFrame(
+        {
+            "ranking": answers.groupby(RANKING, observed=True, dropna=False).ngroup(),
+            "condition": answers["condition"].to_numpy(object),
+            "rank": answers["value"].to_numpy(),
+            "participant": codes(answers, "participant"),
+            "segment": codes(answers, "segment"),
+        }
+    )
+    found = plackett_luce(rows, conditions=names)
+    if (rows.groupby("ranking")["rank"].nunique() < 2).all():
+        found = replace(found, reason="every ranking ties all that it places")
+    known = not found.reason
+    p_values = _p_values(found.worths, found, _votes_of_rankings(rows, names))
+    return Worths(
+        worths=_named(names, found.worths, hide=not known),
+        ties=found.ties if known else {},
+        **vars(_standings(found.worths, found, p_values, found.rankings, _segments(answers))),
+    ), _contrasts(found.worths, found, p_values, of, question)
+
+
+RANKING: Final = ["participant", "segment", "trial"]
+"""What tells one ranking from another."""
+
+
+def corrected_contrasts(
+    found: Sequence[StrengthContrast], family: Family
+) -> tuple[StrengthContrast, ...]:
+    """Return the contrasts of a report, corrected over the family that it declares."""
+    members = [
+        Member(conditions=(one.a, one.b), set=one.set, question=one.question, p=one.p)
+        for one in found
+    ]
+    return tuple(
+        replace(one, p_holm=p) for one, p in zip(found, family.corrected(members), strict=True)
+    )
+
+
+def _p_values(strengths: Floats, found: BradleyTerry | PlackettLuce, votes: Votes) -> Floats:
+    """Return the p of every two conditions; of different tiers, of the sign test."""
+    count = len(strengths)
+    if found.two_way is None or found.reason:
+        return np.full((count, count), math.nan)
+    p_values = difference_tests(strengths, found.two_way)
+    for a, b in combinations(range(count), 2):
+        if found.tiers[a] != found.tiers[b]:
+            p_values[a, b] = p_values[b, a] = _sign_p(votes, a, b)
+    return p_values
+
+
+def _sign_p(votes: Votes, a: int, b: int) -> float:
+    """Return the sign test's p of participants preferring a to b; NaN without any."""
+    for_a = np.where(votes.left == a, votes.outcome, -votes.outcome).astype(np.float64)
+    own = ((votes.left == a) & (votes.right == b)) | ((votes.left == b) & (votes.right == a))
+    return sign_test(group_means(for_a[own], votes.participant[own])).p_value
+
+
+def _votes_of_rankings(rows: pd.DataFrame, names: tuple[str, ...]) -> Votes:
+    """Return a vote for each two conditions of every ranking, the better placed one the winner."""
+    table = rows.pivot(index="ranking", columns="condition", values="rank")[list(names)]
+    of_ranking = rows.groupby("ranking")[["participant", "segment"]].first().loc[table.index]
+    ranks = table.to_numpy(np.float64)
+    first, second = np.triu_indices(len(names), 1)
+    ranking, pair = np.nonzero(~np.isnan(ranks[:, first] + ranks[:, second]))
+    left, right = first[pair], second[pair]
+    return Votes(
+        conditions=names,
+        left=left,
+        right=right,
+        outcome=np.sign(ranks[ranking, right] - ranks[ranking, left]).astype(np.intp),
+        participant=of_ranking["participant"].to_numpy()[ranking],
+        segment=of_ranking["segment"].to_numpy()[ranking],
+    )
+
+
+def _standings(
+    strengths: Floats,
+    found: BradleyTerry | PlackettLuce,
+    p_values: Floats,
+    answers: int,
+    segments: int,
+    *remarks: str,
+) -> Standings:
+    """Return what Bradley-Terry and Plackett-Luce have in common."""
+    names, errors = found.conditions, found.two_way
+    low = high = np.full(len(names), math.nan)
+    ranks: tuple[tuple[int, int], ...] = ()
+    method = ""
+    if errors is not None and not found.reason:
+        reach = stats.t(errors.freedoms).ppf((1 + LEVEL) / 2) * errors.errors
+        low, high = strengths - reach, strengths + reach
+        ranks = rank_intervals(strengths, p_values, level=LEVEL)
+        method = f"{errors.method}; t with at least {errors.freedom:.3g} degrees of freedom"
+    bounded = not found.reason and not found.swept
+    swept = found.swept and f"{found.swept}; {PENALISED}"
+    said = (found.remark, *remarks, swept, ONE_SEGMENT if segments == 1 else "")
+    return Standings(
+        errors=_named(names, found.errors, hide=not bounded),
+        errors_two_way=_named(names, found.errors_two_way, hide=not bounded),
+        low=_named(names, low, hide=not bounded),
+        high=_named(names, high, hide=not bounded),
+        ranks={
+            name: RankInterval(best=best, worst=worst)
+            for name, (best, worst) in zip(names, ranks, strict=False)
+        },
+        omnibus=_omnibus(strengths, found),
+        loglik=math.nan if found.reason else found.log_likelihood,
+        n=answers,
         participants=found.participants,
         segments=segments,
-        remark=remark_of(found.remark, "nobody answered with a tie" * no_ties, segments=segments),
+        method=method,
+        remark="; ".join(filter(None, said)),
         reason=found.reason,
     )
 
 
-def named(names: tuple[str, ...], values: NDArray[np.float64], *, hide: bool) -> dict[str, float]:
+def _omnibus(strengths: Floats, found: BradleyTerry | PlackettLuce) -> Omnibus:
+    if found.reason or found.two_way is None:
+        return Omnibus(reason=found.reason or found.remark)
+    if found.swept:
+        return Omnibus(reason=found.swept)
+    return omnibus(strengths, found.two_way)
+
+
+def _contrasts(
+    strengths: Floats,
+    found: BradleyTerry | PlackettLuce,
+    p_values: Floats,
+    of: str | None,
+    question: str,
+) -> tuple[StrengthContrast, ...]:
+    return tuple(
+        StrengthContrast(
+            set=of,
+            a=found.conditions[a],
+            b=found.conditions[b],
+            question=question,
+            difference=math.nan if found.reason else float(strengths[a] - strengths[b]),
+            **_tested(float(strengths[a] - strengths[b]), found, float(p_values[a, b]), (a, b)),
+        )
+        for a, b in combinations(range(len(strengths)), 2)
+    )
+
+
+def _tested(
+    difference: float, found: BradleyTerry | PlackettLuce, p: float, pair: tuple[int, int]
+) -> dict[str, Any]:
+    """Return the interval and the test of a difference, or why there is none."""
+    if found.reason or found.two_way is None:
+        return {"reason": found.reason or found.remark}
+    if found.tiers[pair[0]] != found.tiers[pair[1]]:
+        reason = NEVER_MET if math.isnan(p) else ""
+        return {"p": p, "by": "sign", "remark": SWEPT, "reason": reason}
+    error, freedom = found.two_way.differences[pair], found.two_way.difference_freedoms[pair]
+    if math.isnan(error):
+        return {"reason": LEANS_ON_ONE}
+    reach = float(stats.t(freedom).ppf((1 + LEVEL) / 2) * error)
+    return {
+        "low": difference - reach,
+        "high": difference + reach,
+        "se": float(error),
+        "df": float(freedom),
+        "p": p,
+    }
+
+
+def _named(names: tuple[str, ...], values: Floats, *, hide: bool) -> dict[str, float]:
     """Return numbers by condition, NaN where they mean nothing."""
     return {
         name: math.nan if hide else float(value) for name, value in zip(names, values, strict=True)
     }
 
 
-def remark_of(*remarks: str, segments: int) -> str:
-    """Return the remarks that are not empty, and that there is one segment where there is."""
-    said = [remark for remark in remarks if remark]
-    return "; ".join([*said, *([ONE_SEGMENT] if segments == 1 else [])])
+def _segments(answers: pd.DataFrame) -> int:
+    return len(np.unique(codes(answers, "segment")))
 
 
-def _numbered(answers: pd.DataFrame, column: str) -> NDArray[np.intp]:
+def _numbered(answers: pd.DataFrame, column: str) -> Codes:
     """Return a column of names as numbers from 0 without gaps."""
     return np.unique(codes(answers, column), return_inverse=True)[1].astype(np.intp)

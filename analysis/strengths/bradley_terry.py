@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.strengths.choices import ChoiceFit, Choices, Situation, fit_choices
-from analysis.strengths.identified import why_not_identified
+from analysis.strengths.identified import Links, links
 from analysis.strengths.two_way import ONE_PARTICIPANT, TwoWayErrors, deviations
 from analysis.strengths.votes import Votes
 
@@ -48,6 +48,10 @@ class BradleyTerry:
         At the estimates.
     answers, participants : int
         What it rests on.
+    tiers : ndarray of int, shape (conditions,)
+        See `Links`; of one tier unless `swept` says who never lost, where the fit is penalised.
+    swept : str
+        Which conditions never lost to which; empty where every one did.
     reason : str
         Why there are no strengths; empty where there are. `remark` says why they have no errors.
     """
@@ -66,6 +70,8 @@ class BradleyTerry:
     log_likelihood: float
     answers: int
     participants: int
+    tiers: Codes
+    swept: str
     reason: str = ""
 
     @property
@@ -97,12 +103,11 @@ def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -
         Whether the left side may have an advantage.
     """
     count, modelled = len(votes.conditions), ties == "davidson"
-    reason = why_not_identified(votes.beats, votes.conditions) if len(votes.left) else "no answers"
-    if modelled and not reason and not votes.table[..., 1].any():
-        # Without any tie their frequency has no estimate; the model without it is the same.
-        modelled = False
-    if reason:
+    linked = links(votes.beats, votes.conditions)
+    if reason := linked.apart if len(votes.left) else "no answers":
         return unknown(votes, reason)
+    # Without any tie their frequency has no estimate; the model without it is the same.
+    modelled = modelled and bool(votes.table[..., 1].any())
     shown = votes.table.sum(axis=2).ravel() > 0
     pairs, place = np.flatnonzero(shown), np.cumsum(shown) - 1
     situations = tuple(
@@ -116,12 +121,22 @@ def bradley_terry(votes: Votes, *, ties: Ties = "davidson", left: bool = True) -
             way=kinds % 3,
             cluster=people,
             times=times,
-        )
+        ),
+        _prior(count, modelled, left) if linked.swept else None,
     )
     if votes.segment is None:
-        return centred(votes, fit, None, modelled, left)
+        return centred(votes, fit, None, linked, modelled, left)
     kind = 3 * place[votes.left * count + votes.right] + 1 - votes.outcome
-    return centred(votes, fit, kind, modelled, left)
+    return centred(votes, fit, kind, linked, modelled, left)
+
+
+def _prior(count: int, modelled: bool, left: bool) -> Floats:
+    """Return one comparison of each condition with the average, and one of the sides."""
+    rows = np.zeros((count + left, count - 1 + modelled + left))
+    rows[:count, : count - 1] = np.eye(count)[:, 1:] - 1 / count
+    if left:
+        rows[-1, -1] = 1.0
+    return rows
 
 
 def _situation(first: int, second: int, count: int, modelled: bool, left: bool) -> Situation:
@@ -140,7 +155,7 @@ def _situation(first: int, second: int, count: int, modelled: bool, left: bool) 
 
 
 def centred(
-    votes: Votes, fit: ChoiceFit, kind: Codes | None, modelled: bool, left: bool
+    votes: Votes, fit: ChoiceFit, kind: Codes | None, linked: Links, modelled: bool, left: bool
 ) -> BradleyTerry:
     """Return strengths that add up to zero from those relative to the first condition.
 
@@ -172,7 +187,7 @@ def centred(
         errors_robust=deviations(covariances[2]),
         two_way=None
         if votes.segment is None or kind is None
-        else TwoWayErrors.of(influences, kind, votes.participant, votes.segment),
+        else TwoWayErrors.of(influences, fit.situation, kind, votes.participant, votes.segment),
         tie=float(fit.estimates[count - 1]) if modelled else None,
         tie_error=float(errors[count - 1]) if modelled else math.nan,
         left=float(fit.estimates[-1]) if left else None,
@@ -180,6 +195,8 @@ def centred(
         log_likelihood=fit.log_likelihood,
         answers=fit.choices,
         participants=votes.participants,
+        tiers=linked.tiers,
+        swept=linked.swept,
         reason="" if fit.converged else "the strengths did not converge",
     )
 
@@ -203,5 +220,7 @@ def unknown(votes: Votes, reason: str) -> BradleyTerry:
         log_likelihood=math.nan,
         answers=len(votes.left),
         participants=votes.participants,
+        tiers=np.zeros(count, np.intp),
+        swept="",
         reason=reason,
     )

@@ -14,6 +14,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from analysis.strengths.sandwich import sandwiches
 
@@ -148,6 +149,8 @@ class ChoiceFit:
         Covariance that lets the choices of one cluster depend on one another (sandwich, CR0).
     influences : ndarray, shape (kinds, parameters)
         What a choice of each kind (`Choices.kind`) adds to the estimates' error, to first order.
+    situation : ndarray of int, shape (kinds,)
+        What each kind is an answer to.
     log_likelihood : float
         At the estimates.
     choices, clusters : int
@@ -161,24 +164,30 @@ class ChoiceFit:
     robust: Floats
     clustered: Floats
     influences: Floats
+    situation: Codes
     log_likelihood: float
     choices: int
     clusters: int
     converged: bool
 
 
-def fit_choices(data: Choices) -> ChoiceFit:
+def fit_choices(data: Choices, prior: Floats | None = None) -> ChoiceFit:
     """Fit the model by Newton's method; the likelihood has no other maxima.
 
     Parameters
     ----------
     data : Choices
-        The parameters must be identified by the situations: where some are not (a condition that
-        never lost), `converged` is False.
+        The parameters must be identified by the situations, or by the prior: where some are not,
+        `converged` is False.
+    prior : ndarray, shape (comparisons, parameters), optional
+        What makes each of these comparisons likely. Each is taken to be won half a time and lost
+        half a time, as the pseudo-rankings of Turner, van Etten, Firth & Kosmidis (2020), so that
+        estimates are finite where nobody ever lost. The log-likelihood leaves them out.
     """
     table = Tabulated.of_choices(data)
+    prior = np.empty((0, table.features.shape[1])) if prior is None else prior
     parameters = np.zeros(table.features.shape[1])
-    value, score, hessian = _derivatives(table, parameters)
+    value, score, hessian = _derivatives(table, parameters, prior)
     converged = False
     for _ in range(STEPS):
         try:
@@ -187,7 +196,7 @@ def fit_choices(data: Choices) -> ChoiceFit:
             break
         size = 1.0
         while True:
-            tried = _derivatives(table, parameters + size * step)
+            tried = _derivatives(table, parameters + size * step, prior)
             if tried[0] >= value - 1e-12 * abs(value) or size < 1e-8:
                 break
             size /= 2
@@ -196,25 +205,28 @@ def fit_choices(data: Choices) -> ChoiceFit:
         if np.abs(step).max(initial=0.0) < FLAT:
             converged = True
             break
-    return _with_errors(data, table, parameters, value, hessian, converged)
+    return _with_errors(data, table, parameters, hessian, converged)
 
 
-def _derivatives(table: Tabulated, parameters: Floats) -> tuple[float, Floats, Floats]:
-    """Return log-likelihood, its gradient and minus its second derivatives."""
+def _derivatives(
+    table: Tabulated, parameters: Floats, prior: Floats
+) -> tuple[float, Floats, Floats]:
+    """Return log-likelihood and log-prior, their gradient and minus their second derivatives."""
     logs = table.log_shares(parameters)
     shares = np.exp(logs)
     means = table.means(shares)
     expected = shares * table.totals[table.of]
     score = (table.votes - expected) @ table.features
     hessian = (table.features.T * expected) @ table.features - (means.T * table.totals) @ means
-    return float(table.votes @ logs), score, hessian
+    won = expit(prior @ parameters)
+    value = float(table.votes @ logs) + float(np.log(won * (1 - won)).sum()) / 2
+    return value, score + (0.5 - won) @ prior, hessian + (prior.T * (won * (1 - won))) @ prior
 
 
 def _with_errors(
     data: Choices,
     table: Tabulated,
     parameters: Floats,
-    value: float,
     hessian: Floats,
     converged: bool,
 ) -> ChoiceFit:
@@ -222,7 +234,8 @@ def _with_errors(
         bread = np.asarray(np.linalg.inv(hessian), np.float64)
     except np.linalg.LinAlgError:
         bread = np.full_like(hessian, np.nan)
-    means = table.means(np.exp(table.log_shares(parameters)))
+    logs = table.log_shares(parameters)
+    means = table.means(np.exp(logs))
     scores = np.concatenate(
         [
             situation.ways @ (situation.features - mean)
@@ -236,7 +249,8 @@ def _with_errors(
         robust=robust,
         clustered=clustered,
         influences=scores @ bread,
-        log_likelihood=value,
+        situation=np.repeat(np.arange(len(data.situations)), np.diff(data.starts)),
+        log_likelihood=float(table.votes @ logs),
         choices=len(data.way) if data.times is None else int(data.times.sum()),
         clusters=int(data.cluster.max(initial=-1)) + 1,
         converged=converged,

@@ -1,8 +1,9 @@
-"""Whether strengths can be estimated at all: everybody must be linked to everybody by wins."""
+"""What comparisons can tell of strengths: who is linked to whom, and who never lost."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,29 @@ from scipy.sparse.csgraph import connected_components
 from motion.listing import listed
 
 
-def why_not_identified(beats: NDArray[np.float64], names: Sequence[str]) -> str:
-    """Say why no finite strengths exist; empty where they do.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Links:
+    """How conditions are linked by comparisons.
 
-    They exist if, however the conditions are split in two groups, some condition of each group
-    was at least once preferred to, or tied with, one of the other (Ford 1957).
+    Attributes
+    ----------
+    tiers : ndarray of int, shape (conditions,)
+        Conditions of one tier are linked by wins both ways. Of two tiers, one never lost to the
+        other: their difference has no finite maximum-likelihood estimate (Ford 1957).
+    apart : str
+        Why there is no common scale, naming the groups that were never compared with one
+        another; empty where all are linked.
+    swept : str
+        Which conditions never lost to which; empty where there is one tier.
+    """
+
+    tiers: NDArray[np.intp]
+    apart: str
+    swept: str
+
+
+def links(beats: NDArray[np.float64], names: Sequence[str]) -> Links:
+    """Return how conditions are linked.
 
     Parameters
     ----------
@@ -25,17 +44,22 @@ def why_not_identified(beats: NDArray[np.float64], names: Sequence[str]) -> str:
     names : sequence of str
         The conditions' names.
     """
-    met = csr_matrix(beats + beats.T)
-    groups, group = connected_components(met, directed=False)
+    groups, group = connected_components(csr_matrix(beats + beats.T), directed=False)
+    count, tiers = connected_components(csr_matrix(beats), directed=True, connection="strong")
+    apart = ""
     if groups > 1:
-        apart = listed([name for name, of in zip(names, group, strict=True) if of == group[0]])
-        return f"{apart} was never compared with the others, so that strengths have no common scale"
-    classes, of_class = connected_components(csr_matrix(beats), directed=True, connection="strong")
-    if classes == 1:
-        return ""
-    for number in range(classes):
-        inside = of_class == number
+        parts = [_named(names, group == number) for number in range(groups)]
+        apart = (
+            f"never compared with one another, not even through others: {' | '.join(parts)}; "
+            "strengths have no common scale"
+        )
+    swept = []
+    for number in range(count if count > 1 and not apart else 0):
+        inside = tiers == number
         if not beats[~inside][:, inside].any():
-            better = listed([name for name, yes in zip(names, inside, strict=True) if yes])
-            return f"{better} never lost to any of the others: the strength has no upper limit"
-    raise AssertionError("a class that nobody beats always exists")
+            swept.append(f"{_named(names, inside)} never lost to any of the others")
+    return Links(tiers=np.asarray(tiers, np.intp), apart=apart, swept="; ".join(swept))
+
+
+def _named(names: Sequence[str], chosen: NDArray[np.bool_]) -> str:
+    return listed([name for name, yes in zip(names, chosen, strict=True) if yes])

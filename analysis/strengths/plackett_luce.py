@@ -18,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.strengths.choices import Choices, Situation, fit_choices
-from analysis.strengths.identified import why_not_identified
+from analysis.strengths.identified import links
 from analysis.strengths.two_way import ONE_PARTICIPANT, TwoWayErrors, deviations
 from motion.errors import InputError
 
@@ -51,6 +51,8 @@ class PlackettLuce:
         At the estimates.
     rankings, participants : int
         What it rests on.
+    tiers, swept
+        As of `BradleyTerry`.
     reason : str
         Why there are no worths; empty where there are. `remark` says why they have no errors.
     """
@@ -65,6 +67,8 @@ class PlackettLuce:
     log_likelihood: float
     rankings: int
     participants: int
+    tiers: NDArray[np.intp]
+    swept: str
     reason: str = ""
 
     @property
@@ -105,8 +109,8 @@ def plackett_luce(
         raise InputError("a ranking places a condition twice")
     made = _stages(rankings, names, cluster)
     stages, beats = made.stages, made.beats
-    reason = why_not_identified(beats, names) if stages else "no rankings"
-    if reason:
+    linked = links(beats, names)
+    if reason := linked.apart if stages else "no rankings":
         return _unknown(names, rankings, made.people, reason)
     sizes = sorted({len(chosen) for _, chosen in stages} - {1})
     left_over = list(dict.fromkeys(still for still, _ in stages))
@@ -124,9 +128,10 @@ def plackett_luce(
         way=np.array([sets[still].index(chosen) for still, chosen in stages], np.intp),
         cluster=made.participants,
     )
-    fit = fit_choices(choices)
     free = len(names) - 1
     turn = np.eye(len(names))[:, 1:] - 1 / len(names)
+    prior = np.hstack([turn, np.zeros((len(names), len(sizes)))])
+    fit = fit_choices(choices, prior if linked.swept else None)
     clustered = turn @ fit.clustered[:free, :free] @ turn.T
     by_model = turn @ fit.by_model[:free, :free] @ turn.T
     return PlackettLuce(
@@ -138,12 +143,18 @@ def plackett_luce(
         two_way=None
         if made.segments is None
         else TwoWayErrors.of(
-            fit.influences[:, :free] @ turn.T, choices.kind, made.participants, made.segments
+            fit.influences[:, :free] @ turn.T,
+            fit.situation,
+            choices.kind,
+            made.participants,
+            made.segments,
         ),
         ties=dict(zip(sizes, fit.estimates[free:].tolist(), strict=True)),
         log_likelihood=fit.log_likelihood,
         rankings=int(rankings["ranking"].nunique()),
         participants=made.people,
+        tiers=linked.tiers,
+        swept=linked.swept,
         reason="" if fit.converged else "the worths did not converge",
     )
 
@@ -245,5 +256,7 @@ def _unknown(
         log_likelihood=math.nan,
         rankings=int(rankings["ranking"].nunique()),
         participants=people,
+        tiers=np.zeros(len(names), np.intp),
+        swept="",
         reason=reason,
     )

@@ -10,7 +10,7 @@ from analysis.curvature import second_derivatives
 from analysis.ordinal.links import interval
 from analysis.strengths.bradley_terry import BradleyTerry, centred, unknown
 from analysis.strengths.choices import ChoiceFit
-from analysis.strengths.identified import why_not_identified
+from analysis.strengths.identified import links
 from analysis.strengths.sandwich import sandwiches
 from analysis.strengths.votes import Votes
 
@@ -28,7 +28,8 @@ def rao_kupper(votes: Votes, *, left: bool = True) -> BradleyTerry:
     BradleyTerry
         `tie` is log theta.
     """
-    reason = why_not_identified(votes.beats, votes.conditions) if len(votes.left) else "no answers"
+    linked = links(votes.beats, votes.conditions)
+    reason = (linked.apart or linked.swept) if len(votes.left) else "no answers"
     if not reason and not (votes.outcome == 0).any():
         reason = "there is no tie, so that the size of an unseen difference has no estimate"
     if reason:
@@ -63,12 +64,13 @@ def rao_kupper(votes: Votes, *, left: bool = True) -> BradleyTerry:
         robust=scale * robust,
         clustered=scale * clustered,
         influences=turn * (scores @ bread),
+        situation=(cells // 3).astype(np.intp),
         log_likelihood=-float(found.fun) * len(cell),
         choices=len(cell),
         clusters=int(votes.participant.max()) + 1,
         converged=bool(np.abs(found.jac).max() < 1e-6),
     )
-    return centred(votes, fit, cell.astype(np.intp), modelled=True, left=left)
+    return centred(votes, fit, cell.astype(np.intp), linked, modelled=True, left=left)
 
 
 def _design(cells: NDArray[np.intp], count: int, left: bool) -> Floats:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import pandas as pd
 
@@ -30,7 +31,9 @@ class AnswerTable:
         Of main and repeated trials, in the order of appearance in the table; the only set is
         '' where there is no such column.
     notes : tuple of str
-        What the table holds that is not analysed, in sentences.
+        What the table holds that is not analysed, or looks like a slip, in sentences.
+    scales : mapping of str to (int, int)
+        The lowest and the highest rating that each question allows, where that is known.
     """
 
     protocol: str
@@ -41,6 +44,7 @@ class AnswerTable:
     questions: tuple[str, ...]
     sets: tuple[str, ...]
     notes: tuple[str, ...]
+    scales: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     @property
     def has_sets(self) -> bool:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -25,20 +26,32 @@ _COLUMN: Final = {column.name: column for column in SHARED}
 
 Rows = NDArray[np.bool_]
 
+SLIPS: Final = 0.05
+"""Share of the ratings below which one far above all others may be a slip."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Order:
-    """In which order names stand, where it is not that of their appearance."""
+    """In which order names stand, where it is not that of their appearance, and what they mean.
+
+    Attributes
+    ----------
+    conditions, questions, sets : tuple of str
+        Names, the first first.
+    scales : mapping of str to (int, int)
+        The lowest and the highest rating that questions allow.
+    """
 
     conditions: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
     sets: tuple[str, ...] = ()
+    scales: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
 
 AS_IT_COMES: Final = Order()
 
 
-def read_answers(path: Path, layout: Layout) -> AnswerTable:
+def read_answers(path: Path, layout: Layout, scale: tuple[int, int] | None = None) -> AnswerTable:
     """Read and check a table of answers.
 
     Parameters
@@ -47,6 +60,8 @@ def read_answers(path: Path, layout: Layout) -> AnswerTable:
         CSV in UTF-8 with a header line, or Parquet.
     layout : Layout
         The protocol's columns.
+    scale : (int, int), optional
+        The lowest and the highest rating that could be given.
 
     Raises
     ------
@@ -62,10 +77,16 @@ def read_answers(path: Path, layout: Layout) -> AnswerTable:
             [column.name for column in columns if column.required],
         ),
         layout,
+        scale=scale,
     )
 
 
-def answers_in(cells: Cells, layout: Layout, order: Order = AS_IT_COMES) -> AnswerTable:
+def answers_in(
+    cells: Cells,
+    layout: Layout,
+    order: Order = AS_IT_COMES,
+    scale: tuple[int, int] | None = None,
+) -> AnswerTable:
     """Check the cells of a table of answers.
 
     Parameters
@@ -76,6 +97,8 @@ def answers_in(cells: Cells, layout: Layout, order: Order = AS_IT_COMES) -> Answ
         The protocol's columns.
     order : Order
         In which conditions, questions and sets stand; those it does not name come after.
+    scale : (int, int), optional
+        The lowest and the highest rating that could be given.
 
     Raises
     ------
@@ -90,8 +113,19 @@ def answers_in(cells: Cells, layout: Layout, order: Order = AS_IT_COMES) -> Answ
     used = np.isin(kinds, (*ANALYSED_KINDS, "practice", *judged)) | asked
     checking = Checking(cells.part(used), np.isin(kinds[used], ANALYSED_KINDS))
     answers = _answers(layout, checking, kinds[used])
+    if layout.answered_once:
+        answers["trial"] = _repeated_alone(answers, layout)
     _refuse_contradictions(layout, checking, answers)
     _refuse_unjudged(checking, answers)
+    if scale is not None:
+        low, high = scale
+        values = answers["value"].to_numpy(np.float64)
+        checking.refuse(
+            (values < low) | (values > high),
+            layout.value.name,
+            lambda row: f"{values[row]:g} is not on the scale from {low} to {high}",
+            "Correct the cell, or state another scale",
+        )
     if "trial" in cells.rows or layout.answered_once:
         _refuse_repetitions(layout, checking, answers)
     analysed = checking.analysed & answers["value"].notna().to_numpy(bool)
@@ -101,13 +135,15 @@ def answers_in(cells: Cells, layout: Layout, order: Order = AS_IT_COMES) -> Answ
     )
     for column in layout.conditions:
         answers[column.name] = answers[column.name].cat.set_categories(list(conditions))
+    questions = _ordered(_appearing(answers[["question"]], analysed), order.questions)
     return AnswerTable(
         protocol=layout.protocol,
+        scales=dict.fromkeys(questions, scale) if scale is not None else order.scales,
         answers=answers[answers["value"].notna()].reset_index(drop=True),
         participants=tuple(map(str, people.categories)),
         marked=_marked(everything.names(_COLUMN["excluded"]), people),
         conditions=conditions,
-        questions=_ordered(_appearing(answers[["question"]], analysed), order.questions),
+        questions=questions,
         sets=_ordered(_appearing(answers[["set"]], analysed), order.sets),
         notes=_notes(
             cells,
@@ -115,6 +151,10 @@ def answers_in(cells: Cells, layout: Layout, order: Order = AS_IT_COMES) -> Answ
             layout,
             unanswered=int(answers["value"].isna().sum()),
             # Of a ranking it is enough to ask for the place of one condition.
+            doubled=0 if "trial" in cells.rows or layout.answered_once else _doubled(answers),
+            strange=_strange(
+                answers, analysed, layout, has_scale=scale is not None or bool(order.scales)
+            ),
             unasked=0
             if layout.answered_once and asked.any()
             else int(((kinds == "attention") & ~asked).sum()),
@@ -176,10 +216,8 @@ def _refuse_repetitions(layout: Layout, checking: Checking, answers: pd.DataFram
     if layout.answered_once:
         # Practice trials come back as repeated ones; only the latter are analysed.
         may_repeat = (answers["kind"] == "attention").to_numpy(bool)
-        answers = answers.assign(trial=answers["kind"].isin(ANALYSED_KINDS).astype("category"))
-    else:
-        key.append("kind")
-    key.append("trial")
+        answers = answers.assign(kind=answers["kind"].isin(ANALYSED_KINDS).astype("category"))
+    key += ["kind", "trial"]
     codes = pd.DataFrame({name: answers[name].cat.codes for name in key})
     group = codes.groupby(key, sort=False).ngroup().to_numpy()
     group = np.where(may_repeat, -1 - np.arange(len(group)), group)
@@ -190,6 +228,21 @@ def _refuse_repetitions(layout: Layout, checking: Checking, answers: pd.DataFram
         lambda row: f"the same answer stands in row {checking.number_of(int(first[row]))} already",
         "Remove one of them, or number trials apart",
     )
+
+
+def _repeated_alone(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
+    """Return the trials of those who answered about something repeatedly; empty for others.
+
+    A table may number every row apart: trials tell answers apart only where one question about
+    a segment's condition was answered in several of them.
+    """
+    whose = ["participant", "set", "segment", "question"]
+    about = [*whose, *(column.name for column in layout.conditions)]
+    analysed = answers["kind"].isin(ANALYSED_KINDS)
+    codes = pd.DataFrame({name: answers[name].cat.codes for name in about})
+    twice = codes[analysed].duplicated(keep=False).reindex(codes.index, fill_value=False)
+    repeated = twice.groupby([codes[name] for name in whose]).transform("any")
+    return answers["trial"].where(repeated)
 
 
 def _appearing(columns: pd.DataFrame, where: Rows) -> tuple[str, ...]:
@@ -223,9 +276,21 @@ def _reason(text: str) -> str:
 
 
 def _notes(
-    cells: Cells, kinds: NDArray[np.object_], layout: Layout, *, unanswered: int, unasked: int
+    cells: Cells,
+    kinds: NDArray[np.object_],
+    layout: Layout,
+    *,
+    unanswered: int,
+    unasked: int,
+    doubled: int,
+    strange: str,
 ) -> tuple[str, ...]:
-    notes = []
+    notes = [strange] if strange else []
+    if doubled:
+        notes.append(
+            f"{_rows(doubled)} the same as an earlier one, and no column trial tells presentations "
+            "apart: each counts as an answer of its own. Is the table joined with itself?"
+        )
     if cells.ignored:
         notes.append(f"Columns that are not read: {', '.join(cells.ignored)}.")
     if unanswered:
@@ -241,6 +306,40 @@ def _notes(
             "so that they exclude nobody by themselves."
         )
     return tuple(notes)
+
+
+def _doubled(answers: pd.DataFrame) -> int:
+    """Return how many rows say the same as an earlier one."""
+    return int(answers[answers["value"].notna()].duplicated().sum())
+
+
+def _strange(answers: pd.DataFrame, analysed: Rows, layout: Layout, *, has_scale: bool) -> str:
+    """Return what is odd about the values of a table; empty where nothing is."""
+    shown = answers[analysed]
+    if layout.protocol == "rating" and not has_scale:
+        scores, counts = np.unique(shown["value"].to_numpy(np.float64), return_counts=True)
+        if (
+            len(scores) > 2
+            and scores[-1] - scores[-2] > scores[-2] - scores[0]
+            and counts[-1] < SLIPS * counts.sum()
+        ):
+            return (
+                f"The highest rating, {scores[-1]:g}, was given {counts[-1]} time"
+                f"{'s' * int(counts[-1] > 1)}; all others are {scores[-2]:g} or lower. It is "
+                "analysed: state the scale (--scale) to have slips refused."
+            )
+    if layout.protocol == "ranking":
+        named = ["participant", "set", "segment", "question", "trial"]
+        ranking = shown.groupby(named, observed=True, dropna=False)["value"]
+        before = ranking.rank(method="min") - 1
+        gaps = shown["value"] - 1 > before
+        count = gaps.groupby([shown[name].cat.codes for name in named]).any().sum()
+        if count:
+            return (
+                f"{count} ranking{' leaves' if count == 1 else 's leave'} places out (1, 2, 4): "
+                "only their order counts."
+            )
+    return ""
 
 
 def _rows(count: int) -> str:

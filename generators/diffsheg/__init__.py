@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from generators.diffsheg.denoiser import Denoiser as Denoiser
+    from generators.diffsheg.model import Denoiser as Denoiser
     from generators.diffsheg.released import load_released as load_released
 
 __all__ = ["Denoiser", "load_released"]
@@ -14,7 +14,7 @@ __all__ = ["Denoiser", "load_released"]
 def __getattr__(name: str) -> object:
     """Import the network when it is asked for: listing generators needs no torch."""
     if name == "Denoiser":
-        from generators.diffsheg.denoiser import Denoiser
+        from generators.diffsheg.model import Denoiser
 
         return Denoiser
     if name == "load_released":

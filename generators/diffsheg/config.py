@@ -1,13 +1,16 @@
-"""What a DiffSHEG network is made of."""
+"""What a DiffSHEG network is made of, and how each is trained by default."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
+from generators.trainable import Trainable, TrainingChoice
 from motion.errors import InputError
+from training.batch_order import batches_per_epoch
+from training.config import TrainingConfig
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
 """What is told to what: see `DenoiserConfig.flow`."""
@@ -63,7 +66,7 @@ class DenoiserConfig:
         next to nothing but in the loudest moments; or its logarithm, scaled to about -1 to 3.
     skip : bool
         Whether what of the noise follows from the covariance of the motion it learns from goes past
-        the layers of each branch: see `generators.diffsheg.linear_skip`. Without, as the paper has
+        the layers of each branch: see `training.linear_skip`. Without, as the paper has
         it, all noise passes through them, and a branch narrower than its part of the motion loses
         some of it on the way.
     """
@@ -179,4 +182,150 @@ changes."""
 
 CONFIGS: Final[Mapping[str, DenoiserConfig]] = MappingProxyType(
     {"beat": BEAT, "show": SHOW, "tiny": TINY}
+)
+
+
+STRIDE: Final = 10
+"""Frames from one window to the next, as for BEAT in the release; of SHOW nothing is told."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingPreset:
+    """Sizes and training of one network.
+
+    Attributes
+    ----------
+    network : DenoiserConfig
+        Its sizes; speakers are those of the takes.
+    losses : str
+        One of `generators.diffsheg.losses.LOSSES`.
+    training : TrainingConfig
+        How; its steps are those of one epoch where `epochs` are told.
+    epochs : int or None
+        How often all windows are gone through, in place of a number of steps.
+    """
+
+    network: DenoiserConfig
+    losses: str
+    training: TrainingConfig
+    epochs: int | None = None
+
+    def trained_on(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
+        """Return how it is trained on so many examples, with some settings changed."""
+        config = replace(self.training, **changes)
+        if self.epochs is None or "steps" in changes:
+            return config
+        return replace(config, steps=self.epochs * batches_per_epoch(examples, config.batch_size))
+
+
+_TINY_TRAINING: Final = TrainingConfig(
+    steps=3_500,
+    batch_size=32,
+    learning_rate=2e-3,
+    optimizer="adam",
+    gradient_clip=0.5,
+    ema_decay=0.995,
+    validate_every=100,
+    checkpoint_every=250,
+)
+
+
+def _full(batch_size: int) -> TrainingConfig:
+    return TrainingConfig(
+        steps=1,
+        batch_size=batch_size,
+        learning_rate=2e-4,
+        optimizer="adam",
+        gradient_clip=0.5,
+        validate_every=500,
+        checkpoint_every=500,
+    )
+
+
+PRESETS: Final[Mapping[tuple[str, str], TrainingPreset]] = MappingProxyType(
+    {
+        ("beat", "beat"): TrainingPreset(
+            network=BEAT, losses="paper", training=_full(2_500), epochs=1_000
+        ),
+        ("show", "show"): TrainingPreset(
+            network=SHOW, losses="paper", training=_full(950), epochs=1_600
+        ),
+        ("tiny", "beat"): TrainingPreset(network=TINY, losses="steps", training=_TINY_TRAINING),
+        ("tiny", "show"): TrainingPreset(
+            network=replace(
+                TINY,
+                gesture_width=SHOW.gesture_width,
+                expression_width=SHOW.expression_width,
+                speakers=SHOW.speakers,
+                frames=SHOW.frames,
+                frame_rate=SHOW.frame_rate,
+            ),
+            losses="steps",
+            training=_TINY_TRAINING,
+        ),
+    }
+)
+"""By config and by whose motion it tells. Those of the released sizes are trained as the paper says
+(section 4.2): Adam with rate 2e-4, gradients clipped at .5, and its epochs and batches."""
+
+ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
+    {
+        "naive_concat": {"flow": "joint"},
+        "without_detach": {"detached": False},
+        "without_x0": {"flow": "none"},
+        "reverse": {"flow": "gesture_to_expression"},
+    }
+)
+"""What the ablations of Table 1 change in the network."""
+
+
+def preset_of(config: str, dataset: str) -> TrainingPreset:
+    """Return the preset of a config for the motion of a data set.
+
+    Raises
+    ------
+    InputError
+        If the config is of the other data set.
+    """
+    found = PRESETS.get((config, dataset))
+    if found is None:
+        fitting = [name for name, of in PRESETS if of == dataset]
+        raise InputError(
+            f"the config {config} does not tell the motion of these recordings, which is told "
+            f"as {dataset.upper()}'s",
+            remedy=f"Use --config {' or '.join(fitting)}",
+        )
+    return found
+
+
+TRAINABLE: Final = Trainable(
+    summary="Train DiffSHEG on recordings of speech with face and body.",
+    explanation="""
+    Learns from the takes of the training split, and measures itself on those of the validation
+    split. BEAT's recordings are told as rotations of 47 joints with 51 facial weights; SMPL-X
+    recordings (BEAT2, SHOW) as rotations of 43 joints with jaw and 100 expressions.
+    """,
+    configs={
+        "tiny": "a small network, which a processor trains in minutes",
+        "beat": "the released size for BEAT",
+        "show": "the released size for SHOW",
+    },
+    home="generators.diffsheg.train:train_diffsheg",
+    choices=(
+        TrainingChoice(
+            name="preset",
+            help="How losses are weighed: as the paper says, as the released training did, or all "
+            "alike; by default even for tiny, and paper for the released sizes.",
+            values=("paper", "release", "steps"),
+        ),
+        TrainingChoice(
+            name="ablation",
+            help="Train a variant of the paper's Table 1 in place of DiffSHEG itself.",
+            values=("naive_concat", "without_detach", "without_x0", "reverse"),
+        ),
+        TrainingChoice(
+            name="hubert",
+            help="HuBERT's weights; without, a stand-in hears, which tells sounds but no words.",
+        ),
+    ),
 )

@@ -1,23 +1,62 @@
-"""The layers of DiffSHEG's transformers.
-
-Diffusion step and speaker act on them through *modulations*: a scale and a shift for each channel
-that depend on nothing else. They are handed in, so that who denoises many windows with the same
-steps computes them once.
-"""
+"""The layers of DiffSHEG's transformers, in the order in which the network uses them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
 
-class Stylization(nn.Module):
-    """Scales and shifts normalised features, and maps them on (AdaIN, section 3.3).
+def step_embedding(t: Tensor, width: int) -> Tensor:
+    """Return cosines and sines of diffusion steps, (batch, width).
 
-    The map starts at zero, so that an untrained block changes nothing.
+    Frequencies fall from 1 to 1/10000 (Vaswani et al. 2017, section 3.5).
+    """
+    half = width // 2
+    falling = torch.arange(half, dtype=torch.float32, device=t.device) / half
+    angles = t[:, None].float() * torch.exp(-math.log(10_000) * falling)
+    return torch.cat([angles.cos(), angles.sin()], dim=-1)
+
+
+def frame_positions(longest: int, width: int) -> Tensor:
+    """Return sines and cosines of each frame's place, (1, longest, width), interleaved."""
+    place = torch.arange(longest, dtype=torch.float32)[:, None]
+    falling = torch.arange(0, width, 2, dtype=torch.float32) / width
+    angles = place * torch.exp(-math.log(10_000) * falling)
+    return torch.stack([angles.sin(), angles.cos()], dim=-1).reshape(1, longest, width)
+
+
+def zeroed(layer: nn.Linear) -> nn.Linear:
+    """Return `layer` with all its weights at zero."""
+    nn.init.zeros_(layer.weight)
+    nn.init.zeros_(layer.bias)
+    return layer
+
+
+class Embedding(nn.Module):
+    """Two linear layers that turn a diffusion step or a speaker into a style."""
+
+    def __init__(self, width: int, style_width: int) -> None:
+        super().__init__()
+        self.first = nn.Linear(width, style_width)
+        self.second = nn.Linear(style_width, style_width)
+
+    def forward(self, value: Tensor) -> Tensor:
+        """Return (batch, style width)."""
+        result: Tensor = self.second(functional.silu(self.first(value)))
+        return result
+
+
+class Stylization(nn.Module):
+    """Scales and shifts normalised features by a style, and maps them on (AdaIN, section 3.3).
+
+    Scale and shift, the *modulation*, depend on the diffusion step and the speaker only. The map
+    starts at zero, so an untrained block changes nothing.
     """
 
     def __init__(self, width: int, style_width: int, dropout: float) -> None:
@@ -27,15 +66,10 @@ class Stylization(nn.Module):
         self.dropout = nn.Dropout(dropout)
         self.out = zeroed(nn.Linear(width, width))
 
-    def modulate(self, style: Tensor) -> Tensor:
-        """Return scale and shift, (batch, 1, 2 · width), of activated `style` (batch, style)."""
-        modulation: Tensor = self.modulation(style)
-        return modulation.unsqueeze(1)
-
-    def forward(self, features: Tensor, modulation: Tensor) -> Tensor:
-        """Return (batch, frames, width)."""
+    def forward(self, h: Tensor, modulation: Tensor) -> Tensor:
+        """Return (batch, frames, width), given a modulation (batch, 1, 2 · width)."""
         scale, shift = modulation.chunk(2, dim=-1)
-        styled = self.norm(features) * (1 + scale) + shift
+        styled = self.norm(h) * (1 + scale) + shift
         result: Tensor = self.out(self.dropout(functional.silu(styled)))
         return result
 
@@ -56,21 +90,20 @@ class LinearAttention(nn.Module):
         self.value = nn.Linear(width, width)
         self.stylization = Stylization(width, style_width, dropout)
 
-    def forward(self, features: Tensor, modulation: Tensor) -> Tensor:
+    def forward(self, h: Tensor, modulation: Tensor) -> Tensor:
         """Return (batch, frames, width)."""
-        normed = self.norm(features)
+        normed = self.norm(h)
         split = (*normed.shape[:2], self.heads, -1)
-        query = self.query(normed).view(split).softmax(dim=-1)
-        key = self.key(normed).view(split).softmax(dim=1)
-        value = self.value(normed).view(split)
-        context = torch.einsum("bnhd,bnhl->bhdl", key, value)
-        attended = torch.einsum("bnhd,bhdl->bnhl", query, context).reshape(features.shape)
-        result: Tensor = features + self.stylization(attended, modulation)
+        query = self.query(normed).view(split).softmax(dim=-1).transpose(1, 2)
+        key = self.key(normed).view(split).softmax(dim=1).permute(0, 2, 3, 1)
+        value = self.value(normed).view(split).transpose(1, 2)
+        attended = (query @ (key @ value)).transpose(1, 2).reshape(h.shape)
+        result: Tensor = h + self.stylization(attended, modulation)
         return result
 
 
 class FeedForward(nn.Module):
-    """The two maps after the attention."""
+    """The two linear layers after the attention."""
 
     def __init__(self, width: int, inner: int, style_width: int, dropout: float) -> None:
         super().__init__()
@@ -79,15 +112,15 @@ class FeedForward(nn.Module):
         self.narrow = zeroed(nn.Linear(inner, width))
         self.stylization = Stylization(width, style_width, dropout)
 
-    def forward(self, features: Tensor, modulation: Tensor) -> Tensor:
+    def forward(self, h: Tensor, modulation: Tensor) -> Tensor:
         """Return (batch, frames, width)."""
-        inner = self.narrow(self.dropout(functional.gelu(self.widen(features))))
-        result: Tensor = features + self.stylization(inner, modulation)
+        inner = self.narrow(self.dropout(functional.gelu(self.widen(h))))
+        result: Tensor = h + self.stylization(inner, modulation)
         return result
 
 
 class StyledBlock(nn.Module):
-    """The style-aware transformer block: attention, then the two maps, each stylised."""
+    """The style-aware transformer block: attention and feed-forward, each stylised."""
 
     def __init__(
         self, width: int, inner: int, heads: int, style_width: int, dropout: float
@@ -97,54 +130,120 @@ class StyledBlock(nn.Module):
         self.feed_forward = FeedForward(width, inner, style_width, dropout)
 
     def modulate(self, style: Tensor) -> Tensor:
-        """Return both modulations of activated `style`, (batch, 1, 4 · width)."""
-        return torch.cat(
-            [
-                self.attention.stylization.modulate(style),
-                self.feed_forward.stylization.modulate(style),
-            ],
-            dim=-1,
-        )
+        """Return both modulations of `style` (batch, style width), (batch, 1, 4 · width)."""
+        stylizations = (self.attention.stylization, self.feed_forward.stylization)
+        return torch.cat([one.modulation(style) for one in stylizations], dim=-1).unsqueeze(1)
 
-    def forward(self, features: Tensor, modulation: Tensor) -> Tensor:
+    def forward(self, h: Tensor, modulation: Tensor) -> Tensor:
         """Return (batch, frames, width)."""
         first, second = modulation.chunk(2, dim=-1)
-        result: Tensor = self.feed_forward(self.attention(features, first), second)
+        result: Tensor = self.feed_forward(self.attention(h, first), second)
         return result
 
 
+class Moments(NamedTuple):
+    """Mean and variance of so many values of each frame, (batch, frames, 1)."""
+
+    mean: Tensor
+    variance: Tensor
+    width: int
+
+    @classmethod
+    def of(cls, values: Tensor) -> Moments:
+        """Return those of (batch, frames, width)."""
+        variance, mean = torch.var_mean(values.float(), dim=-1, correction=0, keepdim=True)
+        return cls(mean, variance, values.shape[-1])
+
+    @classmethod
+    def together(cls, parts: Sequence[Moments]) -> Moments:
+        """Return those of all values of some parts."""
+        width = sum(part.width for part in parts)
+        mean = torch.stack([part.mean * (part.width / width) for part in parts]).sum(dim=0)
+        variances = [
+            (part.variance + (part.mean - mean).square()) * (part.width / width) for part in parts
+        ]
+        return cls(mean, torch.stack(variances).sum(dim=0), width)
+
+
+@dataclass(frozen=True, eq=False)
+class FusedSpeech:
+    """What a `Fusion` makes of the speech before it sees any motion.
+
+    Attributes
+    ----------
+    mapped : Tensor
+        (batch, frames, 2 · width), the speech through the first layer.
+    moments : Moments
+        Of the speech.
+    ones, bias : Tensor
+        (2 · width,), the norm's weight and its bias through the first layer.
+    """
+
+    mapped: Tensor
+    moments: Moments
+    ones: Tensor
+    bias: Tensor
+
+    def at(self, rows: slice) -> FusedSpeech:
+        """Return some rows of the batch."""
+        mean, variance, width = self.moments
+        moments = Moments(mean[rows], variance[rows], width)
+        return FusedSpeech(self.mapped[rows], moments, self.ones, self.bias)
+
+
 class Fusion(nn.Module):
-    """The motion-speech fusion residual block: tells the features of a motion its conditions."""
+    """The motion–speech fusion block: h + MLP(norm([h, speech, x̂0])).
+
+    The norm is taken apart, so that the part of the speech is computed once however often the
+    motion changes. With γ and β the norm's weight and bias, W the first layer, and m and s the mean
+    and the deviation of all values of v = [h, speech, x̂0] together::
+
+        W norm(v) = (W_h γ_h h + W_s γ_s speech + W_x γ_x x̂0 - m W γ) / s + W β
+    """
 
     def __init__(self, width: int, conditions: int) -> None:
         super().__init__()
         self.norm = nn.LayerNorm(width + conditions)
         self.widen = nn.Linear(width + conditions, 2 * width)
         self.narrow = nn.Linear(2 * width, width)
+        self.width = width
 
-    def forward(self, features: Tensor, together: Tensor) -> Tensor:
-        """Return (batch, frames, width) of features, and of features and conditions `together`."""
-        inner = functional.silu(self.widen(self.norm(together)))
-        result: Tensor = features + self.narrow(inner)
-        return result
+    def fuse(self, speech: Tensor) -> FusedSpeech:
+        """Return what is made of the speech, (batch, frames, channels)."""
+        return FusedSpeech(
+            self._map(speech, self.width),
+            Moments.of(speech),
+            self.widen.weight @ self.norm.weight,
+            self.widen(self.norm.bias),
+        )
 
+    def forward(self, h: Tensor, speech: FusedSpeech, x0_hat: Tensor | None = None) -> Tensor:
+        """Return what is added to h, (batch, frames, width)."""
+        inner = self._map(h, 0) + speech.mapped
+        parts = [Moments.of(h), speech.moments]
+        if x0_hat is not None:
+            inner = inner + self._map(x0_hat, self.width + speech.moments.width)
+            parts.append(Moments.of(x0_hat))
+        mean, variance, _ = Moments.together(parts)
+        scale = torch.rsqrt(variance + self.norm.eps)
+        return self._narrow((inner - mean * speech.ones) * scale + speech.bias)
 
-class Embedding(nn.Module):
-    """Two maps that turn what holds for a whole window into a style."""
+    def unconditioned(self, null: Tensor) -> Tensor:
+        """Return what is added where the learned vector `null` stands for v, (1, width)."""
+        return self._narrow(self.widen(self.norm(null)))
 
-    def __init__(self, width: int, style_width: int) -> None:
-        super().__init__()
-        self.first = nn.Linear(width, style_width)
-        self.second = nn.Linear(style_width, style_width)
+    def _map(self, values: Tensor, first: int) -> Tensor:
+        """Return `values`, which are those of v from `first` on, through the first layer."""
+        columns = slice(first, first + values.shape[-1])
+        return functional.linear(values * self.norm.weight[columns], self.widen.weight[:, columns])
 
-    def forward(self, value: Tensor) -> Tensor:
-        """Return (batch, style width)."""
-        result: Tensor = self.second(functional.silu(self.first(value)))
+    def _narrow(self, inner: Tensor) -> Tensor:
+        result: Tensor = self.narrow(functional.silu(inner))
         return result
 
 
 class SpeechEncoder(nn.Module):
-    """Two convolutions over time that narrow speech features, one pair for each branch."""
+    """Two convolutions over time that narrow HuBERT's features, one pair for each branch."""
 
     def __init__(self, features: int, width: int) -> None:
         super().__init__()
@@ -152,34 +251,8 @@ class SpeechEncoder(nn.Module):
         self.norm = nn.BatchNorm1d(width)
         self.second = nn.Conv1d(width, width, 3, padding=1, bias=False)
 
-    def forward(self, features: Tensor) -> Tensor:
+    def forward(self, hubert: Tensor) -> Tensor:
         """Return (batch, frames, width) of (batch, frames, features)."""
-        inner = functional.gelu(self.norm(self.first(features.transpose(1, 2))))
+        inner = functional.gelu(self.norm(self.first(hubert.transpose(1, 2))))
         result: Tensor = self.second(inner).transpose(1, 2)
         return result
-
-
-def step_features(steps: Tensor, width: int) -> Tensor:
-    """Return cosines and sines of diffusion steps, (batch, width).
-
-    Frequencies fall from 1 to 1/10000 (Vaswani et al. 2017, section 3.5).
-    """
-    half = width // 2
-    falling = torch.arange(half, dtype=torch.float32, device=steps.device) / half
-    angles = steps[:, None].float() * torch.exp(-math.log(10_000) * falling)
-    return torch.cat([angles.cos(), angles.sin()], dim=-1)
-
-
-def positions(longest: int, width: int) -> Tensor:
-    """Return sines and cosines of each frame's place, (1, longest, width), taking turns."""
-    place = torch.arange(longest, dtype=torch.float32)[:, None]
-    falling = torch.arange(0, width, 2, dtype=torch.float32) / width
-    angles = place * torch.exp(-math.log(10_000) * falling)
-    return torch.stack([angles.sin(), angles.cos()], dim=-1).reshape(1, longest, width)
-
-
-def zeroed(layer: nn.Linear) -> nn.Linear:
-    """Return `layer` with all its weights at zero."""
-    nn.init.zeros_(layer.weight)
-    nn.init.zeros_(layer.bias)
-    return layer

@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from generators.diffusion import LINEAR
+from training.diffusion import LINEAR
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +86,7 @@ def motion_losses(
         ``loss``, the weighted sum of equation 8; ``noise``, ``velocity``, ``reconstruction``,
         unweighted means over frames and values.
     """
-    kept = LINEAR.kept_at(steps, noise)
+    kept = LINEAR.alpha_bar_at(steps, noise)
     error = (noise - found).float()
     # The clean motion that follows from the found noise (equation 5) misses the true one by this.
     missed = error * ((1 - kept) / kept).sqrt()

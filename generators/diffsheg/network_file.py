@@ -11,13 +11,13 @@ import numpy as np
 import torch
 
 from generators.diffsheg.config import DenoiserConfig
-from generators.diffsheg.denoiser import Denoiser
-from generators.diffsheg.normalisation import Normalisation, read_normalisation
+from generators.diffsheg.model import Denoiser
 from generators.diffsheg.released import load_released
-from generators.diffsheg.speakers import Speakers
 from generators.model_settings import DATASETS
-from generators.training.weights_file import WeightsFile, holds_facts, read_weights, write_weights
 from motion.errors import InputError
+from training.spaces.normalisation import Normalisation, read_normalisation
+from training.speakers import Speakers
+from training.weights_file import WeightsFile, holds_facts, read_weights, write_weights
 
 _NETWORK: Final = "diffsheg"
 
@@ -77,7 +77,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
         What a released checkpoint was trained on.
     stats : Path or None
         Folder of its means and standard deviations; see
-        `generators.diffsheg.normalisation.read_normalisation`.
+        `training.spaces.normalisation.read_normalisation`.
 
     Raises
     ------

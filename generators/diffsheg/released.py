@@ -18,7 +18,7 @@ from safetensors.torch import load_file
 from torch import Tensor
 
 from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
-from generators.diffsheg.denoiser import Denoiser
+from generators.diffsheg.model import Denoiser
 from motion.errors import InputError
 from motion.listing import listed
 

@@ -13,6 +13,7 @@ from generators.rule_based.face_motion import move_face
 from generators.rule_based.gesture_plan import HANDS, plan_gestures
 from generators.rule_based.hand_tracks import hand_track
 from generators.rule_based.posture import stand
+from generators.rule_based.resting import plan_rests
 from motion.clip import MotionClip
 from motion.prosody import prosody
 
@@ -21,6 +22,7 @@ class RuleBased:
     """Beat gestures, posture and face from the speech's own energy and pitch."""
 
     name: Final = "rule_based"
+    version: Final = "2"
     needs_source: Final = False
 
     def generate(
@@ -40,8 +42,9 @@ class RuleBased:
         rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
         gestures = plan_gestures(heard, style.gestures, rng)
         restlessness = style.liveliness.restlessness
+        rests = plan_rests(style.gestures, frames / frame_rate, rng)
         hands = {
-            hand: hand_track(hand, gestures, style.gestures, times, restlessness, rng)
+            hand: hand_track(hand, gestures, rests, style.gestures, times, restlessness, rng)
             for hand in HANDS
         }
         trunk = stand(style, heard, hands, times, rng)

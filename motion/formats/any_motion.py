@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +21,12 @@ from motion.formats.clip_npz import (
 from motion.formats.first_frame import settle_first_frame
 from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
 from motion.formats.retarget import retarget
-from motion.formats.talkshow import read_talkshow
-from motion.hands import RELAXED_HANDS, added_to_mean_hands
+from motion.formats.smplx_rows import read_rows
+from motion.hands import FINGERS, RELAXED_HANDS, added_to_mean_hands
 from motion.placement import place
+
+_UNMOVED: Final = 1e-6
+"""Radians that fingers turn at most where a file does not tell them."""
 
 
 def read_motion(
@@ -37,14 +42,15 @@ def read_motion(
     Parameters
     ----------
     path : Path
-        BVH of any skeleton, ``.npz`` (AMASS, BEAT2, AMUSE, SMPL+H, own) or TalkSHOW ``.npy``.
+        BVH of any skeleton, ``.npz`` (AMASS, BEAT2, AMUSE, SMPL, SMPL+H, own), ``.npy`` of
+        TalkSHOW or Motion-X.
     frame_rate : float, optional
         Frames per second; overrides the file's own.
     joint_map : mapping of str to str, optional
         For a BVH of an unknown skeleton: SMPL-X joint names to the file's.
     mean_hands : ndarray, shape (30, 3), optional
-        SMPL-X's own mean hands, as `motion.hands.read_mean_hands` gives them, for BEAT2 and
-        TalkSHOW, which tell fingers relative to them. Without, relaxed hands take their place.
+        SMPL-X's own mean hands, as `motion.hands.read_mean_hands` gives them, for BEAT2, TalkSHOW
+        and Motion-X, which tell fingers relative to them. Without, relaxed hands take their place.
     as_recorded : bool
         Whether hands of a BVH stay where they come to lie inside the body, rather than being
         moved out by `motion.clearance`.
@@ -78,15 +84,15 @@ def read_motion(
         clip, note = _with_absolute_fingers(clip, mean_hands)
         return _placed(clip, path, "npz (BEAT2)", (note,))
     if start.startswith(b"\x93NUMPY"):
-        clip = read_talkshow(path, frame_rate=frame_rate)
+        clip = read_rows(path, frame_rate=frame_rate)
         clip, note = _with_absolute_fingers(clip, mean_hands)
-        return _placed(clip, path, "talkshow", (note,))
+        return _placed(clip, path, clip.provenance["format"], (note,))
     if start.removeprefix(b"\xef\xbb\xbf").lstrip().upper().startswith(b"HIERARCHY"):
         return _read_bvh_clip(path, frame_rate, joint_map, as_recorded)
     raise InputError(
         "the file is no motion of a known format",
         where=path,
-        remedy="Give a .bvh, an SMPL-X .npz or a TalkSHOW .npy file",
+        remedy="Give a .bvh, an SMPL-X .npz, or a .npy file of TalkSHOW or Motion-X",
     )
 
 
@@ -120,10 +126,25 @@ def _with_absolute_fingers(
     return added_to_mean_hands(clip, RELAXED_HANDS), note
 
 
+def _with_relaxed_fingers(clip: MotionClip) -> tuple[MotionClip, tuple[str, ...]]:
+    """Return a clip whose untold fingers are relaxed, not straight and spread, and a note."""
+    turned = np.abs(clip.poses[:, FINGERS]).max(axis=(0, 2)).reshape(-1, 3).max(axis=1)
+    untold = turned < _UNMOVED
+    if not untold.any():
+        return clip, ()
+    poses = clip.poses.copy()
+    joints = np.flatnonzero(np.repeat(untold, 3))
+    poses[:, FINGERS.start + joints] = RELAXED_HANDS[joints]
+    what = "no finger is" if untold.all() else f"{untold.sum()} of 10 fingers are not"
+    return replace(clip, poses=poses), (f"{what} told by the file; relaxed ones are shown",)
+
+
 def _placed(
     clip: MotionClip, path: Path, format_name: str, notes: tuple[str, ...] = ()
 ) -> MotionClip:
     """Return the clip in the study's world, with what happened on the way in its provenance."""
+    clip, fingers = _with_relaxed_fingers(clip)
+    notes = (*notes, *fingers)
     clip, turns = place(clip)
     clip = clip.with_provenance(source=path.name, format=format_name)
     said = "; ".join((*notes, *turns))

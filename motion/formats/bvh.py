@@ -19,6 +19,8 @@ FloatArray = NDArray[np.float64]
 
 _ROUNDING: Final = 0.015
 """Share by which the rounding of a frame time may change the frame rate."""
+_USUAL_RATES: Final = (24, 25, 30, 48, 50, 60, 90, 100, 120, 144, 200, 240)
+"""What a frame time of few digits is taken to be rounded from."""
 _LOST_ROWS: Final = 2
 """Rows that thinning out a file may lose at its ends."""
 
@@ -206,7 +208,11 @@ def _header_value(
 
 
 def _rate_of(frame_time: str, where: str) -> float:
-    """Return the frame rate that a frame time, rounded to its digits, stands for."""
+    """Return the frame rate that a frame time, rounded to its digits, stands for.
+
+    It is a whole number where the digits tell that number from its neighbours, as 0.033 tells 30
+    from 29 and 31, or where it is usual. Else the frame time means what it says: 0.03 is 33.33.
+    """
     try:
         seconds = Decimal(frame_time)
     except InvalidOperation as error:
@@ -218,7 +224,9 @@ def _rate_of(frame_time: str, where: str) -> float:
     last_digit = Decimal(1).scaleb(int(seconds.as_tuple().exponent))
     whole = max(1, round(1 / seconds))
     rounded = abs(1 / Decimal(whole) - seconds) <= last_digit
-    return float(whole if rounded and abs(whole * seconds - 1) <= _ROUNDING else 1 / seconds)
+    close = rounded and abs(whole * seconds - 1) <= _ROUNDING
+    told = whole in _USUAL_RATES or last_digit * whole**2 < 1
+    return float(whole if close and told else 1 / seconds)
 
 
 def _contradiction(promised: int, rate: float, rows: int) -> str:

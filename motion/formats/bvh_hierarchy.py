@@ -15,6 +15,9 @@ from motion.errors import InputError
 _CHANNELS: Final = frozenset(f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation"))
 _END_SITE: Final = -1
 
+MOST_JOINTS: Final = 2000
+"""More than any body has with fingers, face and clothes; each costs time at every frame."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BvhJoint:
@@ -71,6 +74,12 @@ def parse_hierarchy(lines: list[tuple[int, str]], path: Path) -> tuple[BvhJoint,
             announced = None
         elif keyword in ("ROOT", "JOINT"):
             fits &= len(words) > 1 and (in_joint if keyword == "JOINT" else not drafts)
+            if len(drafts) == MOST_JOINTS:
+                raise InputError(
+                    f"the skeleton has more than {MOST_JOINTS} joints",
+                    where=where,
+                    remedy="Export the joints of the body alone",
+                )
             announced = len(drafts)
             parent = -1 if inside is None else inside
             drafts.append(

@@ -1,5 +1,6 @@
-"""Motion clips as ``.npz``: the study's own files, and the AMASS, BEAT2 and AMUSE variants.
+"""Motion clips as ``.npz``: the study's own files, and the variants of other projects.
 
+Only the arrays that a clip is made of are read: AMASS and MoSh++ keep Python objects beside them.
 Own files hold ``poses`` (T, 165), ``trans``, ``betas``, ``gender``, ``mocap_frame_rate``,
 ``provenance`` (a JSON object), and where the clip has them ``expressions`` and ``arkit``.
 """
@@ -9,7 +10,7 @@ from __future__ import annotations
 import json
 import zipfile
 import zlib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,6 +21,7 @@ from pydantic import TypeAdapter, ValidationError
 from motion.clip import EXPRESSION_COUNT, MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.files import replacing
+from motion.formats.smplx_rows import MOTION_X_WIDTH, motion_x_clip
 from motion.skeleton import BODY_JOINTS, FACE_JOINTS, JOINT_COUNT
 
 Arrays = Mapping[str, NDArray[Any]]
@@ -27,12 +29,25 @@ Arrays = Mapping[str, NDArray[Any]]
 _RATE_KEYS: Final = ("mocap_frame_rate", "mocap_framerate", "fps")
 _TRANS_KEYS: Final = ("trans", "transl")
 _EXPRESSION_KEYS: Final = ("expressions", "expression")
+_POSE_PARTS: Final = (
+    ("root_orient", 1), ("pose_body", 21), ("pose_jaw", 1), ("pose_eye", 2), ("pose_hand", 30),
+)  # fmt: skip
+"""AMASS's names of what poses are made of, in SMPL-X's order, and their joints."""
+_KNOWN_KEYS: Final = frozenset(
+    {
+        *("poses", "betas", "arkit", "gender", "provenance"),
+        *(*_RATE_KEYS, *_TRANS_KEYS, *_EXPRESSION_KEYS),
+        *(name for name, _ in _POSE_PARTS),
+    }
+)
 _PROVENANCE: Final = TypeAdapter(dict[str, str])
 _LARGEST: Final = 2**30
 """Bytes of all arrays unpacked, about an hour of motion at 120 fps; a small file may hold more."""
 _BEAT2_MODEL: Final = "smplx2020"
 _SMPLH_JOINT_COUNT: Final = 52
 """SMPL+H has SMPL-X's joints except the three of the face."""
+_SMPL_JOINT_COUNT: Final = 24
+"""SMPL has SMPL-X's body joints, then a joint for each whole hand, which is left out."""
 
 
 def write_clip(path: Path, clip: MotionClip) -> None:
@@ -59,8 +74,9 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     Parameters
     ----------
     path : Path
-        An own file, or one of AMASS, BEAT2, AMUSE (SMPL-X, poses (T, 165) or (T, 55, 3)) or
-        SMPL+H ((T, 156) or (T, 52, 3); jaw and eyes stay at rest).
+        An own file, or one of AMASS, MoSh++, BEAT2, AMUSE (SMPL-X, poses (T, 165) or (T, 55, 3), or
+        in parts from ``root_orient`` on), SMPL+H ((T, 156) or (T, 52, 3)), SMPL ((T, 72) or
+        (T, 24, 3)) or Motion-X ((T, 322)). Joints that it does not tell stay at rest.
     frame_rate : float, optional
         Frames per second; overrides the file's own.
 
@@ -77,7 +93,11 @@ def read_clip(path: Path, *, frame_rate: float | None = None) -> MotionClip:
     """
     path = Path(path)
     try:
-        arrays = _load(path)
+        arrays = _load(path, only=_KNOWN_KEYS)
+        given = arrays.get("poses", np.zeros(0))
+        if given.ndim == 2 and given.shape[1] == MOTION_X_WIDTH:
+            rate = _frame_rate(arrays) if frame_rate is None else frame_rate
+            return motion_x_clip(_numbers(given, "poses"), rate)
         poses = _poses(arrays)
         return MotionClip(
             poses=poses,
@@ -122,12 +142,11 @@ def tells_fingers_from_mean_hands(path: Path) -> bool:
     Their finger rotations are zero where the hands are SMPL-X's mean ones (Liu et al. 2024,
     EMAGE: models are created with ``flat_hand_mean=False``); AMASS's where the hands are flat.
     """
-    with np.load(path, allow_pickle=False) as archive:
-        return "model" in archive and str(archive["model"]) == _BEAT2_MODEL
+    return str(_load(path, only=("model",)).get("model")) == _BEAT2_MODEL
 
 
-def _load(path: Path, *, only: Collection[str] | None = None) -> Arrays:
-    """Return all arrays of the file by key, or those whose key is in `only`."""
+def _load(path: Path, *, only: Collection[str]) -> Arrays:
+    """Return the arrays of the file whose key is in `only`, by key."""
     if not path.is_file():
         raise InputError("there is no such motion file", remedy="Check the path")
     if not zipfile.is_zipfile(path):
@@ -137,18 +156,20 @@ def _load(path: Path, *, only: Collection[str] | None = None) -> Arrays:
     arrays: dict[str, NDArray[Any]] = {}
     try:
         with np.load(path, allow_pickle=False) as archive:
-            _check_size(archive.zip)
-            for key in archive.files:
-                if only is None or key in only:
-                    arrays[key] = _array(archive, key)
+            wanted = [key for key in archive.files if key in only]
+            _check_size(archive.zip, wanted)
+            for key in wanted:
+                arrays[key] = _array(archive, key)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, MemoryError) as error:
         raise InputError("the archive is damaged", remedy="Copy or export it again") from error
     return arrays
 
 
-def _check_size(archive: zipfile.ZipFile | None) -> None:
-    """Raise where the arrays would unpack to more than a motion can be."""
-    size = sum(member.file_size for member in archive.infolist()) if archive else 0
+def _check_size(archive: zipfile.ZipFile | None, wanted: Sequence[str]) -> None:
+    """Raise where the `wanted` arrays would unpack to more than a motion can be."""
+    names = {name for key in wanted for name in (key, f"{key}.npy")}
+    members = archive.infolist() if archive else []
+    size = sum(member.file_size for member in members if member.filename in names)
     if size > _LARGEST:
         raise InputError(
             f"the archive unpacks to {size / 2**20:.0f} MiB, more than {_LARGEST / 2**20:.0f}",
@@ -173,25 +194,45 @@ def _first(arrays: Arrays, keys: tuple[str, ...], default: NDArray[Any]) -> NDAr
 def _poses(arrays: Arrays) -> NDArray[Any]:
     """Return the poses as (T, 55, 3), whichever of the known layouts the file has."""
     if "poses" not in arrays:
-        raise InputError(
-            f"the file has no 'poses' but {', '.join(sorted(arrays)) or 'nothing'}",
-            remedy="Give SMPL-X axis-angle poses of shape (T, 165) under the key 'poses'",
-        )
+        return _poses_of_parts(arrays)
     given = _numbers(arrays["poses"], "poses")
-    layouts = {JOINT_COUNT, _SMPLH_JOINT_COUNT}
     values = given.shape[1] if given.ndim == 2 else 0
     if given.ndim == 2 and values % 3 == 0:
         given = given.reshape(len(given), values // 3, 3)
+    layouts = {JOINT_COUNT, _SMPLH_JOINT_COUNT, _SMPL_JOINT_COUNT}
     if given.ndim != 3 or given.shape[1] not in layouts or given.shape[2] != 3:
         raise InputError(
             f"poses has shape {arrays['poses'].shape}",
-            remedy="Give (T, 165) or (T, 55, 3) for SMPL-X, (T, 156) or (T, 52, 3) for SMPL+H",
+            remedy="Give (T, 165) or (T, 55, 3) for SMPL-X, (T, 156) or (T, 52, 3) for SMPL+H, "
+            "(T, 72) or (T, 24, 3) for SMPL, or (T, 322) for Motion-X",
         )
     if given.shape[1] == JOINT_COUNT:
         return given
+    face, fingers = len(FACE_JOINTS), JOINT_COUNT - len(BODY_JOINTS) - len(FACE_JOINTS)
     body, hands = np.split(given, [len(BODY_JOINTS)], axis=1)
-    face = np.zeros((len(given), len(FACE_JOINTS), 3), np.float32)
-    return np.concatenate([body, face, hands], axis=1)
+    if given.shape[1] == _SMPL_JOINT_COUNT:
+        hands = np.zeros((len(given), fingers, 3), np.float32)
+    return np.concatenate([body, np.zeros((len(given), face, 3), np.float32), hands], axis=1)
+
+
+def _poses_of_parts(arrays: Arrays) -> NDArray[Any]:
+    """Return poses (T, 55, 3) that a file tells part by part; a part left out is at rest."""
+    if "root_orient" not in arrays or "pose_body" not in arrays:
+        raise InputError(
+            f"the file has no 'poses' but {', '.join(sorted(arrays)) or 'nothing known'}",
+            remedy="Give SMPL-X axis-angle poses of shape (T, 165) under the key 'poses', or "
+            "'root_orient', 'pose_body' and 'pose_hand'",
+        )
+    frames = len(arrays["root_orient"]) if arrays["root_orient"].ndim else 0
+    parts = []
+    for name, joints in _POSE_PARTS:
+        part = _numbers(arrays.get(name, np.zeros((frames, 3 * joints), np.float32)), name)
+        if part.size != frames * 3 * joints or len(part) != frames:
+            raise InputError(
+                f"{name} has shape {part.shape}", remedy=f"Give ({frames}, {3 * joints})"
+            )
+        parts.append(part.reshape(frames, joints, 3))
+    return np.concatenate(parts, axis=1)
 
 
 def _numbers(array: NDArray[Any], key: str) -> NDArray[Any]:

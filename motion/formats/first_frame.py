@@ -18,7 +18,10 @@ _JUMP: Final = 180.0
 """Degrees, summed over all joints, that a calibration pose is at least away from the motion."""
 
 _JUMPS_AS_LARGE: Final = 3.0
-"""How many times the largest later change from row to row that must be."""
+"""How many times the later changes from row to row that must be."""
+
+_NEARLY_ALL: Final = 0.95
+"""Share of the later changes that counts: a glitch somewhere is no reason to show a T-pose."""
 
 
 def settle_first_frame(motion: BvhMotion) -> BvhMotion:
@@ -40,7 +43,7 @@ def _without_calibration(motion: BvhMotion) -> BvhMotion:
     if _changes(replace(motion, values=motion.values[:2]))[0] < _JUMP:
         return motion
     changes = _changes(motion)
-    if changes[0] < max(_JUMP, _JUMPS_AS_LARGE * changes[1:].max()):
+    if changes[0] < max(_JUMP, _JUMPS_AS_LARGE * np.quantile(changes[1:], _NEARLY_ALL)):
         return motion
     values = motion.values.copy()
     values[0] = values[1]

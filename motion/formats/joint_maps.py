@@ -7,14 +7,19 @@ world it follows. SMPL-X joints that a map leaves out stay as their parent is.
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Collection, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
+
+from pydantic import TypeAdapter, ValidationError
 
 from motion.errors import InputError
 from motion.skeleton import JOINT_NAMES
 
 JointMap = Mapping[str, str]
+_OWN_MAP: Final = TypeAdapter(dict[str, str])
 
 _SIDES: Final = (("left", "Left", "l"), ("right", "Right", "r"))
 _FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
@@ -140,8 +145,28 @@ def choose_joint_map(joint_names: Collection[str]) -> tuple[str, JointMap]:
         f"the skeleton is unknown; the nearest known one, {best!r}, leaves "
         f"{', '.join(unmapped)} unmapped and finds nothing for "
         f"{', '.join(_missing(found[best]))}",
-        remedy="Give a joint map from SMPL-X joint names to the names in the file",
+        remedy='Name its joints with --joints FILE, which has a line such as pelvis = "Hips" for '
+        "each: SMPL-X's name, then the one in the motion file",
     )
+
+
+def read_joint_map(path: Path) -> JointMap:
+    """Read a researcher's own joint map from a TOML file: lines such as ``pelvis = "Hips"``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or has anything but such lines.
+    """
+    try:
+        return _OWN_MAP.validate_python(tomllib.loads(path.read_text("utf-8-sig")))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, ValidationError) as error:
+        raise InputError(
+            "the file is no joint map",
+            where=path,
+            remedy='Give a line such as pelvis = "Hips" for each joint: SMPL-X\'s name, then the '
+            "one in the motion file",
+        ) from error
 
 
 def check_joint_map(joint_map: JointMap, joint_names: Collection[str]) -> JointMap:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -12,6 +12,7 @@ from typing import Final
 import click
 
 from motion.errors import InputError
+from motion.formats.joint_maps import JointMap, read_joint_map
 from studyapp.definition.folder import StudyFolder
 
 
@@ -51,6 +52,24 @@ class _BytesType(click.ParamType[int]):
         number, unit = found.groups()
         return round(float(number) * self._UNITS[(unit or "B").lower()])
 
+
+class _JointMapType(click.ParamType[JointMap]):
+    """A file that names the joints of a skeleton."""
+
+    name = "file"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> JointMap:
+        return value if isinstance(value, Mapping) else read_joint_map(Path(str(value)))
+
+
+joints_option = click.option(
+    "--joints",
+    "joint_map",
+    type=_JointMapType(),
+    help='The joints of a BVH of another skeleton: lines such as pelvis = "Hips".',
+)
 
 _MOST_PROCESSES: Final = 256
 

@@ -9,7 +9,7 @@ import click
 from motion.errors import InputError
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.checking.preflight import check
+from studyapp.stages.checking.preflight import check, finished_videos
 from studyapp.stages.checking.report import record, summed_up, told
 
 
@@ -44,7 +44,10 @@ def command(
         if made.errors:
             raise click.exceptions.Exit(1)
         return
-    for line in told(findings, everything=everything):
+    for line in (
+        *told(findings, everything=everything),
+        *finished_videos(folder, everything=everything),
+    ):
         click.echo(line)
     if made.errors:
         things = "1 thing" if made.errors == 1 else f"{made.errors} things"

@@ -70,8 +70,8 @@ def command(
     bytes.
     """
     # Imported here: signal processing takes a second to load, which --help need not wait for.
-    from generators.corpus.making import make_corpus
-    from generators.corpus.request import CorpusRequest
+    from training.corpus.making import make_corpus
+    from training.corpus.request import CorpusRequest
 
     request = CorpusRequest(
         speakers=speakers,

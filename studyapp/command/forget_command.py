@@ -50,7 +50,7 @@ def _what_goes(one: Remembered) -> str:
     return (
         f"Study session {one.study_session} ({one.state}, arm {one.arm}), found by its "
         f"{one.known_as}. What goes: {one.answers} answers with their trials, "
-        f"{one.watch_reports} reports of what was watched, {one.form_answers} answers about the "
+        f"{one.watch_records} records of what was watched, {one.form_answers} answers about the "
         f"person, {one.refusals} refused requests, the recruiter's ids, the completion code, and "
         "whether and why researchers excluded them."
     )

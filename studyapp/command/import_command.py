@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
+from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
-from studyapp.command.arguments import study_folder
+from studyapp.command.arguments import joints_option, study_folder
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.recordings import Take, import_clips, import_take
 
@@ -28,6 +29,7 @@ _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 )
 @click.option("--speaker", help="Who speaks.")
 @click.option("--emotion", type=click.Choice(EMOTIONS), help="The emotion of the take.")
+@joints_option
 @click.option(
     "--as-recorded",
     is_flag=True,
@@ -42,6 +44,7 @@ def command(
     segment_seconds: float | None,
     speaker: str | None,
     emotion: str | None,
+    joint_map: JointMap | None,
     as_recorded: bool,
 ) -> None:
     """Bring MOTION into the study FOLDER.
@@ -53,7 +56,12 @@ def command(
         if segment_seconds is not None or speaker is not None or emotion is not None:
             raise click.UsageError("--segment, --speaker and --emotion describe --speech: give it.")
         notes = import_clips(
-            folder, motion, condition=condition, frame_rate=fps, as_recorded=as_recorded
+            folder,
+            motion,
+            condition=condition,
+            frame_rate=fps,
+            as_recorded=as_recorded,
+            joint_map=joint_map,
         )
         done = f"{len(motion)} clips of condition {condition!r}"
     else:
@@ -68,6 +76,7 @@ def command(
             speaker=speaker,
             emotion=emotion,
             as_recorded=as_recorded,
+            joint_map=joint_map,
         )
         segments, notes = import_take(folder, take)
         done = f"{len(segments)} segments with condition {condition!r}"

@@ -25,6 +25,7 @@ _COMMANDS: Final = {
     "init": "Make a study folder with a commented study.toml.",
     "metrics": "Compute automatic metrics of a study, or of folders of motion files.",
     "plan": "Say how many participants and segments a study needs.",
+    "preview": "Look at any motion file: a video and a sheet of frames.",
     "publish-media": "Bring the videos into an S3-compatible store.",
     "recruit": "Bring participants to the study, and pay those of a recruiting site.",
     "rehearse": "Let simulated participants take the study over real HTTP.",

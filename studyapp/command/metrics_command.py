@@ -10,6 +10,8 @@ from typing import Final
 import click
 
 from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from analysis.metrics.feature_networks import PublishedFile, Source
+from analysis.metrics.network_names import PUBLISHED
 from analysis.metrics.presets import PRESETS
 from analysis.metrics.score_tables import check_ending, write_scores
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
@@ -42,10 +44,12 @@ _folder = click.Path(path_type=Path, file_okay=False)
 @click.option(
     "--evaluator",
     "evaluators",
-    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE | PRESET=FILE",
     multiple=True,
-    help="A feature network that 'train evaluator' made; may be repeated. A study finds those in "
-    "its folder evaluators by itself.",
+    callback=lambda context, parameter, given: tuple(map(_evaluator, given)),
+    help="A feature network that 'train evaluator' made, or a published one such as "
+    "emage=AESKConv_240_100.bin (emage, beat, ted, talkshow); may be repeated. A study finds "
+    "those in its folder evaluators, and those it names, by itself.",
 )
 @click.option("--penetration", is_flag=True, help="Look for arms inside the body too; slow.")
 @click.option(
@@ -72,7 +76,7 @@ def command(
     speech: Path | None,
     semantics: Path | None,
     presets: tuple[str, ...],
-    evaluators: tuple[Path, ...],
+    evaluators: tuple[Source, ...],
     penetration: bool,
     out: Path | None,
     cache: Path | None,
@@ -131,6 +135,14 @@ def command(
         raise InputError(
             "no motion file could be measured", remedy="Mend what is named above and run it again"
         )
+
+
+def _evaluator(given: str) -> Source:
+    """Return the network that ``FILE`` or ``PRESET=FILE`` names."""
+    preset, equals, file = given.partition("=")
+    if equals and preset in PUBLISHED:
+        return PublishedFile(preset=preset, file=Path(file))
+    return Path(given)
 
 
 def _table(scores: Sequence[ConditionScore]) -> str:

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import click
 
-from generators.diffsheg.sampling_settings import DEFAULT, PRESETS, SamplingSettings
+from generators.diffsheg.walk import DEFAULT, PRESETS, SamplingSettings
 from generators.model_settings import DATASETS, ModelSettings
 from motion.errors import InputError
 from studyapp.definition.conditions import Condition

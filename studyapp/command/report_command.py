@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
@@ -45,6 +46,19 @@ from studyapp.stages.reporting import report, report_table
     "own as 'margin' in study.toml; one given here is marked as exploratory.",
 )
 @click.option(
+    "--family",
+    metavar="FAMILY",
+    help="Which tests decide, and are corrected together: all (unless told otherwise), by "
+    "question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]. A study states its own "
+    "as 'family' in study.toml; one given here is marked as exploratory.",
+)
+@click.option(
+    "--scale",
+    metavar="LOW-HIGH",
+    help="Of a table of ratings: the lowest and the highest rating that could be given, such as "
+    "1-5. Others are refused, and intervals end there.",
+)
+@click.option(
     "--exclude",
     "exclude",
     multiple=True,
@@ -52,6 +66,11 @@ from studyapp.stages.reporting import report, report_table
     help="Leave out more participants, marked as exploratory: incomplete, catch>N, attention>N, "
     "coverage<SHARE, time<SECONDS[,share=SHARE], straight_lining>=SHARE[,trials=N]. Can be "
     "repeated; planned rules stand in study.toml.",
+)
+@click.option(
+    "--rehearsal",
+    is_flag=True,
+    help="Report the rehearsal's answers, though participants have answered.",
 )
 @click.option(
     "--reason",
@@ -65,7 +84,10 @@ def command(
     out: Path | None,
     max_catch_failures: int | None,
     margin: float | None,
+    family: str | None,
+    scale: str | None,
     exclude: tuple[str, ...],
+    rehearsal: bool,
     reason: str | None,
 ) -> None:
     """Write the report of the study FOLDER: preferences and metrics, side by side.
@@ -77,12 +99,27 @@ def command(
         "--protocol": protocol,
         "--out": out,
         "--max-catch-failures": max_catch_failures,
+        "--scale": scale,
     }
+    if rehearsal and folder is None:
+        raise InputError(
+            "--rehearsal is for a study; a table has none",
+            where="--rehearsal",
+            remedy="Leave it out",
+        )
     added = [read_exclusion(text, where="--exclude") for text in exclude]
     if folder is not None:
         _refuse([name for name, value in of_table.items() if value is not None])
         why = "" if reason is None else reason_given(reason)
-        page = report(folder, exclude=added, margin=margin, reason=why, warn=click.echo)
+        page = report(
+            folder,
+            exclude=added,
+            margin=margin,
+            family=family,
+            reason=why,
+            rehearsal=rehearsal,
+            warn=click.echo,
+        )
         click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
         return
     if responses is None or protocol is None or out is None:
@@ -97,9 +134,23 @@ def command(
             MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
         ),
         margin=margin,
+        family="all" if family is None else family,
+        scale=None if scale is None else _scale(scale, protocol),
         exclude=[section.made() for section in added],
     )
     click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
+
+
+def _scale(text: str, protocol: str) -> tuple[int, int]:
+    """Return the ends of a scale."""
+    ends = re.fullmatch(r"(\d{1,4})-(\d{1,4})", text.strip())
+    if ends is None or not int(ends[1]) < int(ends[2]) or protocol != "rating":
+        raise InputError(
+            f"{text!r} is no scale of a {protocol} table",
+            where="--scale",
+            remedy="Of ratings, write the lowest and the highest, such as 1-5",
+        )
+    return int(ends[1]), int(ends[2])
 
 
 _NEEDED = ("--responses", "--protocol", "--out")

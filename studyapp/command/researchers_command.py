@@ -9,7 +9,12 @@ import click
 from studyapp.command.arguments import public_address, study_folder
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.researchers.roles import ROLES, Role
-from studyapp.stages.researchers import invitation, link_for_new_password, listed_researchers
+from studyapp.stages.researchers import (
+    invitation,
+    link_for_new_password,
+    listed_researchers,
+    without_second_factor,
+)
 
 address = public_address(
     default="http://127.0.0.1:8000/", help="Where the study is served; the link begins with it."
@@ -34,6 +39,7 @@ def list_(folder: StudyFolder) -> None:
     found = listed_researchers(folder)
     for account in found:
         out = ", shut out" if account.disabled_at else ""
+        out += ", second factor" if account.has_second_factor else ""
         click.echo(f"{account.name} ({account.role}{out}), since {account.joined_at:%Y-%m-%d}")
     if not found:
         click.echo("Nobody yet; 'motionjury serve' prints a link for the first owner.")
@@ -55,3 +61,12 @@ def invite(folder: StudyFolder, role: str, address: str) -> None:
 def reset(folder: StudyFolder, name: str, address: str) -> None:
     """Print a link with which the researcher NAME chooses a new password: once, within a day."""
     click.echo(f"{address.rstrip('/')}/{link_for_new_password(folder, name)}")
+
+
+@command.command("reset-second-factor")
+@click.argument("name")
+@click.pass_obj
+def reset_second_factor(folder: StudyFolder, name: str) -> None:
+    """Let the researcher NAME, whose device is lost, log in without a code again."""
+    without_second_factor(folder, name)
+    click.echo(f"{name} logs in with the password alone, until they turn a second factor on again.")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from urllib.parse import urlsplit
 
 import click
@@ -11,9 +13,13 @@ from studyapp.clock import Clock
 from studyapp.command.arguments import public_address, study_folder
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import Database, database_url_of
+from studyapp.services.looks import COMMAND_LINE
 from studyapp.services.researchers.links import first_owner_link
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.trying import make_test_participation
 from studyapp.serving import THREADS, WORKERS, run_server
 from studyapp.web.sub_path import checked_prefix
+from studyapp.web.trying import path_to_try
 
 
 @click.command("serve")
@@ -26,7 +32,7 @@ from studyapp.web.sub_path import checked_prefix
     default=THREADS,
     show_default=True,
     type=click.IntRange(1, 512),
-    help="Requests that each worker handles side by side; a slow line keeps one for a whole video.",
+    help="Requests that each worker works on side by side; slow lines need none.",
 )
 @click.option(
     "--accel-redirect",
@@ -49,6 +55,12 @@ from studyapp.web.sub_path import checked_prefix
 )
 @public_address(default=None, help="Where a proxy serves the study; the links printed begin so.")
 @click.option(
+    "--try",
+    "is_tried",
+    is_flag=True,
+    help="Print, and open, a link to take part as a test, which takes no place and never counts.",
+)
+@click.option(
     "--new-version",
     is_flag=True,
     help="Go on with a changed design; earlier answers are kept apart.",
@@ -63,13 +75,15 @@ def command(
     media_store: bool,
     prefix: str,
     address: str | None,
+    is_tried: bool,
     new_version: bool,
 ) -> None:
     """Serve the study FOLDER to participants.
 
     Answers go to responses.db in the folder, or to the database that DATABASE_URL names.
     """
-    where = _printed_address(address, prefix) or f"http://{host}:{port}{checked_prefix(prefix)}"
+    public = _printed_address(address, prefix)
+    where = public or f"http://{host}:{port}{checked_prefix(prefix)}"
     run_server(
         folder.root,
         host,
@@ -80,13 +94,21 @@ def command(
         prefix=prefix,
         new_version=new_version,
         from_store=media_store,
-        on_ready=lambda: _say_where(folder, where),
+        origin=public.removesuffix(checked_prefix(prefix)),
+        on_ready=lambda: _say_where(folder, where, is_tried=is_tried),
     )
 
 
-def _say_where(folder: StudyFolder, address: str) -> None:
+def _say_where(folder: StudyFolder, address: str, *, is_tried: bool) -> None:
     """Say where to take part and where to watch; until the study has an owner, how to be it."""
     click.echo(f"Take part at {address}/ (Ctrl-C stops the server).")
+    if is_tried:
+        served = ServedStudy.read(folder.root)
+        own = make_test_participation(folder.root, served, Clock(), by=COMMAND_LINE)
+        link = address + path_to_try(own)
+        click.echo(f"Take part as a test at {link} (for one test; it never counts).")
+        if os.environ.get("DISPLAY") or sys.platform == "darwin":
+            click.launch(link)
     database = Database.open(database_url_of(folder.root))
     try:
         token = first_owner_link(database, Clock())

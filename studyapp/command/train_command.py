@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final, cast
 import click
 
 from generators.registry import trainable_names
-from generators.training.launching import is_leader
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.command.progress import progress
 from studyapp.command.train_generator_command import generator_command
 from studyapp.definition.study import GROUND_TRUTH
+from training.launching import is_leader
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -159,8 +159,8 @@ def _trained(
 ) -> TrainedEvaluator:
     """Train the network; an interruption says what was saved."""
     from analysis.metrics.networks.training import train_evaluator
-    from generators.training.loop import TrainingStopped
-    from generators.training.run_folder import RunFolder
+    from training.loop import TrainingStopped
+    from training.run_folder import RunFolder
 
     folder = RunFolder(target.with_suffix(".run"))
     if target.exists() and not folder.checkpoint.exists():

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, Final, get_args
 
 import click
 
-from generators.data.take import KINDS
 from generators.registry import trainable_of
 from generators.trainable import Device, Trainable, TrainingRequest
 from motion.errors import InputError
 from studyapp.command.progress import progress
+from training.data.take import KINDS
 
 if TYPE_CHECKING:
     from generators.trainable import TrainedGenerator
@@ -119,8 +119,8 @@ def _paragraph(text: str) -> str:
 
 def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
     # Imported here: torch takes seconds to load, which --help need not wait for.
-    from generators.data.any_folder import read_takes
-    from generators.training.launching import group_size, is_leader, run_in_processes
+    from training.data.any_folder import read_takes
+    from training.launching import group_size, is_leader, run_in_processes
 
     out: Path = given["out"]
     run = out.with_suffix(".run")
@@ -163,8 +163,8 @@ def _trained(
     trainable: Trainable, request: TrainingRequest, out: Path, run: Path
 ) -> TrainedGenerator:
     """Train the network; an interruption says what was saved."""
-    from generators.training.launching import is_leader
-    from generators.training.loop import TrainingStopped
+    from training.launching import is_leader
+    from training.loop import TrainingStopped
 
     with progress("prepare", "take") as take, progress("train", "step") as step:
         try:

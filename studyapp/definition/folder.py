@@ -51,6 +51,11 @@ class StudyFolder:
         return self.root / "rehearsal.db"
 
     @property
+    def tries(self) -> Path:
+        """SQLite database of test participations; never mixed with the real one."""
+        return self.root / "tries.db"
+
+    @property
     def rehearsal_truth(self) -> Path:
         """What the simulated participants were given to prefer."""
         return self.root / "rehearsal.json"
@@ -122,9 +127,17 @@ class StudyFolder:
         """Read the segments of `study`, as `segments` does.
 
         A study of finished videos alone needs no speech files: without them, its segments are
-        those that every condition has a video of.
+        those that the videos are named after. A study that allows gaps has only segments that
+        every condition with finished videos has one of.
         """
-        finished = all(condition.videos for condition in study.conditions.values())
-        if finished and not (self.speech / "segments.csv").exists():
-            return finished_segments(self.videos, tuple(study.conditions))
-        return self.segments()
+        finished = [name for name, condition in study.conditions.items() if condition.videos]
+        if len(finished) == len(study.conditions) and not (self.speech / "segments.csv").exists():
+            return finished_segments(self.videos, finished, allow_gaps=study.allow_gaps)
+        segments = self.segments()
+        if not study.allow_gaps:
+            return segments
+        return [
+            segment
+            for segment in segments
+            if all((self.videos / name / f"{segment.name}.mp4").is_file() for name in finished)
+        ]

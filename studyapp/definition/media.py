@@ -16,10 +16,20 @@ from studyapp.design.stimulus import Content, Stimulus
 
 @dataclass(frozen=True, kw_only=True)
 class VideoFile:
-    """A video's file, and its length in seconds."""
+    """A video's file.
+
+    Attributes
+    ----------
+    duration : float
+        Seconds.
+    made_from : str
+        Digest of all that its picture and sound depend on. It stays where the file is made again
+        from the same, or is only padded or copied anew.
+    """
 
     file: Path
     duration: float
+    made_from: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +65,7 @@ class Media:
             made=_rendered(folder, stimuli),
             copies={
                 (stimulus_of(copy),): VideoFile(
-                    file=folder.root / copy.file, duration=copy.duration
+                    file=folder.root / copy.file, duration=copy.duration, made_from=copy.original
                 )
                 for copy in stimuli.copies
             },
@@ -80,12 +90,12 @@ def _rendered(folder: StudyFolder, stimuli: Stimuli) -> dict[Content, VideoFile]
                 segment=clip.segment,
                 speech=clip.speech or clip.segment,
             ),
-        ): VideoFile(file=folder.root / clip.file, duration=clip.duration)
+        ): VideoFile(file=folder.root / clip.file, duration=clip.duration, made_from=clip.key)
         for clip in stimuli.clips
     }
     pairs: dict[Content, VideoFile] = {
         tuple(Stimulus.own(side, pair.segment) for side in (pair.left, pair.right)): VideoFile(
-            file=folder.root / pair.file, duration=pair.duration
+            file=folder.root / pair.file, duration=pair.duration, made_from=pair.key
         )
         for pair in stimuli.pairs
     }

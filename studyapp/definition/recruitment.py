@@ -13,8 +13,8 @@ from studyapp.definition.section import Section
 
 Channel = Literal["link", "prolific", "mturk", "invitations"]
 
-Outcome = Literal["completed", "failed_attention"]
-"""How a study session that went to its end is reported to the recruiter."""
+Outcome = Literal["completed", "failed_attention", "unwatched"]
+"""How a study session ended; ``unwatched`` before its last trial, since too many videos failed."""
 
 LONG_STUDY_MINUTES: Final = 5
 FEWEST_FAILED_CHECKS: Final = 2
@@ -42,6 +42,9 @@ class Prolific(Section):
         What each of at most so many who are screened out gets; 0 where they are asked to return.
     project : str
         The Prolific project; the account's default without it.
+    signed_for : str
+        The host that participants reach the study at, where Prolific signs who comes; empty where
+        it does not.
     """
 
     completed: str = Code
@@ -54,6 +57,7 @@ class Prolific(Section):
     screened_out_reward: int = Field(0, ge=0)
     screened_out_places: int = Field(0, ge=0)
     project: str = Field("", max_length=100)
+    signed_for: str = Field("", max_length=253, pattern=r"^([a-z0-9-]+(\.[a-z0-9-]+)+)?$")
 
     def code(self, outcome: Outcome) -> str:
         """Return the code of `outcome`."""
@@ -108,12 +112,16 @@ class Recruitment(Section):
     unpaid_failed_checks : int
         Who fails at least so many attention checks need not be paid; 0: who finishes is paid,
         whatever they answered. Catch trials never cost pay.
+    newcomers_per_address : int
+        How many may begin within an hour from one network address, unless each has a link that was
+        made or signed for them; 0 for any number.
     pay : Pay
         What each of them gets.
     """
 
     channel: Channel = "link"
     unpaid_failed_checks: int = Field(FEWEST_FAILED_CHECKS, ge=0, le=10)
+    newcomers_per_address: int = Field(30, ge=0)
     pay: Pay = Pay()
     prolific: Prolific = Prolific()
     mturk: MTurk = MTurk()
@@ -136,6 +144,12 @@ class Recruitment(Section):
     def names_participants(self) -> bool:
         """Whether nobody takes part whom the channel does not name."""
         return self.channel != "link"
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether everybody comes with a link that was made or signed for them."""
+        signed = self.channel == "prolific" and self.prolific.signed_for != ""
+        return signed or self.channel == "invitations"
 
     def outcome(self, failed_checks: int) -> Outcome:
         """Return what the recruiter is told of who finished, by the payment rule."""

@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from generators.diffsheg.sampling_settings import DEFAULT, SamplingSettings
+from generators.diffsheg.walk import DEFAULT, SamplingSettings
 from motion.errors import InputError
 from studyapp.definition.section import Section
 
@@ -17,7 +17,7 @@ class SamplingSection(Section):
     Attributes
     ----------
     preset : str
-        One of `generators.diffsheg.sampling_settings.PRESETS`.
+        One of `generators.diffsheg.walk.PRESETS`.
     steps, overlap, entry, jump_length, jump_count, blend_below
         See `generators.diffsheg.walk.Sampling`; what the setting has where nothing is said.
     """

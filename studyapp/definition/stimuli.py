@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.definition.validation import explain
+
+VIDEOS: Final = "videos"
+"""The folder of the videos in a study's folder."""
 
 
 class _Record(BaseModel):
@@ -67,10 +71,13 @@ class VideoCopy(_RenderedVideo):
     ----------
     heard : str or None
         The segment whose speech is heard; None for no sound at all.
+    original : str
+        Digest of the finished video, or the key of the clip, that it is a copy of.
     """
 
     condition: str
     heard: str | None
+    original: str
 
 
 class Stimuli(_Record):
@@ -90,9 +97,16 @@ class Stimuli(_Record):
 
 
 def read_stimuli(path: Path) -> Stimuli:
-    """Read `stimuli.json`; `InputError` where it is missing or damaged."""
+    """Read `stimuli.json`.
+
+    Raises
+    ------
+    InputError
+        If it is missing or damaged, or names a file outside the study's folder. The folder of the
+        videos may be a link to another disk.
+    """
     try:
-        return Stimuli.model_validate_json(path.read_bytes())
+        stimuli = Stimuli.model_validate_json(path.read_bytes())
     except FileNotFoundError:
         raise InputError(
             "the study has no videos yet", where=path, remedy="Run 'motionjury render' first"
@@ -101,6 +115,24 @@ def read_stimuli(path: Path) -> Stimuli:
         raise InputError(
             explain(error), where=path, remedy="Delete it and run 'motionjury render' again"
         ) from None
+    inside = (path.parent.resolve(), (path.parent / VIDEOS).resolve())
+    for video in (*stimuli.clips, *stimuli.pairs, *stimuli.copies):
+        if not _lies_in(inside, path.parent, video.file):
+            raise InputError(
+                f"the video {video.file!r} lies outside the study's folder",
+                where=path,
+                remedy="Copy it into the folder 'videos' and name it there, or delete this file "
+                "and run 'motionjury render' again",
+            )
+    return stimuli
+
+
+def _lies_in(folders: Sequence[Path], root: Path, file: str) -> bool:
+    """Tell whether `file`, as `root` names it, leads into one of `folders`, links followed."""
+    if "\0" in file:
+        return False
+    place = (root / file).resolve()
+    return any(place.is_relative_to(folder) for folder in folders)
 
 
 def write_stimuli(path: Path, stimuli: Stimuli) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Final, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
+from analysis.results.family import read_family
 from motion.errors import InputError
 from motion.freeze import CHANNELS
 from motion.segment import Segment, check_name
@@ -76,6 +77,50 @@ class Watching(Section):
     megabytes_per_page: float = Field(60, gt=0, le=10_000, strict=False)
 
 
+class Evaluator(Section):
+    """A published network in whose features metrics measure distances, too.
+
+    Attributes
+    ----------
+    preset : str
+        Which; see docs/published-fgd.md.
+    file : str
+        Its checkpoint; a relative path begins at the study's folder.
+    statistics : str or None
+        For ``beat``, the folder of ``bvh_mean.npy`` and ``bvh_std.npy``; None for that of `file`.
+    """
+
+    preset: Literal["emage", "beat", "ted", "talkshow"]
+    file: str = Field(min_length=1)
+    statistics: str | None = None
+
+
+def _each(given: object) -> object:
+    """Return one table of TOML as the only one of several."""
+    return (given,) if isinstance(given, Mapping) else given
+
+
+MailAddress = Annotated[str, Field(pattern=r"^[^@\s,]+@[^@\s,]+$", max_length=200)]
+
+
+class Alarms(Section):
+    """When researchers are told of the running study; each thing once.
+
+    Attributes
+    ----------
+    mail : tuple of str
+        Addresses that get alarms by mail; a webhook is named in the environment.
+    stalled_hours : float
+        After so long without anybody finishing, though the study is open, it has stalled.
+    from_one_address : int
+        So many newcomers from one network address within an hour fill the study.
+    """
+
+    mail: tuple[MailAddress, ...] = Field((), max_length=10, strict=False)
+    stalled_hours: float = Field(24, gt=0, le=24 * 365, strict=False)
+    from_one_address: int = Field(10, ge=2, le=100_000)
+
+
 class Study(Section, ABC):
     """The whole study: the keys that all protocols share, and what every protocol answers.
 
@@ -92,6 +137,9 @@ class Study(Section, ABC):
     replace_excluded : bool
         Whether a participant who fails more catch trials or attention checks than the exclusion
         rules allow opens the place again for somebody else.
+    allow_gaps : bool
+        Whether a segment that some condition has no finished video of is left out of the study;
+        otherwise the missing video is an error.
     freeze : tuple of str
         Channels held still in every stimulus, so that what a condition happens to contain
         cannot give it away.
@@ -101,6 +149,11 @@ class Study(Section, ABC):
     margin : float or None
         The largest difference that does not matter, for tests of equivalence: of a win share from
         one half, of two mean ratings in scores; None where nothing is to be called equally good.
+    evaluator : tuple of Evaluator
+        Published networks that metrics measure with; one of them may stand alone.
+    family : str or None
+        Which tests decide, and are corrected together: all, by question, against=CONDITION, or
+        primary=CONDITION,CONDITION[,QUESTION]; None for all.
     questions : tuple of Question
         What is asked of every trial of the parts they name.
     form : Form
@@ -109,6 +162,8 @@ class Study(Section, ABC):
         Where participants come from, and who of them is paid.
     rehearsal : Rehearsal
         Whom a rehearsal simulates; nothing about the study itself.
+    alarms : Alarms
+        When researchers are told of the running study, and where.
     """
 
     format: Literal[1] = 1
@@ -118,6 +173,7 @@ class Study(Section, ABC):
     lease_minutes: int = Field(45, ge=5, le=1440)
     open: bool = True
     replace_excluded: bool = False
+    allow_gaps: bool = False
     seed: int = Field(1, ge=0, le=2**32 - 1)
     freeze: tuple[str, ...] = Field((), strict=False)
     conditions: dict[Name, Condition] = Field(min_length=1)
@@ -125,12 +181,15 @@ class Study(Section, ABC):
     attention: Attention = Attention()
     exclusions: tuple[Exclusion, ...] | None = Field(None, max_length=20, strict=False)
     margin: float | None = Field(None, gt=0, allow_inf_nan=False, strict=False)
+    evaluator: Annotated[tuple[Evaluator, ...], BeforeValidator(_each)] = Field((), strict=False)
+    family: str | None = Field(None, max_length=300)
     questions: tuple[Question, ...] = Field(min_length=1, max_length=8, strict=False)
     form: Form = Form()
     video: Video = Video()
     watching: Watching = Watching()
     recruitment: Recruitment = Recruitment()
     rehearsal: Rehearsal = Rehearsal()
+    alarms: Alarms = Alarms()
     page: Page
 
     @property
@@ -252,6 +311,7 @@ class Study(Section, ABC):
             *([f"freeze: unknown {', '.join(unknown)} (use {known})"] if unknown else []),
             *exclusion_problems(self.exclusions, self.catch, self.attention),
             *self._margin_problems(),
+            *self._family_problems(),
             *self.recruitment.problems(self.page.minutes),
             *self.rehearsal.problems(
                 (*self.conditions, self.catch.condition),
@@ -263,6 +323,15 @@ class Study(Section, ABC):
     def settled_exclusions(self) -> tuple[ExclusionSection, ...]:
         """Who is left out of the analysis, rule after rule, with every number settled."""
         return settled(self.exclusions, self.catch, self.attention)
+
+    def _family_problems(self) -> list[str]:
+        if self.family is None:
+            return []
+        try:
+            read_family(self.family, list(self.conditions), [one.name for one in self.questions])
+        except InputError as error:
+            return [f"family: {error.what} ({error.remedy})"]
+        return []
 
     def _margin_problems(self) -> list[str]:
         if self.margin is None or self.protocol in ("pairwise", "rating"):

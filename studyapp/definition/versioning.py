@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from motion.segment import Segment
+from studyapp.definition.media import VideoFile
 from studyapp.definition.study import Study
 from studyapp.design.arm import Arm
+from studyapp.design.stimulus import Content
 
 OPERATION: Final[dict[str, Any]] = {
     "name": True,
@@ -26,12 +28,15 @@ OPERATION: Final[dict[str, Any]] = {
 RECRUITERS: Final[dict[str, Any]] = {"recruitment": True}
 """Keys that may change too, and are noted nowhere: completion codes are among them."""
 
-REHEARSALS: Final[dict[str, Any]] = {"rehearsal": True}
-"""Keys that say whom a rehearsal simulates: nothing that participants meet."""
+BESIDE: Final[dict[str, Any]] = {"rehearsal": True, "alarms": True}
+"""Keys that say whom a rehearsal simulates, and what researchers are told: nothing that
+participants meet."""
 
 ANALYSIS: Final[dict[str, Any]] = {
     "exclusions": True,
+    "evaluator": True,
     "margin": True,
+    "family": True,
     "conditions": {"__all__": {"generative"}},
 }
 """Keys that say what is done with the answers. They may change too, but then the report says that
@@ -57,22 +62,37 @@ def operation_changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[st
     )
 
 
-def design_digest(study: Study, segments: Sequence[Segment]) -> str:
-    """Return what changes with anything that decides what participants see and are asked."""
+def design_digest(
+    study: Study, segments: Sequence[Segment], videos: Mapping[Content, VideoFile]
+) -> str:
+    """Return what changes with anything that decides what participants see and are asked.
+
+    Parameters
+    ----------
+    videos : mapping of Content to VideoFile
+        What shows participants each of the study's contents.
+    """
     # Keys that say what would be so without them do not count: writing one down, or a new
     # release that knows more of them, is no other design.
     keys = study.model_dump(
-        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | REHEARSALS, exclude_defaults=True
+        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | BESIDE, exclude_defaults=True
     )
     design = {key: value for key, value in keys.items() if value != {}}
     heard = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
-    state = json.dumps([study.protocol, design, heard])
+    seen = sorted(
+        [*([s.condition, s.segment, s.speech or ""] for s in content), [videos[content].made_from]]
+        for content in study.contents(segments)
+        if content in videos
+    )
+    state = json.dumps([study.protocol, design, heard, seen])
     return hashlib.sha256(state.encode()).hexdigest()
 
 
-def arm_digest(study: Study, arm: Arm, segments: Sequence[Segment]) -> str:
+def arm_digest(
+    study: Study, arm: Arm, segments: Sequence[Segment], videos: Mapping[Content, VideoFile]
+) -> str:
     """Return what changes with anything that decides what participants of `arm` see."""
-    return design_digest(study.design_of(arm), segments)
+    return design_digest(study.design_of(arm), segments, videos)
 
 
 def _flat(part: dict[str, Any]) -> dict[str, Any]:

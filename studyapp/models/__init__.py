@@ -1,6 +1,7 @@
 """The database tables, one a file."""
 
-from studyapp.models.audit_line import AuditLine
+from studyapp.models.alarm import Alarm
+from studyapp.models.audit_line import AuditLine, Event
 from studyapp.models.base import Base
 from studyapp.models.exclusion_decision import ExclusionDecision
 from studyapp.models.form_answer import FormAnswer
@@ -9,6 +10,7 @@ from studyapp.models.interim_figures import InterimFigures
 from studyapp.models.invitation import Invitation
 from studyapp.models.login_attempt import LoginAttempt
 from studyapp.models.look import Look
+from studyapp.models.newcomer import Newcomer
 from studyapp.models.place import Place
 from studyapp.models.refusal_line import RefusalLine
 from studyapp.models.researcher import Researcher
@@ -21,11 +23,13 @@ from studyapp.models.study_version import StudyVersion
 from studyapp.models.trial import Trial
 from studyapp.models.trial_stimulus import TrialStimulus
 from studyapp.models.video import Video
-from studyapp.models.watch_batch import WatchBatch
+from studyapp.models.watch_record import WatchRecord
 
 __all__ = [
+    "Alarm",
     "AuditLine",
     "Base",
+    "Event",
     "ExclusionDecision",
     "FormAnswer",
     "IntakeChange",
@@ -33,6 +37,7 @@ __all__ = [
     "Invitation",
     "LoginAttempt",
     "Look",
+    "Newcomer",
     "Place",
     "RefusalLine",
     "Researcher",
@@ -45,5 +50,5 @@ __all__ = [
     "Trial",
     "TrialStimulus",
     "Video",
-    "WatchBatch",
+    "WatchRecord",
 ]

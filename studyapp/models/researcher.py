@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import CheckConstraint, String
+from sqlalchemy import JSON, CheckConstraint, String, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from studyapp.models.base import Base
@@ -26,6 +26,12 @@ class Researcher(Base):
     joined_at : datetime
     disabled_at : datetime or None
         Since when nobody can log in with it; None while it is in use.
+    totp_secret : str or None
+        What the codes of the second factor are made from; None where there is none.
+    totp_step : int
+        The time step of the newest code that was used; none is used twice.
+    recovery_hashes : list of str
+        SHA-256 of the codes that stand in for a lost device, each once.
     """
 
     __tablename__ = "researchers"
@@ -38,3 +44,8 @@ class Researcher(Base):
     password_hash: Mapped[str] = mapped_column(String(300))
     joined_at: Mapped[datetime]
     disabled_at: Mapped[datetime | None]
+    totp_secret: Mapped[str | None] = mapped_column(String(64))
+    totp_step: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+    recovery_hashes: Mapped[list[str]] = mapped_column(
+        JSON, default=list, server_default=text("'[]'")
+    )

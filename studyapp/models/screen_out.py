@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import String, UniqueConstraint
+from sqlalchemy import String
 from sqlalchemy.orm import Mapped, mapped_column
 
 from studyapp.models.base import Base
@@ -17,15 +17,11 @@ class ScreenOut(Base):
     ----------
     participant : str
         The recruiter's name for them, or the hash of their invitation.
-    recruiter_study : str
-        The recruiter's name for the study; empty where it has none.
     screened_out_at : datetime
     """
 
     __tablename__ = "screen_outs"
-    __table_args__ = (UniqueConstraint("participant", "recruiter_study"),)
 
     id: Mapped[int] = mapped_column(primary_key=True)
-    participant: Mapped[str] = mapped_column(String(200))
-    recruiter_study: Mapped[str] = mapped_column(String(200))
+    participant: Mapped[str] = mapped_column(String(200), unique=True)
     screened_out_at: Mapped[datetime]

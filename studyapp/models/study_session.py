@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from sqlalchemy import JSON, CheckConstraint, ForeignKey, String, UniqueConstraint, text
+from sqlalchemy import JSON, CheckConstraint, ForeignKey, String, text
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from studyapp.models.base import Base
@@ -45,10 +45,13 @@ class StudySession(Base):
     consented_at, started_at, last_active_at, completed_at, withdrawn_at : datetime
         When they agreed, saw the first trial, last did anything, gave the last answer, and took
         their consent back.
+    unproven_at : datetime or None
+        When somebody went on with it who could not show that they had begun it.
     completion_code : str or None
         There is none before the last answer is stored.
     outcome : str or None
-        What the recruiter is told of the end: ``completed`` or ``failed_attention``.
+        How it ended: ``completed``, ``failed_attention`` or ``unwatched``; the last without a
+        completion code, before the last answer, since too many videos were said not to play.
     sound_digits : str
         The digits that are spoken to them in the sound check; empty where none were drawn.
     sound_tries : int
@@ -61,7 +64,6 @@ class StudySession(Base):
 
     __tablename__ = "study_sessions"
     __table_args__ = (
-        UniqueConstraint("recruiter_participant", "recruiter_study"),
         CheckConstraint(
             "(completion_code IS NULL) = (completed_at IS NULL)", name="code_only_when_completed"
         ),
@@ -70,7 +72,7 @@ class StudySession(Base):
     id: Mapped[int] = mapped_column(primary_key=True)
     token: Mapped[str] = mapped_column(String(64), unique=True)
     visit: Mapped[str | None] = mapped_column(String(64), unique=True)
-    recruiter_participant: Mapped[str | None] = mapped_column(String(200))
+    recruiter_participant: Mapped[str | None] = mapped_column(String(200), unique=True)
     recruiter_study: Mapped[str] = mapped_column(String(200), default="")
     recruiter_session: Mapped[str] = mapped_column(String(200), default="")
     submit_to: Mapped[str] = mapped_column(String(200), default="", server_default=text("''"))
@@ -84,6 +86,7 @@ class StudySession(Base):
     last_active_at: Mapped[datetime]
     completed_at: Mapped[datetime | None]
     withdrawn_at: Mapped[datetime | None]
+    unproven_at: Mapped[datetime | None]
     completion_code: Mapped[str | None] = mapped_column(String(32), unique=True)
     outcome: Mapped[str | None] = mapped_column(String(20))
     sound_digits: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import JSON, String, Text
+from sqlalchemy import JSON, String, Text, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from studyapp.models.base import Base
@@ -19,13 +19,15 @@ class StudyVersion(Base):
     number : int
         From 1.
     design : str
-        Digest of the design part of the definition; empty where nobody noted it.
+        Digest of the design part of the definition.
     definition : str
         The study file's text when this version was opened.
     operation : dict
         The part of the definition that may change within a version, as it is now.
     opened_at : datetime
         When it was first served.
+    in_force : bool
+        Whether it is the one that was served last.
     """
 
     __tablename__ = "study_versions"
@@ -36,3 +38,4 @@ class StudyVersion(Base):
     definition: Mapped[str] = mapped_column(Text)
     operation: Mapped[dict[str, Any]] = mapped_column(JSON)
     opened_at: Mapped[datetime]
+    in_force: Mapped[bool] = mapped_column(default=True, server_default=text("true"))

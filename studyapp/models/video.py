@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from sqlalchemy import ForeignKey, String, UniqueConstraint
+from sqlalchemy import ForeignKey, String, UniqueConstraint, text
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from studyapp.models.base import Base
@@ -13,7 +13,7 @@ from studyapp.models.trial import Trial
 
 if TYPE_CHECKING:
     from studyapp.models.trial_stimulus import TrialStimulus
-    from studyapp.models.watch_batch import WatchBatch
+    from studyapp.models.watch_record import WatchRecord
 
 
 class Video(Base):
@@ -27,6 +27,10 @@ class Video(Base):
         Random; names the video to the browser, and says nothing else.
     duration : float
         Seconds.
+    made_from : str
+        Digest of what the picture and the sound were made from when the trial was planned.
+    sent_at : datetime or None
+        When it was first sent, or the browser was first led to the store that sends it.
     unplayable_at : datetime or None
         When the participant said that it does not play.
     """
@@ -39,14 +43,17 @@ class Video(Base):
     number: Mapped[int]
     token: Mapped[str] = mapped_column(String(64), unique=True)
     duration: Mapped[float]
+    made_from: Mapped[str] = mapped_column(String(64), default="", server_default=text("''"))
+    sent_at: Mapped[datetime | None]
     unplayable_at: Mapped[datetime | None]
 
     trial: Mapped[Trial] = relationship(back_populates="videos")
     stimuli: Mapped[list[TrialStimulus]] = relationship(
         back_populates="video", order_by="TrialStimulus.number", cascade="all, delete-orphan"
     )
-    watch_batches: Mapped[list[WatchBatch]] = relationship(
-        back_populates="video", order_by="WatchBatch.batch", cascade="all, delete-orphan"
+
+    watch_record: Mapped[WatchRecord | None] = relationship(
+        back_populates="video", cascade="all, delete-orphan"
     )
 
     @property

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session, joinedload, selectinload
 
 from studyapp.design.asking import AnswerKey, Answers
 from studyapp.design.stimulus import Stimulus
-from studyapp.models import FormAnswer, Response, StudySession, Trial, Video, WatchBatch
+from studyapp.models import FormAnswer, Response, StudySession, Trial, Video, WatchRecord
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.players import token_candidates
 from studyapp.rehearsal.sight import SeenTrial, Sight
@@ -157,7 +157,7 @@ class Eyes:
             select(Response.trial_id, Response.question, Response.stimulus, Response.value),
             select(StudySession.id, StudySession.completed_at, StudySession.withdrawn_at),
             select(Trial.id, Trial.answered_at, Trial.unplayable_at),
-            select(WatchBatch.video_id, WatchBatch.batch),
+            select(WatchRecord.video_id, WatchRecord.latest),
             select(FormAnswer.study_session_id, FormAnswer.question),
         )
         with self.database.reading() as session:

@@ -65,7 +65,7 @@ class _Late:
         yield self._at(own, "answers").refused("other answers after the end", other)
         yield self._at(own, "unplayable").refused("trouble after the end", trouble)
         yield self._at(own, f"watched/{own.video}").refused_report(
-            "playing reported after the end", {"batch": 9999, "intervals": [[0.0, 0.1]]}
+            "playing reported after the end", {"batch": 999, "intervals": [[0.0, 0.1]]}
         )
         yield self._at(own, "begin").harmless("beginning after the end", {})
         yield self._at(own, "withdraw").refused("withdrawing after the end", {})
@@ -82,7 +82,7 @@ class _Late:
             "trouble with another's video", {"trial": [own.trial], "video": [other.video]}
         )
         yield self._at(own, f"watched/{other.video}").refused_report(
-            "playing reported of another's video", {"batch": 9999, "intervals": [[0.0, 0.1]]}
+            "playing reported of another's video", {"batch": 999, "intervals": [[0.0, 0.1]]}
         )
 
     def _at(self, sitting: FinishedSitting, step: str) -> Prober:

@@ -10,14 +10,14 @@ from studyapp.clock import Clock
 from studyapp.models import Response, Trial, Video
 from studyapp.services.answer_fields import Fields, Given, read_fields
 from studyapp.services.database import Database
-from studyapp.services.finishing import move_on
+from studyapp.services.finishing import end_unwatched, most_left_out, move_on
 from studyapp.services.loading import load_videos
 from studyapp.services.noting import note
 from studyapp.services.places import regain_place
 from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find, require_present, trial_of
-from studyapp.services.watch_evidence import missing_seconds
+from studyapp.services.watch_evidence import failed_to_play, missing_seconds
 
 RESPONSES: Final = insert(cast(Table, Response.__table__))
 
@@ -93,18 +93,24 @@ def skip_unplayable(
     trial_token: str,
     clock: Clock,
     video_token: str = "",
+    media_error: str = "",
 ) -> None:
     """Record that a video of the present trial does not play, and go on without an answer.
+
+    After too many of them the study session ends, and its place is given to somebody else.
 
     Parameters
     ----------
     video_token : str
         The video; needed where the trial shows several.
+    media_error : str
+        The code of the browser's error with this video; empty where it reports none.
 
     Raises
     ------
     RefusalError
-        If the trial is not theirs or not the present one, or the video is none of its own.
+        If the trial is not theirs or not the present one, the video is none of its own, or
+        nothing shows that it does not play. Nothing is changed then.
     """
     with database.writing() as session:
         study_session = find(session, token)
@@ -113,10 +119,23 @@ def skip_unplayable(
             return
         regain_place(session, served, study_session)
         require_present(study_session, trial)
+        load_videos(session, [trial])
+        video = _unplayable(trial, video_token)
+        if not failed_to_play(video, media_error):
+            raise UnacceptableError(
+                "Nothing shows yet that this video does not play.",
+                "Please load it again, press play and wait a few seconds. If it still does not "
+                "play, try another browser, device or network with the same link: nothing is lost.",
+            )
         now = clock.now()
-        _unplayable(trial, video_token).unplayable_at = now
-        trial.unplayable_at = now
-        move_on(session, study_session, served.study, now)
+        video.unplayable_at = now
+        if sum(each.unplayable_at is not None for each in study_session.trials) >= most_left_out(
+            len(study_session.trials)
+        ):
+            end_unwatched(session, study_session, now)
+        else:
+            trial.unplayable_at = now
+            move_on(session, study_session, served.study, now)
 
 
 def _unplayable(trial: Trial, video_token: str) -> Video:

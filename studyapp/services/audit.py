@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
+from types import MappingProxyType
 from typing import Final
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
-from studyapp.models import AuditLine
+from studyapp.models import AuditLine, Event
 from studyapp.services.database import Database
 
 LINES: Final = 200
@@ -21,10 +23,42 @@ LONGEST_REASON: Final = 500
 ERASED: Final = "(erased)"
 """What stands in place of what would name or describe somebody who is to be forgotten."""
 
+WORDS: Final[Mapping[Event, str]] = MappingProxyType(
+    {
+        Event.FORGOTTEN: "participant forgotten",
+        Event.EXCLUDED: "participant excluded",
+        Event.REINSTATED: "participant reinstated",
+        Event.RESTORED: "restored from a backup",
+        Event.OPERATION_CHANGED: "operation changed",
+        Event.NEWCOMERS_LET_IN: "newcomers let in",
+        Event.NEWCOMERS_PAUSED: "newcomers paused",
+        Event.NEWCOMERS_CLOSED: "closed to newcomers",
+        Event.EXTENDED: "extended",
+        Event.LOOKED_AT: "results looked at",
+        Event.REPORTED: "results reported",
+        Event.EXPORTED: "answers exported",
+        Event.UNBLINDED: "results unblinded",
+        Event.LOGGED_IN: "logged in",
+        Event.PASSWORD_CHANGED: "password changed",
+        Event.PASSWORD_OFFERED: "new password offered",
+        Event.INVITED: "invited",
+        Event.LINK_TAKEN_BACK: "link taken back",
+        Event.JOINED: "joined",
+        Event.ROLE_CHANGED: "role changed",
+        Event.SHUT_OUT: "shut out",
+        Event.LET_IN_AGAIN: "let in again",
+        Event.SECOND_FACTOR_ON: "second factor turned on",
+        Event.SECOND_FACTOR_OFF: "second factor turned off",
+        Event.SECOND_FACTOR_RESET: "second factor reset",
+        Event.NEW_VERSION: "new version",
+    }
+)
+"""How events are told to people."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class LoggedChange:
-    """One line of the log; see `studyapp.models.AuditLine`."""
+    """One line of the log in words; see `studyapp.models.AuditLine`."""
 
     id: int
     at: datetime
@@ -55,9 +89,10 @@ def reason_given(text: str) -> str:
 def log_change(
     session: Session,
     now: datetime,
-    event: str,
+    event: Event,
     *,
     by: str,
+    study_session: int | None = None,
     detail: str = "",
     reason: str = "",
 ) -> None:
@@ -65,13 +100,32 @@ def log_change(
 
     Parameters
     ----------
-    event : str
-        What was done, as a few words.
     by : str
         The researcher's name; empty for the command line.
+    study_session : int, optional
+        The study session that it is about.
     """
-    line = AuditLine(at=now, event=event, detail=detail, researcher=by, reason=reason)
-    session.add(line)
+    session.add(
+        AuditLine(
+            at=now,
+            event=event,
+            study_session=study_session,
+            detail=detail,
+            researcher=by,
+            reason=reason,
+        )
+    )
+
+
+def told_event(line: AuditLine) -> str:
+    """Return what was done, in words."""
+    return WORDS[Event(line.event)]
+
+
+def told_detail(line: AuditLine) -> str:
+    """Return what there is to know of a change, in words: whom it is about, and how."""
+    whom = "" if line.study_session is None else f"study session {line.study_session}"
+    return ", ".join(filter(None, (whom, line.detail)))
 
 
 def logged_changes(database: Database, *, before: int | None = None) -> list[LoggedChange]:
@@ -91,8 +145,8 @@ def logged_changes(database: Database, *, before: int | None = None) -> list[Log
                 id=line.id,
                 at=line.at,
                 researcher=line.researcher,
-                event=line.event,
-                detail=line.detail,
+                event=told_event(line),
+                detail=told_detail(line),
                 reason=line.reason,
             )
             for line in session.scalars(query)

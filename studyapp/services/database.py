@@ -2,40 +2,40 @@
 
 from __future__ import annotations
 
-import fcntl
+import hashlib
 import os
 import sqlite3
-import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final, Self
 
-import psycopg
 from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import URL, Connection, Engine, create_engine, event, func, select
+from sqlalchemy import URL, Connection, Engine, create_engine, event, func, select, text
 from sqlalchemy.engine import make_url
-from sqlalchemy.engine.interfaces import DBAPIConnection
-from sqlalchemy.exc import ArgumentError, DatabaseError, DisconnectionError, NoSuchModuleError
+from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError
 from sqlalchemy.orm import Session
-from sqlalchemy.pool import ConnectionPoolEntry, PoolProxiedConnection
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.services.postgresql import (
+    READING_SECONDS,
+    STATEMENT_SECONDS,
+    bound_waiting,
+    taking_time,
+)
+from studyapp.services.waiting_line import in_line
 
 BUSY_SECONDS: Final = 30
 """How long a writer waits for another one before it gives up."""
 
-REST_SECONDS: Final = 1.0
-"""After such a rest, a connection to PostgreSQL is tried before it is used."""
-
-RESTS_SINCE: Final = "rests_since"
+_OWN: Final = 0o600
 
 
 class Turn(IntEnum):
@@ -56,9 +56,24 @@ def take_turn(connection: Connection, turn: Turn) -> None:
         connection.execute(select(func.pg_advisory_xact_lock(int(turn))))
 
 
+def share_turn(connection: Connection, turn: Turn, name: str) -> None:
+    """Wait until nobody has the whole `turn`, nor shares it under the same `name`.
+
+    Others share it at the same time under other names. On SQLite a transaction that writes is
+    alone anyway.
+    """
+    if connection.dialect.name == "postgresql":
+        digest = hashlib.sha256(f"{turn.name} {name}".encode()).digest()
+        own = int.from_bytes(digest[:8], "big", signed=True)
+        connection.execute(
+            select(func.pg_advisory_xact_lock(own), func.pg_advisory_xact_lock_shared(int(turn)))
+        )
+
+
 def sqlite_url(path: Path) -> str:
-    """Return the database address of an SQLite file."""
-    return f"sqlite:///{path.resolve()}"
+    """Return the database address of an SQLite file, whatever letters its folders' names hold."""
+    address = URL.create("sqlite", database=str(path.resolve()))
+    return address.render_as_string(hide_password=False)
 
 
 def database_url_of(
@@ -105,7 +120,8 @@ class Database:
             of Motion Jury made it.
         """
         with _explained(url):
-            engine = _engine(url, _set_up_sqlite)
+            _keep_private(sqlite_file(url))
+            engine = _engine(url, _set_up_sqlite, seconds=STATEMENT_SECONDS)
             with engine.connect() as connection:
                 is_current = schema_of(connection) == _head()
             if not is_current:
@@ -136,7 +152,7 @@ class Database:
             file = sqlite_file(url)
             if file is not None and not file.exists():
                 return None
-            engine = _engine(url, _forbid_sqlite_changes, postgresql_readonly=True)
+            engine = _read_only(url)
             with engine.connect() as connection:
                 revision = schema_of(connection)
             # Only a closed database leaves no working files beside it.
@@ -156,7 +172,7 @@ class Database:
     def as_it_is(cls, url: str) -> Self:
         """Give the database at `url` for reading, whatever is in it; nothing is looked at yet."""
         with _explained(url):
-            return cls(_engine(url, _forbid_sqlite_changes, postgresql_readonly=True))
+            return cls(_read_only(url))
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
@@ -179,6 +195,8 @@ class Database:
         """Give a session that sees one state of the database and stores nothing."""
         with Session(self._reader, expire_on_commit=False) as session:
             yield session
+            # Not rolled back: psycopg then gives up the statements that it has prepared.
+            session.commit()
 
     @contextmanager
     def looking_up(self) -> Iterator[Connection]:
@@ -207,29 +225,14 @@ class Database:
             return self.engine
         return self.engine.execution_options(**options)
 
+    def try_writing(self) -> None:
+        """Store what is stored already: where that fails, no answer could be stored either."""
+        with self.writing() as session:
+            session.execute(text("UPDATE alembic_version SET version_num = version_num"))
+
     def close(self) -> None:
         """Give back all connections."""
         self.engine.dispose()
-
-
-@contextmanager
-def in_line(engine: Engine) -> Iterator[None]:
-    """Let writers of an SQLite file wait in line, threads and processes alike.
-
-    SQLite's own waiters try again after ever longer pauses: under load some wait for seconds while
-    others, who come later, are lucky. The line decides who goes next, not who may: that remains
-    SQLite's lock. It is the system's lock on a file beside the database, and ends with whoever
-    holds it. (On the database's own file it would undo SQLite's locks.)
-    """
-    if engine.dialect.name != "sqlite" or not engine.url.database:
-        yield
-        return
-    line = os.open(f"{engine.url.database}-line", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-    try:
-        fcntl.flock(line, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(line)
 
 
 def migration_config(connection: Connection) -> Config:
@@ -241,7 +244,7 @@ def migration_config(connection: Connection) -> Config:
 
 def _migrate(engine: Engine, url: str) -> None:
     """Bring the database to the newest schema; several processes may try at once."""
-    with engine.execution_options(writes=True).begin() as connection:
+    with engine.execution_options(writes=True).begin() as connection, taking_time(connection):
         take_turn(connection, Turn.MIGRATION)
         revision = schema_of(connection)
         if revision is not None:
@@ -253,9 +256,10 @@ def _require_known(revision: str, url: str) -> None:
     """Raise `InputError` unless this version knows the schema `revision`."""
     if revision not in {step.revision for step in _schemas().walk_revisions()}:
         raise InputError(
-            f"the database has a schema ({revision}) that this version does not know",
+            f"another version of Motion Jury made the database (schema {revision}), "
+            "and this one cannot read it",
             where=shown_address(url),
-            remedy="Update Motion Jury to the version that made it, or choose another database",
+            remedy="Use the version that made it, or choose another database",
         )
 
 
@@ -328,8 +332,31 @@ def sqlite_file(url: str) -> Path | None:
     return Path(address.database)
 
 
+def _keep_private(file: Path | None) -> None:
+    """Let its owner alone read an SQLite database, which is made where there is none.
+
+    SQLite gives its working files the rights of the database's own.
+    """
+    if file is None:
+        return
+    with suppress(OSError):
+        os.close(os.open(file, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, _OWN))
+    for ending in ("", "-wal", "-shm", "-line"):
+        # Where it belongs to somebody else, that is for them to say.
+        with suppress(OSError):
+            Path(f"{file}{ending}").chmod(_OWN)
+
+
+def _read_only(url: str) -> Engine:
+    return _engine(url, _forbid_sqlite_changes, seconds=READING_SECONDS, postgresql_readonly=True)
+
+
 def _engine(
-    url: str, set_up_sqlite: Callable[[sqlite3.Connection, Any], None], **options: Any
+    url: str,
+    set_up_sqlite: Callable[[sqlite3.Connection, Any], None],
+    *,
+    seconds: float,
+    **options: Any,
 ) -> Engine:
     address = _address(url)
     # Among the parameters of a failed statement may be a participant's token.
@@ -337,34 +364,12 @@ def _engine(
     if address.get_backend_name() != "sqlite":
         # Locks are what keeps writers apart, whatever the server's own default is.
         engine = create_engine(address, isolation_level="READ COMMITTED", **hidden)
-        event.listen(engine, "checkin", _note_rest)
-        event.listen(engine, "checkout", _require_alive)
+        bound_waiting(engine, seconds)
         return engine
     engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **hidden)
     event.listen(engine, "connect", set_up_sqlite)
     event.listen(engine, "begin", _begin_sqlite)
     return engine
-
-
-def _note_rest(_connection: DBAPIConnection | None, record: ConnectionPoolEntry) -> None:
-    record.info[RESTS_SINCE] = time.monotonic()
-
-
-def _require_alive(
-    connection: DBAPIConnection, record: ConnectionPoolEntry, _proxy: PoolProxiedConnection
-) -> None:
-    """Have a connection that has rested replaced where its server has gone away meanwhile.
-
-    To ask before every use would be a journey to the server for nothing.
-    """
-    since = record.info.get(RESTS_SINCE)
-    if since is None or time.monotonic() - since < REST_SECONDS:
-        return
-    try:
-        connection.cursor().execute("SELECT 1")
-        connection.rollback()
-    except psycopg.Error as error:
-        raise DisconnectionError from error
 
 
 def _set_up_sqlite(connection: sqlite3.Connection, _record: Any) -> None:

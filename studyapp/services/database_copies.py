@@ -7,7 +7,7 @@ be put back into SQLite and into PostgreSQL alike.
 from __future__ import annotations
 
 import sqlite3
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any, Final
 
@@ -36,6 +36,7 @@ from studyapp.services.database import (
     sqlite_url,
     take_turn,
 )
+from studyapp.services.postgresql import taking_time
 
 SCHEMA: Final = "alembic_version"
 """The table in which the schema's name stands."""
@@ -106,11 +107,17 @@ def flaws_of_copy(file: Path) -> list[str]:
         with closing(sqlite3.connect(file)) as connection:
             found = [str(line) for (line,) in connection.execute("PRAGMA integrity_check")]
             lost = connection.execute("PRAGMA foreign_key_check").fetchall()
+            strange = connection.execute(
+                "SELECT type, name FROM sqlite_master"
+                " WHERE type NOT IN ('table', 'index') OR sql LIKE 'CREATE VIRTUAL%'"
+            ).fetchall()
     except sqlite3.Error as error:
         return [str(error)]
     flaws = [] if found == ["ok"] else found
     if lost:
         flaws.append(f"{len(lost)} rows belong to rows that are not there")
+    # Such would act, or answer, in place of the tables, as soon as the study is served.
+    flaws += [f"it has the {kind} {name!r}, which no study has" for kind, name in strange]
     return flaws
 
 
@@ -151,8 +158,13 @@ def fill_from_copy(url: str, file: Path) -> None:
     database = Database.open(url)
     source = create_engine(sqlite_url(file))
     try:
-        with database.writing() as session, source.connect() as copy:
+        with (
+            database.writing() as session,
+            source.connect() as copy,
+            ExitStack() as opened,
+        ):
             target = session.connection()
+            opened.enter_context(taking_time(target))
             # A server that opens its places at this moment comes before all of this, or after it.
             take_turn(target, Turn.ALLOCATION)
             tables = _tables_of(copy)

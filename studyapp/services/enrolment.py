@@ -5,27 +5,38 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import datetime
-from typing import Final
+from datetime import datetime, timedelta
+from typing import Final, cast
 
-from sqlalchemy import Select, select
+from sqlalchemy import Select, Table, insert, select, update
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
-from studyapp.models import StudySession
+from studyapp.models import Place, StudySession
 from studyapp.services.database import Database
 from studyapp.services.form_answers import entrance_answers
+from studyapp.services.intake import wanted_places
 from studyapp.services.letting_in import require_let_in, require_room, study_is_full
-from studyapp.services.places import least_filled, release_stale, take_allocation_turn
+from studyapp.services.newcomers import count_newcomer, require_uncrowded
+from studyapp.services.places import (
+    is_any_stale,
+    release_stale,
+    share_allocation_turn,
+    take_allocation_turn,
+    take_open_place,
+)
+from studyapp.services.refusal import UnprovenError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sound_check import left_unheard
 from studyapp.services.trial_rows import new_token, store_trials
 from studyapp.services.versions import present_version
 from studyapp.services.votes import votes_so_far
 
-ONE_ARRIVAL: Final = threading.Lock()
+ARRIVALS: Final = threading.BoundedSemaphore(4)
 """Who waits for the allocation's turn keeps a connection to the database. A process whose arrivals
 all did would have none left for those who answer."""
+
+NEWCOMER: Final = insert(cast(Table, StudySession.__table__)).returning(StudySession.id)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,19 +46,23 @@ class Arrival:
     Attributes
     ----------
     visit : str or None
-        Drawn with the consent page, or the hash of an invitation; the same one always means the
-        same study session.
+        Drawn with the consent page, or the hash of an invitation; who knows it is the person who
+        has the study session.
     recruiter_participant : str or None
-        The recruiter's name for the participant, who takes part once in each of the
-        recruiter's studies.
+        The recruiter's name for the participant, who takes part once, whatever the recruiter
+        calls the study.
     recruiter_study, recruiter_session : str
         The recruiter's names for the study and the sitting; may be empty.
-    once_for_all : bool
-        Whether the participant is known whatever the recruiter calls the study.
     submit_to : str
         The recruiter's site that the end is to be reported to; may be empty.
     form : mapping of question name to text
         What was answered under eligibility and consent.
+    token : str or None
+        Of the study session that their browser says it has; see `_is_proven`.
+    is_signed : bool
+        Whether the recruiter has signed who they are.
+    address : str or None
+        The network address they come from, where newcomers from it are counted.
 
     Raises
     ------
@@ -59,9 +74,11 @@ class Arrival:
     recruiter_participant: str | None = None
     recruiter_study: str = ""
     recruiter_session: str = ""
-    once_for_all: bool = False
     submit_to: str = ""
     form: Mapping[str, str] = field(default_factory=dict)
+    token: str | None = None
+    is_signed: bool = False
+    address: str | None = None
 
     def __post_init__(self) -> None:
         if not self.visit and not self.recruiter_participant:
@@ -77,39 +94,88 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
     Raises
     ------
     StudyFullError
-        If nobody new is let in, or no place is open.
+        If nobody new is let in, no place is open, or too many have come from their address.
     UnacceptableError, IneligibleError
         If the answers under eligibility and consent do not let them take part.
+    UnprovenError
+        If the study session of this name was begun elsewhere; see `enrolled`.
     """
-    # Before the allocation's turn: whoever has that must wait for no study session.
-    token = enrolled(database, arrival)
+    # Before the allocation's turn: whoever shares that must wait for no study session.
+    token = enrolled(database, served, arrival, clock)
     if token is not None:
         return token
-    with ONE_ARRIVAL, database.writing() as session:
-        return _enrol(session, served, arrival, clock.now())
+    now = clock.now()
+    with ARRIVALS:
+        if is_any_stale(database, served, now):
+            with database.writing() as session:
+                take_allocation_turn(session)
+                release_stale(session, served, now)
+        with database.writing() as session:
+            return _enrol(session, served, arrival, now)
 
 
-def enrolled(database: Database, arrival: Arrival) -> str | None:
+def enrolled(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str | None:
     """Return the token of the study session that the arriving participant comes back to, if any.
 
-    Under which of the recruiter's sittings they are there now is noted.
+    Under which of the recruiter's sittings they are there now is noted. A name alone shows nothing:
+    who has nothing else goes on only once nobody else has for `lease_minutes`, when anybody might
+    get the place, and that is noted too.
+
+    Raises
+    ------
+    UnprovenError
+        If somebody else may have the study session, or it is over.
     """
     with database.reading() as session:
         known = session.scalars(_known(arrival)).first()
         if known is None or left_unheard(known):
             return None
-        if not _comes_otherwise(known, arrival):
+        if _is_proven(known, arrival) and not _comes_otherwise(known, arrival):
             return known.token
     with database.writing() as session:
         # Locked, so that nothing is noted of somebody who is being forgotten.
         known = session.scalars(_known(arrival).with_for_update()).first()
         if known is None or left_unheard(known):
             return None
+        if not _is_proven(known, arrival):
+            _require_silent(known, served, clock.now())
+            known.unproven_at = clock.now()
         if _comes_otherwise(known, arrival):
             known.recruiter_study = arrival.recruiter_study
             known.recruiter_session = arrival.recruiter_session
             known.submit_to = arrival.submit_to
         return known.token
+
+
+def _is_proven(known: StudySession, arrival: Arrival) -> bool:
+    """Tell whether more than a recruiter's name shows that the person of `known` has come.
+
+    What was drawn for them does: the visit or invitation, the token that their browser keeps. So
+    does the recruiter's signature, and the recruiter's own name for the sitting they began in.
+    """
+    return (
+        arrival.is_signed
+        or (arrival.visit is not None and arrival.visit == known.visit)
+        or arrival.token == known.token
+        or (
+            arrival.recruiter_session != "" and arrival.recruiter_session == known.recruiter_session
+        )
+    )
+
+
+def _require_silent(known: StudySession, served: ServedStudy, now: datetime) -> None:
+    if _is_over(known):
+        raise UnprovenError(
+            "Somebody with this participant name has already taken part.",
+            "If it was you, everything is stored: your last page is in the browser you used.",
+        )
+    if known.last_active_at > now - timedelta(minutes=served.study.lease_minutes):
+        raise UnprovenError(
+            "Somebody with this participant name has begun in another browser.",
+            "Please go on there. If you cannot, come back to this page {minutes} minutes after you "
+            "last did anything there: then you can go on here.",
+            minutes=served.study.lease_minutes,
+        )
 
 
 def require_welcome(
@@ -128,56 +194,69 @@ def require_welcome(
         known = session.scalars(_known(arrival)).first()
         if known is None or left_unheard(known):
             require_room(session, served, clock.now())
+            most = served.study.recruitment.newcomers_per_address
+            require_uncrowded(session, arrival.address, most, clock.now())
 
 
 def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str:
-    take_allocation_turn(session)
+    share_allocation_turn(session, arrival.recruiter_participant or str(arrival.visit))
     known = session.scalars(_known(arrival)).first()
     if known is not None and not left_unheard(known):
+        # Come at the same moment, in another window or as somebody else.
+        if not _is_proven(known, arrival):
+            _require_silent(known, served, now)
         return known.token
-    require_let_in(session, served)
+    intake = require_let_in(session, served)
+    most = served.study.recruitment.newcomers_per_address
+    require_uncrowded(session, arrival.address, most, now)
     answers = entrance_answers(served.study, arrival.form, now)
-    release_stale(session, served, now)
-    place = least_filled(session, served)
+    place = take_open_place(session, wanted_places(served, intake))
     if place is None:
         raise study_is_full()
     if known is not None:
         session.delete(known)
         session.flush()  # no two study sessions may have the same name
-    study_session = StudySession(
-        token=new_token(),
-        visit=arrival.visit,
-        recruiter_participant=arrival.recruiter_participant,
-        recruiter_study=arrival.recruiter_study,
-        recruiter_session=arrival.recruiter_session,
-        submit_to=arrival.submit_to,
-        version=present_version(session, served),
-        arm=place.arm,
-        arm_design=place.design,
-        number=place.number,
-        conditions=list(served.arms[place.arm, place.design].conditions),
-        consented_at=now,
-        last_active_at=now,
-        form_answers=answers,
-    )
-    session.add(study_session)
-    place.study_session = study_session
-    session.flush()
     arm = served.arms[place.arm, place.design]
-    planned = served.study.plan(arm, place.number, served.segments, votes_so_far(session, served))
-    store_trials(session, study_session.id, planned, served)
-    return study_session.token
+    token = new_token()
+    own = (
+        session.connection()
+        .execute(
+            NEWCOMER,
+            {
+                "token": token,
+                "visit": arrival.visit,
+                "recruiter_participant": arrival.recruiter_participant,
+                "recruiter_study": arrival.recruiter_study,
+                "recruiter_session": arrival.recruiter_session,
+                "submit_to": arrival.submit_to,
+                "version_id": present_version(session, served).id,
+                "arm": place.arm,
+                "arm_design": place.design,
+                "number": place.number,
+                "conditions": list(arm.conditions),
+                "consented_at": now,
+                "last_active_at": now,
+            },
+        )
+        .scalar_one()
+    )
+    session.execute(update(Place).where(Place.id == place.id).values(study_session_id=own))
+    count_newcomer(session, arrival.address, now)
+    for answer in answers:
+        answer.study_session_id = own
+    session.add_all(answers)
+    votes = votes_so_far(session, served)
+    store_trials(session, own, served.study.plan(arm, place.number, served.segments, votes), served)
+    return token
 
 
 def _known(arrival: Arrival) -> Select[StudySession]:
-    """Select the study sessions of who arrives, that of the same recruiter's study first."""
-    same_study = StudySession.recruiter_study == arrival.recruiter_study
+    """Select the study session of who arrives."""
     if arrival.recruiter_participant is None:
         return select(StudySession).where(StudySession.visit == arrival.visit)
-    same = StudySession.recruiter_participant == arrival.recruiter_participant
-    if arrival.once_for_all:
-        return select(StudySession).where(same).order_by(same_study.desc(), StudySession.id)
-    return select(StudySession).where(same, same_study)
+    return select(StudySession).where(
+        StudySession.recruiter_participant == arrival.recruiter_participant
+    )
 
 
 def _comes_otherwise(known: StudySession, arrival: Arrival) -> bool:
@@ -185,7 +264,10 @@ def _comes_otherwise(known: StudySession, arrival: Arrival) -> bool:
 
     What was finished under one is not finished again under another.
     """
-    over = known.completed_at is not None or known.withdrawn_at is not None
     noted = (known.recruiter_study, known.recruiter_session, known.submit_to)
     told = (arrival.recruiter_study, arrival.recruiter_session, arrival.submit_to)
-    return arrival.recruiter_participant is not None and not over and noted != told
+    return arrival.recruiter_participant is not None and not _is_over(known) and noted != told
+
+
+def _is_over(known: StudySession) -> bool:
+    return known.completed_at is not None or known.withdrawn_at is not None

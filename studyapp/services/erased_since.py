@@ -6,24 +6,20 @@ deleted of those who withdrew. Wherever the later state is still at hand, both a
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Final
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.models import AuditLine, ScreenOut, StudySession, StudyVersion
+from studyapp.models import AuditLine, Event, ScreenOut, StudySession, StudyVersion
 from studyapp.services.audit import log_change
 from studyapp.services.database import Database
-from studyapp.services.forgetting import EVENT, erase
+from studyapp.services.forgetting import erase
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.withdrawing import take_back
-
-_NUMBER: Final = re.compile(r"study session (\d+),")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +110,7 @@ def erase_again(
 def note_restored(database: Database, detail: str, clock: Clock) -> None:
     """Say in the log of `database` that it was restored."""
     with database.writing() as session:
-        log_change(session, clock.now(), "restored from a backup", by="", detail=detail)
+        log_change(session, clock.now(), Event.RESTORED, by="", detail=detail)
 
 
 def _read(later: Database) -> _Later:
@@ -122,15 +118,15 @@ def _read(later: Database) -> _Later:
         sittings = session.execute(
             select(StudySession.id, StudySession.token, StudySession.withdrawn_at)
         ).all()
-        lines = session.scalars(select(AuditLine.detail).where(AuditLine.event == EVENT))
+        forgotten = session.scalars(
+            select(AuditLine.study_session).where(AuditLine.event == Event.FORGOTTEN)
+        )
         return _Later(
             tokens={each.id: each.token for each in sittings},
             withdrawn={
                 each.id: each.withdrawn_at for each in sittings if each.withdrawn_at is not None
             },
-            forgotten=frozenset(
-                int(found[1]) for line in lines if (found := _NUMBER.match(line)) is not None
-            ),
+            forgotten=frozenset(number for number in forgotten if number is not None),
             screened_out=frozenset(session.scalars(select(ScreenOut.id))),
             versions=frozenset(session.scalars(select(StudyVersion.opened_at))),
             log=_log(session),

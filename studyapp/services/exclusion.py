@@ -30,13 +30,15 @@ def is_excluded(study: Study, study_session: StudySession) -> bool:
 
 
 def failures(study: Study, trials: Iterable[Trial]) -> dict[str, int]:
-    """Return how many of `trials` were failed, by kind; one that was not answered was not."""
+    """Return how many of `trials` were failed, by kind; to leave one out is to fail it."""
     failed = [trial.kind for trial in trials if _failed(study, trial)]
     return {kind: failed.count(kind) for kind in JUDGED}
 
 
 def _failed(study: Study, trial: Trial) -> bool:
-    if trial.answered_at is None or trial.kind not in JUDGED:
+    if not trial.settled or trial.kind not in JUDGED:
         return False
+    if trial.answered_at is None:
+        return True
     answers = {(given.question, given.stimulus): given.value for given in trial.responses}
     return study.failed(trial, answers)

@@ -15,11 +15,11 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.models import AuditLine, ExclusionDecision, StudySession
+from studyapp.models import AuditLine, Event, ExclusionDecision, StudySession
 from studyapp.services.audit import ERASED, log_change, reason_given
 from studyapp.services.database import Database
 
-EVENTS: Final[dict[bool, str]] = {True: "participant excluded", False: "participant reinstated"}
+EVENTS: Final = {True: Event.EXCLUDED, False: Event.REINSTATED}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +62,7 @@ def decide_exclusion(
                 at=now, study_session_id=number, excluded=excluded, researcher=by, reason=reason
             )
         )
-        log_change(session, now, EVENTS[excluded], by=by, detail=_detail(number), reason=reason)
+        log_change(session, now, EVENTS[excluded], by=by, study_session=number, reason=reason)
 
 
 def exclusion_decisions(session: Session, number: int) -> tuple[DecidedExclusion, ...]:
@@ -93,7 +93,7 @@ def erase_decisions(session: Session, number: int) -> None:
     session.execute(delete(ExclusionDecision).where(ExclusionDecision.study_session_id == number))
     session.execute(
         update(AuditLine)
-        .where(AuditLine.event.in_(EVENTS.values()), AuditLine.detail == _detail(number))
+        .where(AuditLine.event.in_(EVENTS.values()), AuditLine.study_session == number)
         .values(reason=ERASED)
     )
 
@@ -117,7 +117,3 @@ def _require_staying(session: Session, number: int) -> None:
 
 def _is_excluded(session: Session, number: int) -> bool:
     return any(each.excluded for each in exclusion_decisions(session, number)[:1])
-
-
-def _detail(number: int) -> str:
-    return f"study session {number}"

@@ -6,10 +6,9 @@ from typing import Final
 
 import pandas as pd
 from sqlalchemy import ColumnElement, select
-from sqlalchemy.orm import selectinload
+from sqlalchemy.orm import Session, selectinload
 
 from studyapp.models import FormAnswer, StudySession, Trial, TrialStimulus, Video
-from studyapp.services.database import Database
 from studyapp.services.sitting import state_of
 from studyapp.services.watch_evidence import watched_share
 
@@ -56,7 +55,7 @@ STUDY_SESSION_COLUMNS: Final = (
 FORM_COLUMNS: Final = ("study_session", "stage", "question", "value")
 
 
-def responses_table(database: Database, *, withdrawn: bool = False) -> pd.DataFrame:
+def responses_table(session: Session, *, withdrawn: bool = False) -> pd.DataFrame:
     """Return every stored answer, one row per answered question and stimulus.
 
     Answers of all kinds of trial and of unfinished study sessions are included; those of
@@ -75,22 +74,21 @@ def responses_table(database: Database, *, withdrawn: bool = False) -> pd.DataFr
         Columns `EXPORT_COLUMNS`, ordered by study session, position and answer.
     """
     rows = []
-    with database.reading() as session:
-        for study_session in session.scalars(
-            select(StudySession)
-            .where(_chosen(withdrawn))
-            .order_by(StudySession.id)
-            .options(
-                selectinload(StudySession.version),
-                selectinload(StudySession.trials).selectinload(Trial.responses),
-                selectinload(StudySession.trials).selectinload(Trial.stimuli),
-                selectinload(StudySession.trials)
-                .selectinload(Trial.videos)
-                .selectinload(Video.watch_batches),
-            )
-        ):
-            for trial in study_session.trials:
-                rows.extend(_rows(study_session, trial))
+    for study_session in session.scalars(
+        select(StudySession)
+        .where(_chosen(withdrawn))
+        .order_by(StudySession.id)
+        .options(
+            selectinload(StudySession.version),
+            selectinload(StudySession.trials).selectinload(Trial.responses),
+            selectinload(StudySession.trials).selectinload(Trial.stimuli),
+            selectinload(StudySession.trials)
+            .selectinload(Trial.videos)
+            .selectinload(Video.watch_record),
+        )
+    ):
+        for trial in study_session.trials:
+            rows.extend(_rows(study_session, trial))
     return pd.DataFrame(rows, columns=list(EXPORT_COLUMNS))
 
 
@@ -110,7 +108,7 @@ def _rows(study_session: StudySession, trial: Trial) -> list[dict[str, object]]:
         "instructed": "" if trial.instructed is None else str(trial.instructed),
         "shown_at": trial.shown_at.isoformat() if trial.shown_at else "",
         "seconds": trial.seconds,
-        "watched": round(watched_share(trial), 4),
+        "watched": round(watched_share(trial.videos), 4),
         **_pair(study_session, trial),
     }
     stimuli = {shown.number: shown for shown in trial.stimuli}
@@ -164,40 +162,39 @@ def _pair(study_session: StudySession, trial: Trial) -> dict[str, object]:
     }
 
 
-def study_sessions_table(database: Database) -> pd.DataFrame:
+def study_sessions_table(session: Session) -> pd.DataFrame:
     """Return every study session and where it stands, for the participant flow.
 
     Returns
     -------
     DataFrame
         Columns `STUDY_SESSION_COLUMNS`; `state` is ``instructed``, ``started``, ``completed``,
-        ``withdrawn`` or ``lapsed`` (silent for so long that the place was given back); moments
-        are ISO 8601 in UTC, empty where there is none.
+        ``unwatched``, ``withdrawn`` or ``lapsed`` (silent for so long that the place was given
+        back); moments are ISO 8601 in UTC, empty where there is none.
     """
-    with database.reading() as session:
-        rows = [
-            (
-                str(study_session.id),
-                study_session.version.number,
-                study_session.arm,
-                state_of(study_session),
-                study_session.consented_at.isoformat(),
-                study_session.started_at.isoformat() if study_session.started_at else "",
-                study_session.completed_at.isoformat() if study_session.completed_at else "",
-                len(study_session.trials),
-                sum(trial.answered_at is not None for trial in study_session.trials),
-                sum(trial.unplayable_at is not None for trial in study_session.trials),
+    rows = [
+        (
+            str(study_session.id),
+            study_session.version.number,
+            study_session.arm,
+            state_of(study_session),
+            study_session.consented_at.isoformat(),
+            study_session.started_at.isoformat() if study_session.started_at else "",
+            study_session.completed_at.isoformat() if study_session.completed_at else "",
+            len(study_session.trials),
+            sum(trial.answered_at is not None for trial in study_session.trials),
+            sum(trial.unplayable_at is not None for trial in study_session.trials),
+        )
+        for study_session in session.scalars(
+            select(StudySession)
+            .order_by(StudySession.id)
+            .options(
+                selectinload(StudySession.trials),
+                selectinload(StudySession.place),
+                selectinload(StudySession.version),
             )
-            for study_session in session.scalars(
-                select(StudySession)
-                .order_by(StudySession.id)
-                .options(
-                    selectinload(StudySession.trials),
-                    selectinload(StudySession.place),
-                    selectinload(StudySession.version),
-                )
-            )
-        ]
+        )
+    ]
     return pd.DataFrame(rows, columns=list(STUDY_SESSION_COLUMNS))
 
 
@@ -207,7 +204,7 @@ def _chosen(withdrawn: bool) -> ColumnElement[bool]:
     return StudySession.withdrawn_at.is_(None)
 
 
-def form_answers_table(database: Database, *, withdrawn: bool = False) -> pd.DataFrame:
+def form_answers_table(session: Session, *, withdrawn: bool = False) -> pd.DataFrame:
     """Return what participants said about themselves, one row per answered question.
 
     Returns
@@ -215,14 +212,13 @@ def form_answers_table(database: Database, *, withdrawn: bool = False) -> pd.Dat
     DataFrame
         Columns `FORM_COLUMNS`; who withdrew is left out. With `withdrawn`, nobody else is in it.
     """
-    with database.reading() as session:
-        rows = [
-            (str(answer.study_session_id), answer.stage, answer.question, answer.value)
-            for answer in session.scalars(
-                select(FormAnswer)
-                .join(FormAnswer.study_session)
-                .where(_chosen(withdrawn))
-                .order_by(FormAnswer.study_session_id, FormAnswer.id)
-            )
-        ]
+    rows = [
+        (str(answer.study_session_id), answer.stage, answer.question, answer.value)
+        for answer in session.scalars(
+            select(FormAnswer)
+            .join(FormAnswer.study_session)
+            .where(_chosen(withdrawn))
+            .order_by(FormAnswer.study_session_id, FormAnswer.id)
+        )
+    ]
     return pd.DataFrame(rows, columns=list(FORM_COLUMNS))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
+from typing import Final
 
 from sqlalchemy.orm import Session
 
@@ -12,6 +13,23 @@ from studyapp.models import StudySession
 from studyapp.services.exclusion import failures, is_excluded
 from studyapp.services.noting import note
 from studyapp.services.sitting import current_trial, form_due
+
+FEWEST_LEFT_OUT: Final = 2
+ONE_LEFT_OUT_IN: Final = 10
+
+
+def most_left_out(trials: int) -> int:
+    """Return how many of so many trials may be left out since a video does not play."""
+    return max(FEWEST_LEFT_OUT, trials // ONE_LEFT_OUT_IN)
+
+
+def end_unwatched(session: Session, study_session: StudySession, now: datetime) -> None:
+    """End a study session in which too many videos did not play; its place is free again.
+
+    There is no completion code: whether it is paid is for a person to decide.
+    """
+    note(session, study_session, last_active_at=now, outcome="unwatched")
+    study_session.place = None
 
 
 def move_on(session: Session, study_session: StudySession, study: Study, now: datetime) -> None:

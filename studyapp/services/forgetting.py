@@ -14,6 +14,7 @@ from studyapp.clock import Clock
 from studyapp.models import (
     AuditLine,
     Base,
+    Event,
     FormAnswer,
     InterimFigures,
     Look,
@@ -23,7 +24,7 @@ from studyapp.models import (
     StudySession,
     Trial,
     Video,
-    WatchBatch,
+    WatchRecord,
 )
 from studyapp.services.audit import ERASED, log_change
 from studyapp.services.database import Database
@@ -39,8 +40,6 @@ emptied, so that a column that is added later is erased unless somebody decides 
 GIVEN_BACK: Final = frozenset({"places"})
 """Tables whose rows belong to the study: they lose the participant. In all other tables, what
 belongs to the study session is deleted."""
-
-EVENT: Final = "participant forgotten"
 
 SHORTEST_NAME: Final = 4
 """Shorter names are not looked for in the log: too much else would be replaced."""
@@ -59,7 +58,7 @@ class Remembered:
         and has none.
     arm, state : str
         See `studyapp.services.sitting.state_of`; or ``screened out``.
-    answers, form_answers, watch_reports, refusals : int
+    answers, form_answers, watch_records, refusals : int
         How many rows of each there are.
     known_as : str
         What the participant was named by: ``recruiter id``, ``pseudonym`` or
@@ -72,7 +71,7 @@ class Remembered:
     known_as: str
     answers: int = 0
     form_answers: int = 0
-    watch_reports: int = 0
+    watch_records: int = 0
     refusals: int = 0
 
 
@@ -143,8 +142,15 @@ def forget(
             erase(session, study_session, key, now, by=by)
         screened_out = _erase_screen_outs(session, [name])
         if screened_out and not found:
-            log_change(session, now, EVENT, by=by, detail="was screened out")
+            log_change(session, now, Event.FORGOTTEN, by=by, detail="was screened out")
         return len(found) + screened_out
+
+
+def has_forgotten(database: Database) -> bool:
+    """Tell whether anybody was ever erased, so that the files may hold what was deleted."""
+    with database.reading() as session:
+        lines = select(AuditLine.id).where(AuditLine.event == Event.FORGOTTEN).limit(1)
+        return session.scalars(lines).first() is not None
 
 
 def _called(
@@ -195,8 +201,11 @@ def _counts(session: Session, number: int) -> dict[str, int]:
     trials = Trial.study_session_id == number
     return {
         "answers": count(select(func.count(Response.id)).join(Response.trial).where(trials)),
-        "watch_reports": count(
-            select(func.count(WatchBatch.id)).join(WatchBatch.video).join(Video.trial).where(trials)
+        "watch_records": count(
+            select(func.count(WatchRecord.id))
+            .join(WatchRecord.video)
+            .join(Video.trial)
+            .where(trials)
         ),
         "form_answers": count(
             select(func.count(FormAnswer.id)).where(FormAnswer.study_session_id == number)
@@ -234,7 +243,14 @@ def erase(
         update(SESSIONS).where(SESSIONS.c.id == number).values(_emptied(now, new_token()))
     )
     session.expire(study_session)
-    log_change(session, now, EVENT, by=by, detail=f"study session {number}, arm {arm}, was {state}")
+    log_change(
+        session,
+        now,
+        Event.FORGOTTEN,
+        by=by,
+        study_session=number,
+        detail=f"arm {arm}, was {state}",
+    )
     session.flush()
 
 

@@ -6,7 +6,7 @@ from datetime import datetime
 
 from sqlalchemy.orm import Session
 
-from studyapp.services.intake import present_intake
+from studyapp.services.intake import Intake, present_intake
 from studyapp.services.places import has_open_place
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
@@ -14,14 +14,21 @@ from studyapp.services.served_study import ServedStudy
 
 def require_room(session: Session, served: ServedStudy, now: datetime) -> None:
     """Raise `StudyFullError` unless newcomers are let in and there is a place for one."""
-    require_let_in(session, served)
-    if not has_open_place(session, served, now):
+    intake = require_let_in(session, served)
+    if not has_open_place(session, served, intake, now):
         raise study_is_full()
 
 
-def require_let_in(session: Session, served: ServedStudy) -> None:
-    """Raise `StudyFullError` unless newcomers are let in, whether or not there is a place."""
-    state = present_intake(session).state
+def require_let_in(session: Session, served: ServedStudy) -> Intake:
+    """Raise `StudyFullError` unless newcomers are let in, whether or not there is a place.
+
+    Returns
+    -------
+    Intake
+        What researchers have decided besides.
+    """
+    intake = present_intake(session)
+    state = intake.state
     if state == "closed":
         raise StudyFullError(
             "The study is over: it takes no more participants.",
@@ -37,6 +44,7 @@ def require_let_in(session: Session, served: ServedStudy) -> None:
             "The study takes no new participants at the moment.",
             "Thank you for your interest. You can try later with the same link.",
         )
+    return intake
 
 
 def study_is_full() -> StudyFullError:

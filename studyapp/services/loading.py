@@ -12,7 +12,7 @@ from sqlalchemy import bindparam, select
 from sqlalchemy.orm import Session, joinedload
 from sqlalchemy.orm.attributes import set_committed_value
 
-from studyapp.models import Place, StudySession, Trial, Video, WatchBatch
+from studyapp.models import Place, StudySession, Trial, Video
 
 PLACE: Final = select(Place).where(Place.study_session_id == bindparam("id"))
 TRIALS: Final = (
@@ -20,7 +20,9 @@ TRIALS: Final = (
 )
 
 VIDEOS: Final = (
-    select(Video).order_by(Video.number).options(joinedload(Video.stimuli, innerjoin=True))
+    select(Video)
+    .order_by(Video.number)
+    .options(joinedload(Video.stimuli, innerjoin=True), joinedload(Video.watch_record))
 )
 VIDEOS_OF_TRIALS: Final = VIDEOS.where(Video.trial_id.in_(bindparam("trials", expanding=True)))
 VIDEOS_BESIDE: Final = VIDEOS.where(
@@ -31,11 +33,6 @@ DURATIONS: Final = (
     select(Video.trial_id, Video.duration)
     .join(Video.trial)
     .where(Trial.study_session_id == bindparam("id"))
-)
-BATCHES: Final = (
-    select(WatchBatch)
-    .where(WatchBatch.video_id.in_(bindparam("videos", expanding=True)))
-    .order_by(WatchBatch.batch)
 )
 
 
@@ -50,7 +47,6 @@ def load_videos(session: Session, trials: Iterable[Trial]) -> None:
     """Load the videos of `trials`, what they show, and what was played of them."""
     wanted = {trial.id: trial for trial in trials}
     videos = session.scalars(VIDEOS_OF_TRIALS, {"trials": list(wanted)}).unique().all()
-    _load_batches(session, videos)
     for number, trial in wanted.items():
         _attach(trial, [video for video in videos if video.trial_id == number])
 
@@ -75,18 +71,8 @@ def load_video(session: Session, study_session: StudySession, token: str) -> Vid
     trial = next((t for t in study_session.trials if videos and t.id == videos[0].trial_id), None)
     if trial is None:
         return None
-    _load_batches(session, videos)
     _attach(trial, videos)
     return next(video for video in videos if video.token == token)
-
-
-def _load_batches(session: Session, videos: Sequence[Video]) -> None:
-    # What was not shown yet has not been played.
-    shown = [video.id for video in videos if video.trial.shown_at is not None]
-    batches = session.scalars(BATCHES, {"videos": shown}).all() if shown else []
-    for video in videos:
-        own = [batch for batch in batches if batch.video_id == video.id]
-        set_committed_value(video, "watch_batches", own)
 
 
 def _attach(trial: Trial, videos: Sequence[Video]) -> None:

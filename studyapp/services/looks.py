@@ -13,16 +13,16 @@ from typing import Final, Literal
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from studyapp.models import Look, Response, StudySession, Trial
+from studyapp.models import Event, Look, Response, StudySession, Trial
 from studyapp.services.audit import log_change
 from studyapp.services.database import Database
 
 Way = Literal["page", "report", "export"]
 
-EVENTS: Final[dict[Way, str]] = {
-    "page": "results looked at",
-    "report": "results reported",
-    "export": "answers exported",
+EVENTS: Final[dict[Way, Event]] = {
+    "page": Event.LOOKED_AT,
+    "report": Event.REPORTED,
+    "export": Event.EXPORTED,
 }
 COMMAND_LINE: Final = "command line"
 SHOWN: Final = 200

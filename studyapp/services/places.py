@@ -2,19 +2,41 @@
 
 from __future__ import annotations
 
-import secrets
+import random
+from collections.abc import Mapping
 from datetime import datetime, timedelta
+from functools import cache
+from typing import Final
 
-from sqlalchemy import ColumnElement, Select, func, not_, select, update
+from sqlalchemy import (
+    ColumnElement,
+    Integer,
+    Row,
+    Select,
+    bindparam,
+    case,
+    func,
+    literal_column,
+    not_,
+    select,
+    text,
+    union_all,
+    update,
+)
 from sqlalchemy.orm import Session
 
 from studyapp.models import Place, StudySession
-from studyapp.services.database import Turn, take_turn
-from studyapp.services.intake import present_intake, wanted_places
+from studyapp.services.database import Database, Turn, share_turn, take_turn
+from studyapp.services.intake import Intake, present_intake, wanted_places
 from studyapp.services.served_study import ServedStudy
 
 ArmKey = tuple[str, str]
 """An arm's name, and the digest of what its participants are asked."""
+
+CHANCE: Final = random.SystemRandom()
+
+MOST_AT_ONCE: Final = 16
+"""Open places that are looked at together: about as many newcomers are placed at once."""
 
 
 def open_places(session: Session, served: ServedStudy) -> None:
@@ -29,21 +51,37 @@ def open_places(session: Session, served: ServedStudy) -> None:
             if number not in present
         )
     session.flush()
+    # The planner would take a new table for a small one, and read all places at each arrival.
+    session.execute(text("ANALYZE places"))
 
 
 def take_allocation_turn(session: Session) -> None:
-    """Wait until no other process gives places to participants; until stored, nobody else does.
+    """Wait until nobody is being given a place; until stored, nobody else is.
 
-    Whoever waits for this may hold their own study session's row; whoever has it must therefore
-    wait for no study session.
+    For what changes the places themselves or looks at all of them; newcomers share the turn.
+    Whoever waits for this may hold their own study session's row; whoever has or shares it must
+    therefore wait for no study session.
     """
     take_turn(session.connection(), Turn.ALLOCATION)
+
+
+def share_allocation_turn(session: Session, newcomer: str) -> None:
+    """Wait until nobody has the allocation's turn, or arrives as the same `newcomer`."""
+    share_turn(session.connection(), Turn.ALLOCATION, newcomer)
+
+
+def is_any_stale(database: Database, served: ServedStudy, now: datetime) -> bool:
+    """Tell whether a place is held by somebody who has been silent for too long."""
+    stale = select(Place.id).join(Place.study_session).where(_is_stale(served, now))
+    with database.looking_up() as connection:
+        return connection.scalar(stale.limit(1)) is not None
 
 
 def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
     """Give back the places of unfinished study sessions that have been silent for too long.
 
-    Those are passed over that another transaction is at work on: they are silent no longer.
+    Those are passed over that another transaction is at work on: they are silent no longer. To be
+    called in the allocation's turn, so that all newcomers count the same places as held.
     """
     stale = session.scalars(
         select(StudySession.id)
@@ -56,32 +94,96 @@ def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
     )
 
 
-def least_filled(session: Session, served: ServedStudy) -> Place | None:
+def take_open_place(
+    session: Session, wanted: Mapping[ArmKey, int]
+) -> Row[int, str, str, int] | None:
     """Return an open place of the arm with the fewest held ones, None if all are full.
 
-    Places of completed and of active study sessions count as held, stale ones are given back
-    before. Among equally filled arms chance decides. To be called in the allocation's turn.
+    Until the transaction ends, nobody else is given it. Places of completed and of active study
+    sessions count as held, stale ones are given back before. Among equally filled arms chance
+    decides. To be called where the allocation's turn is shared.
+
+    Parameters
+    ----------
+    wanted : mapping of ArmKey to int
+        How many places each arm wants.
+
+    Returns
+    -------
+    Row or None
+        With `id`, `arm`, `design` and `number`.
     """
-    held = _held(session)
-    wanted = wanted_places(served, present_intake(session))
-    wanting = {key: held.get(key, 0) for key, most in wanted.items() if held.get(key, 0) < most}
-    if not wanting:
-        return None
-    fewest = min(wanting.values())
-    arm = secrets.choice([key for key, count in wanting.items() if count == fewest])
-    # Fewer are held than there are places, so one with a number below that is open.
-    return _first(session, _open(arm))
+    arms: dict[str, str | int] = {}
+    for index, (arm, design) in enumerate(CHANCE.sample(list(wanted), len(wanted))):
+        most = wanted[arm, design]
+        arms |= {f"arm{index}": arm, f"design{index}": design, f"wanted{index}": most}
+    in_order = _open_places_in_order(len(wanted))
+    while following := session.scalars(in_order, arms).all():
+        turns = {place: turn for turn, place in enumerate(following)}
+        looking = (
+            select(Place.id, Place.arm, Place.design, Place.number)
+            .where(Place.id.in_(following), Place.study_session_id.is_(None))
+            .order_by(case(turns, value=Place.id))
+            .limit(1)
+        )
+        # What others are about to get is passed over. They may fail: only a look that waits for
+        # them shows that it is gone.
+        for skipping in (True, False):
+            locked = looking.with_for_update(skip_locked=skipping)
+            found = session.execute(locked).first()
+            if found is not None:
+                return found
+    return None
 
 
-def has_open_place(session: Session, served: ServedStudy, now: datetime) -> bool:
+@cache
+def _open_places_in_order(arms: int) -> Select[int]:
+    """Select the open places, of so many arms, that the next newcomers get.
+
+    The order is that in which newcomers would get the places one after the other: by how many of
+    its arm are held once a place is taken. It stays the same while newcomers take places from its
+    head, so that those who come at once see it alike, and fill the arms evenly without waiting.
+    """
+    heads = []
+    for index in range(arms):
+        of_arm = (Place.arm == bindparam(f"arm{index}")) & (
+            Place.design == bindparam(f"design{index}")
+        )
+        held = select(func.count(Place.study_session_id)).where(of_arm).scalar_subquery()
+        is_open = Place.study_session_id.is_(None)
+        head = select(Place.id, Place.number).where(of_arm, is_open)
+        first = head.order_by(Place.number).limit(MOST_AT_ONCE).subquery()
+        turn = held + func.row_number().over(order_by=first.c.number)
+        heads.append(
+            select(
+                first.c.id,
+                turn.label("turn"),
+                literal_column(str(index)).label("chance"),
+                bindparam(f"wanted{index}", type_=Integer).label("wanted"),
+            )
+        )
+    order = union_all(*heads).subquery()
+    return (
+        select(order.c.id)
+        .where(order.c.turn <= order.c.wanted)
+        .order_by(order.c.turn, order.c.chance)
+        .limit(MOST_AT_ONCE)
+    )
+
+
+def has_open_place(session: Session, served: ServedStudy, intake: Intake, now: datetime) -> bool:
     """Tell whether there is a place for a newcomer, as far as can be said outside the turn.
 
     Places of stale study sessions count as open, though they are given back later.
     """
+    wanted = wanted_places(served, intake)
+
+    def has_room(*which: ColumnElement[bool]) -> bool:
+        held = _held(session, *which)
+        return any(held.get(key, 0) < most for key, most in wanted.items())
+
     active = select(StudySession.id).where(not_(_is_stale(served, now)))
-    held = _held(session, Place.study_session_id.in_(active))
-    wanted = wanted_places(served, present_intake(session))
-    return any(held.get(key, 0) < most for key, most in wanted.items())
+    return has_room() or has_room(Place.study_session_id.in_(active))
 
 
 def regain_place(session: Session, served: ServedStudy, study_session: StudySession) -> None:
@@ -90,7 +192,8 @@ def regain_place(session: Session, served: ServedStudy, study_session: StudySess
     No other place will do: its trials are other ones. And none where the study has changed
     since, as its pages would no longer fit the trials, or where it wants no more participants.
     """
-    over = study_session.withdrawn_at is not None or study_session.completed_at is not None
+    ends = (study_session.withdrawn_at, study_session.completed_at, study_session.outcome)
+    over = any(end is not None for end in ends)
     key = (study_session.arm, study_session.arm_design)
     if over or study_session.place is not None or key not in served.arms:
         return
@@ -146,3 +249,20 @@ def release_outdated(session: Session, served: ServedStudy) -> None:
                 )
                 .values(study_session_id=None)
             )
+
+
+def restore_places(session: Session, served: ServedStudy, now: datetime) -> None:
+    """Give the active their places back where what they are asked is served once more."""
+    placeless = session.scalars(
+        select(StudySession)
+        .outerjoin(StudySession.place)
+        .where(
+            Place.id.is_(None),
+            StudySession.completed_at.is_(None),
+            StudySession.withdrawn_at.is_(None),
+            not_(_is_stale(served, now)),
+        )
+        .with_for_update(of=StudySession, skip_locked=True)
+    )
+    for study_session in placeless.all():
+        regain_place(session, served, study_session)

@@ -1,8 +1,8 @@
 """What is playing now: the videos of the present trial, and what was reported of them.
 
-Reports of what was played are what is sent most. Each takes three statements, which load no more
-than they need; `studyapp.services.sitting` says in Python what is said in SQL here, and the same
-tests hold both.
+Reports of what was played are what is sent most. Each takes three statements, and reads one row
+for each video of the page, however many reports came before. `studyapp.services.sitting` says in
+Python what is said in SQL here, and the same tests hold both.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from typing import Final, cast
 from sqlalchemy import Table, bindparam, insert, select, update
 from sqlalchemy.orm import Session, aliased
 
-from studyapp.models import Place, StudySession, Trial, TrialStimulus, Video, WatchBatch
+from studyapp.models import Place, StudySession, Trial, TrialStimulus, Video, WatchRecord
 from studyapp.services.showing import PRESENT_POSITION, RUNNING
-from studyapp.services.watch_evidence import Report
+from studyapp.services.watch_evidence import Record
 
 _Asked = aliased(Video)
 _SESSIONS: Final = cast(Table, StudySession.__table__)
-_REPORT: Final = tuple(field.name for field in fields(Report))
+_RECORDS: Final = cast(Table, WatchRecord.__table__)
+_RECORDED: Final = tuple(field.name for field in fields(Record))
 
 ACTIVE: Final = (
     update(_SESSIONS)
@@ -34,26 +35,28 @@ PLAYING: Final = (
         Video.id,
         Video.token,
         Video.duration,
+        Video.sent_at,
         ~select(TrialStimulus.id)
         .where(TrialStimulus.video_id == Video.id, TrialStimulus.speech.is_not(None))
         .exists(),
         Trial.shown_at,
-        *(getattr(WatchBatch, name) for name in _REPORT),
+        WatchRecord.id,
+        *(_RECORDS.c[name] for name in _RECORDED),
     )
     .select_from(_Asked)
     .join(Trial, Trial.id == _Asked.trial_id)
     .join(Place, Place.study_session_id == Trial.study_session_id)
     .join(Video, Video.trial_id == Trial.id)
-    .outerjoin(WatchBatch, WatchBatch.video_id == Video.id)
+    .outerjoin(WatchRecord, WatchRecord.video_id == Video.id)
     .where(
         _Asked.token == bindparam("token"),
         Trial.study_session_id == bindparam("id"),
         Trial.position == PRESENT_POSITION,
         Trial.shown_at.is_not(None),
     )
-    .order_by(Video.number, WatchBatch.batch)
 )
-ADDED: Final = insert(cast(Table, WatchBatch.__table__)).inline()
+FIRST: Final = insert(_RECORDS).inline()
+CHANGED: Final = update(_RECORDS).where(_RECORDS.c.video_id == bindparam("video"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,17 +65,20 @@ class PlayedVideo:
 
     Attributes
     ----------
+    sent_at : datetime or None
+        When it was first sent.
     soundless : bool
         Whether it is meant to be seen without sound.
-    watch_batches : sequence of Report
-        In the order of their numbers.
+    watch_record : Record or None
+        None before the first report.
     """
 
     id: int
     token: str
     duration: float
+    sent_at: datetime | None
     soundless: bool
-    watch_batches: Sequence[Report]
+    watch_record: Record | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,32 +114,30 @@ def load_playing(session: Session, token: str, video_token: str, now: datetime) 
     own = connection.execute(ACTIVE, {"theirs": token, "now": now}).scalar()
     if own is None:
         return None
-    rows = connection.execute(PLAYING, {"token": video_token, "id": own}).all()
     videos: dict[str, PlayedVideo] = {}
     shown_at = now
-    for number, name, duration, soundless, shown_at, *report in rows:  # noqa: B007
-        video = videos.setdefault(
-            name,
-            PlayedVideo(
-                id=number,
-                token=name,
-                duration=duration,
-                soundless=bool(soundless),
-                watch_batches=[],
-            ),
+    for number, name, duration, sent_at, soundless, shown_at, record, *values in connection.execute(  # noqa: B007
+        PLAYING, {"token": video_token, "id": own}
+    ):
+        known = None if record is None else Record(**dict(zip(_RECORDED, values, strict=True)))
+        videos[name] = PlayedVideo(
+            id=number,
+            token=name,
+            duration=duration,
+            sent_at=sent_at,
+            soundless=bool(soundless),
+            watch_record=known,
         )
-        if report[0] is not None:
-            cast(list[Report], video.watch_batches).append(
-                Report(**dict(zip(_REPORT, report, strict=True)))
-            )
     if video_token not in videos:
         return None
     video = videos.pop(video_token)
     return Playing(video=video, others=tuple(videos.values()), shown_at=shown_at)
 
 
-def add_report(session: Session, video: PlayedVideo, report: Report, now: datetime) -> None:
-    """Store one more report of `video`."""
-    session.connection().execute(
-        ADDED, {"video_id": video.id, "received_at": now, **asdict(report)}
-    )
+def store_record(session: Session, video: PlayedVideo, record: Record, now: datetime) -> None:
+    """Store `record` in place of what is known of `video`."""
+    values = {**asdict(record), "reported_at": now}
+    if video.watch_record is None:
+        session.connection().execute(FIRST, {"video_id": video.id, **values})
+    else:
+        session.connection().execute(CHANGED, {"video": video.id, **values})

@@ -50,6 +50,14 @@ class StudyFullError(ConflictError):
     """No place is open."""
 
 
+class CrowdedAddressError(StudyFullError):
+    """As many newcomers have come from one network address as may."""
+
+
+class UnprovenError(RefusalError):
+    """Nothing shows that this is the person who has the study session."""
+
+
 class IneligibleError(RefusalError):
     """The study does not look for this person."""
 

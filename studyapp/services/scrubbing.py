@@ -12,7 +12,8 @@ from sqlalchemy.exc import DBAPIError
 
 from motion.errors import InputError
 from studyapp.models import Base
-from studyapp.services.database import Database, in_line
+from studyapp.services.database import Database
+from studyapp.services.waiting_line import in_line
 
 LOCK_SECONDS: Final = 30
 """How long a table is waited for; meanwhile, those who want it wait too."""
@@ -74,12 +75,15 @@ def _rewrite_postgresql(engine: Engine) -> None:
         driver: Any = connection.connection.driver_connection
         driver.add_notice_handler(note)
         try:
+            driver.patience = None
             connection.exec_driver_sql(f"SET lock_timeout = '{LOCK_SECONDS}s'")
+            connection.exec_driver_sql("SET statement_timeout = 0")
             for table in Base.metadata.sorted_tables:
                 connection.exec_driver_sql(f"VACUUM (FULL) {table.name}")
         finally:
             driver.remove_notice_handler(note)
-            connection.exec_driver_sql("RESET lock_timeout")
+            # Its statements have no limit any more.
+            connection.invalidate()
     if refused:
         raise _unfinished("; ".join(refused))
 

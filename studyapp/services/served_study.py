@@ -18,6 +18,7 @@ from studyapp.definition.study import Study
 from studyapp.definition.versioning import arm_digest, design_digest
 from studyapp.design.arm import Arm
 from studyapp.design.stimulus import Content
+from studyapp.services.refusal import ConflictError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +70,7 @@ class ServedStudy:
                     if study.is_finished(content[0].condition)
                     else "Run 'motionjury render' again",
                 )
-            videos[content] = VideoFile(file=found.file.resolve(), duration=found.duration)
+            videos[content] = replace(found, file=found.file.resolve())
         return cls(study=study, definition=definition, segments=segments, videos=videos)
 
     def opened_for(self, *, rehearsal: bool) -> Self:
@@ -81,7 +82,9 @@ class ServedStudy:
             If a code is missing that the recruiter's participants would need.
         """
         if rehearsal:
-            open_to_all = self.study.recruitment.model_copy(update={"channel": "link"})
+            open_to_all = self.study.recruitment.model_copy(
+                update={"channel": "link", "newcomers_per_address": 0}
+            )
             study = self.study.model_copy(update={"recruitment": open_to_all})
             return replace(self, study=study)
         if missing := self.study.recruitment.missing_codes:
@@ -92,6 +95,12 @@ class ServedStudy:
             )
         return self
 
+    def opened_to_try(self) -> Self:
+        """Return the study as it is tried: open to those who have a link, and to nobody else."""
+        recruitment = self.study.recruitment.model_copy(update={"channel": "invitations"})
+        changed = {"recruitment": recruitment, "open": True}
+        return replace(self, study=self.study.model_copy(update=changed))
+
     @cached_property
     def has_sound(self) -> bool:
         """Whether any video is to be heard."""
@@ -100,14 +109,64 @@ class ServedStudy:
     @cached_property
     def design(self) -> str:
         """Digest of what may not change while the study runs."""
-        return design_digest(self.study, self.segments)
+        return design_digest(self.study, self.segments, self.videos)
 
     @cached_property
     def arms(self) -> Mapping[tuple[str, str], Arm]:
         """The study's arms, each under its name and the digest of what its participants see."""
         return {
-            (arm.name, arm_digest(self.study, arm, self.segments)): arm for arm in self.study.arms
+            (arm.name, arm_digest(self.study, arm, self.segments, self.videos)): arm
+            for arm in self.study.arms
         }
+
+
+class VideoRecord:
+    """What the study folder says of the videos while they are served.
+
+    Rendering may replace them at any time. Nobody is to see one that was not there when the
+    study was opened.
+    """
+
+    def __init__(self, root: Path, served: ServedStudy) -> None:
+        self._folder = StudyFolder(root)
+        self._served = served
+        self._read: tuple[int, int] | None = None
+        self._changed = False
+
+    def require_unchanged(self) -> None:
+        """Make sure that every video is still the one that was opened.
+
+        Raises
+        ------
+        ConflictError
+            If one is made from something else now, or is being made again.
+        """
+        try:
+            state = self._folder.stimuli.stat()
+        except FileNotFoundError:
+            return
+        written = (state.st_ino, state.st_mtime_ns)
+        if written != self._read:
+            self._changed = self._differs()
+            self._read = written
+        if self._changed:
+            raise study_has_changed()
+
+    def _differs(self) -> bool:
+        media = Media.of(self._folder, self._served.study)
+        for content, video in self._served.videos.items():
+            found = media.find(content)
+            if found is None or found.made_from != video.made_from:
+                return True
+        return False
+
+
+def study_has_changed() -> ConflictError:
+    """Return what those are told who come while another study takes the place of this one."""
+    return ConflictError(
+        "The study has just been changed, and this page is of the one before.",
+        "Please try again in a few minutes with the same link.",
+    )
 
 
 def described(content: Content) -> str:

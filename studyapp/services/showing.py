@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from datetime import datetime
 from typing import Final
 
-from sqlalchemy import bindparam, func, select
+from sqlalchemy import Row, bindparam, func, select, update
 from sqlalchemy.orm import aliased
 
+from studyapp.clock import Clock
 from studyapp.design.stimulus import Content, Stimulus
 from studyapp.models import StudySession, Trial, TrialStimulus, Video
 from studyapp.services.database import Database
 
 _Other = aliased(Trial)
+
+Shown = Row[str, str, str | None, datetime | None]
+"""A stimulus, and when its video was first sent."""
 
 PRESENT_POSITION: Final = (
     select(func.min(_Other.position))
@@ -29,11 +35,12 @@ RUNNING: Final = (
     StudySession.started_at.is_not(None),
     StudySession.completed_at.is_(None),
     StudySession.withdrawn_at.is_(None),
+    StudySession.outcome.is_(None),
 )
 """Who has trials to take, if the place is still theirs (see `sitting.state_of`)."""
 
 SHOWN: Final = (
-    select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech)
+    select(TrialStimulus.condition, TrialStimulus.segment, TrialStimulus.speech, Video.sent_at)
     .join(TrialStimulus.video)
     .join(Video.trial)
     .join(Trial.study_session)
@@ -47,6 +54,13 @@ SHOWN: Final = (
 )
 
 
+FIRST_SENT: Final = (
+    update(Video)
+    .where(Video.token == bindparam("named"), Video.sent_at.is_(None))
+    .values(sent_at=bindparam("now"))
+)
+
+
 def content_of(database: Database, video_token: str) -> Content | None:
     """Return what the video shows that `video_token` may be served for, if any.
 
@@ -54,10 +68,28 @@ def content_of(database: Database, video_token: str) -> Content | None:
     ones are settled, later ones nobody has been told of. Videos are what is asked for most, so
     this is one statement.
     """
+    return _content(_shown(database, video_token))
+
+
+def content_to_send(database: Database, video_token: str, clock: Clock) -> Content | None:
+    """Return the same as `content_of`, and note when the video was first sent.
+
+    What was never sent cannot have been watched. Only the first request for a video writes.
+    """
+    shown = _shown(database, video_token)
+    if shown and shown[0].sent_at is None:
+        with database.writing() as session:
+            session.connection().execute(FIRST_SENT, {"named": video_token, "now": clock.now()})
+    return _content(shown)
+
+
+def _shown(database: Database, video_token: str) -> Sequence[Shown]:
     with database.looking_up() as connection:
-        shown = connection.execute(SHOWN, {"token": video_token}).all()
+        return connection.execute(SHOWN, {"token": video_token}).all()
+
+
+def _content(shown: Sequence[Shown]) -> Content | None:
     stimuli = (
-        Stimulus(condition=condition, segment=segment, speech=speech)
-        for condition, segment, speech in shown
+        Stimulus(condition=row.condition, segment=row.segment, speech=row.speech) for row in shown
     )
     return tuple(stimuli) or None

@@ -17,12 +17,13 @@ from studyapp.models import StudySession, Trial, Video
 from studyapp.services.loading import load_place_and_trials, load_video
 from studyapp.services.refusal import ConflictError, NotTheirsError, UnknownAddressError
 
-State = Literal["instructed", "started", "completed", "withdrawn", "lapsed"]
+State = Literal["instructed", "started", "completed", "unwatched", "withdrawn", "lapsed"]
 
 NOT_AT_A_TRIAL: Final[Mapping[State, Message]] = MappingProxyType(
     {
         "instructed": Message("You have not begun yet."),
         "completed": Message("You have already finished: all your answers are stored."),
+        "unwatched": Message("Too many videos did not play, and so the study has ended here."),
         "withdrawn": Message("You have withdrawn from this study."),
         "lapsed": Message("Your place was given to somebody else after a long pause."),
     }
@@ -55,13 +56,15 @@ def find(session: Session, token: str, *, to_change: bool = True) -> StudySessio
 def state_of(study_session: StudySession) -> State:
     """Return where `study_session` stands.
 
-    ``instructed`` has agreed but not yet begun, ``lapsed`` was silent for so long that its place
-    was given back.
+    ``instructed`` has agreed but not yet begun, ``unwatched`` was ended since too many videos did
+    not play, ``lapsed`` was silent for so long that its place was given back.
     """
     if study_session.withdrawn_at is not None:
         return "withdrawn"
     if study_session.completed_at is not None:
         return "completed"
+    if study_session.outcome is not None:
+        return "unwatched"
     if study_session.place is None:
         return "lapsed"
     return "instructed" if study_session.started_at is None else "started"

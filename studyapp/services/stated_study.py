@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.definition.reading import parse_text
 from studyapp.definition.study import Study
 from studyapp.models import StudyVersion
-from studyapp.services.database import Database
 
 
-def stated_study(database: Database, version: int) -> Study | None:
+def stated_study(session: Session, version: int) -> Study | None:
     """Return `version` of the study as it was when its first participant came.
 
     Returns
@@ -19,14 +19,8 @@ def stated_study(database: Database, version: int) -> Study | None:
     Study or None
         None where there is no such version, or its study file cannot be read any more.
     """
-    return study_of(stated_text(database, version), version)
-
-
-def stated_text(database: Database, version: int) -> str | None:
-    """Return the study file of `version` as it was then; None where there is no such version."""
     wanted = select(StudyVersion.definition).where(StudyVersion.number == version)
-    with database.reading() as session:
-        return session.scalars(wanted).first()
+    return study_of(session.scalars(wanted).first(), version)
 
 
 def study_of(definition: str | None, version: int) -> Study | None:

@@ -14,8 +14,8 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.models import IntakeChange
-from studyapp.services.audit import log_change, reason_given
+from studyapp.models import Event, IntakeChange
+from studyapp.services.audit import WORDS, log_change, reason_given
 from studyapp.services.database import Database
 from studyapp.services.intake import Intake, IntakeState, present_intake
 from studyapp.services.places import open_places, take_allocation_turn
@@ -23,10 +23,10 @@ from studyapp.services.served_study import ServedStudy
 
 MOST_MORE: Final = 1000
 
-EVENTS: Final[dict[IntakeState, str]] = {
-    "open": "newcomers let in",
-    "paused": "newcomers paused",
-    "closed": "closed to newcomers",
+EVENTS: Final[dict[IntakeState, Event]] = {
+    "open": Event.NEWCOMERS_LET_IN,
+    "paused": Event.NEWCOMERS_PAUSED,
+    "closed": Event.NEWCOMERS_CLOSED,
 }
 
 
@@ -78,7 +78,8 @@ def steer(
         before = present_intake(session)
         if before.state == state:
             raise InputError(
-                f"it is so already: {EVENTS[state]}", remedy="Somebody else may have decided it"
+                f"it is so already: {WORDS[EVENTS[state]]}",
+                remedy="Somebody else may have decided it",
             )
         after = Intake(state=state, more_places=before.more_places)
         _note(session, served, clock.now(), after, EVENTS[state], by=by, reason=reason)
@@ -103,8 +104,10 @@ def extend(
                 remedy=f"Give one from 1 to {max(1, MOST_MORE - before.more_places)}",
             )
         after = Intake(state=before.state, more_places=before.more_places + more)
-        event = f"extended by {more} {'place' if more == 1 else 'places'} an arm"
-        _note(session, served, clock.now(), after, event, by=by, reason=reason)
+        detail = f"by {more} {'place' if more == 1 else 'places'} an arm"
+        _note(
+            session, served, clock.now(), after, Event.EXTENDED, by=by, reason=reason, detail=detail
+        )
 
 
 def _note(
@@ -112,10 +115,11 @@ def _note(
     served: ServedStudy,
     now: datetime,
     intake: Intake,
-    event: str,
+    event: Event,
     *,
     by: str,
     reason: str,
+    detail: str = "",
 ) -> None:
     reason = reason_given(reason)
     session.add(
@@ -128,5 +132,5 @@ def _note(
         )
     )
     session.flush()
-    log_change(session, now, event, by=by, reason=reason)
+    log_change(session, now, event, by=by, detail=detail, reason=reason)
     open_places(session, served)

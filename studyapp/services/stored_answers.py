@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import gc
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import datetime
 from itertools import groupby
 from operator import itemgetter
 from typing import Any, Final, NamedTuple
@@ -14,7 +14,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from sqlalchemy import Select, exists, func, select
+from sqlalchemy import Select, case, exists, func, select
+from sqlalchemy.orm import Session
 
 from studyapp.models import (
     Look,
@@ -25,13 +26,13 @@ from studyapp.models import (
     Trial,
     TrialStimulus,
     Video,
-    WatchBatch,
+    WatchRecord,
 )
-from studyapp.services.database import Database
+from studyapp.services.exclusion import JUDGED
 from studyapp.services.exclusion_decisions import standing_exclusions
 from studyapp.services.intake import present_intake
 from studyapp.services.looks import COMMAND_LINE
-from studyapp.services.watch_evidence import length, watched_so_far
+from studyapp.services.watch_evidence import watched_share
 
 ROWS: Final = 20_000
 """Rows that are fetched at once."""
@@ -86,10 +87,10 @@ class StoredAnswers:
         )
 
 
-def stored_answers(database: Database) -> StoredAnswers:
-    """Read what was answered, whole study sessions or not."""
+def stored_answers(session: Session) -> StoredAnswers:
+    """Read what was answered, whole study sessions or not, from one state of the database."""
     with _garbage_left():
-        return _read(database)
+        return _read(session)
 
 
 @contextmanager
@@ -104,12 +105,12 @@ def _garbage_left() -> Iterator[None]:
             gc.enable()
 
 
-def _read(database: Database) -> StoredAnswers:
+def _read(session: Session) -> StoredAnswers:
     return StoredAnswers(
-        study_sessions=_study_sessions(database),
-        trials=_trials(database).merge(_watched(database), on="trial", how="left"),
+        study_sessions=_study_sessions(session),
+        trials=_trials(session).merge(_watched(session), on="trial", how="left"),
         answers=_frame(
-            database,
+            session,
             select(
                 Response.trial_id.label("trial"),
                 Response.question,
@@ -122,7 +123,7 @@ def _read(database: Database) -> StoredAnswers:
             .order_by(StudySession.id, Trial.position, Response.id),
         ),
         stimuli=_frame(
-            database,
+            session,
             _of_answered(
                 select(
                     TrialStimulus.trial_id.label("trial"),
@@ -135,15 +136,14 @@ def _read(database: Database) -> StoredAnswers:
                 .where(TrialStimulus.number > 0)
             ).order_by(TrialStimulus.trial_id, TrialStimulus.number),
         ),
-        looks=_looks(database),
-        more_places=_more_places(database),
+        looks=_looks(session),
+        more_places=_more_places(session),
     )
 
 
-def _looks(database: Database) -> pd.DataFrame:
+def _looks(session: Session) -> pd.DataFrame:
     """Return the log of looks; who looked is told apart, not named."""
-    with database.reading() as session:
-        rows = list(session.scalars(select(Look).order_by(Look.id)))
+    rows = list(session.scalars(select(Look).order_by(Look.id)))
     names = dict.fromkeys(row.researcher for row in rows if row.researcher)
     called = {name: f"researcher {number}" for number, name in enumerate(names, start=1)}
     found = pd.DataFrame(
@@ -164,24 +164,29 @@ def _looks(database: Database) -> pd.DataFrame:
     return found.astype(dict.fromkeys(("finished", "planned", "answers"), "int64"))
 
 
-def _more_places(database: Database) -> int:
-    with database.reading() as session:
-        return present_intake(session).more_places
+def _more_places(session: Session) -> int:
+    return present_intake(session).more_places
 
 
-def _study_sessions(database: Database) -> pd.DataFrame:
+def _study_sessions(session: Session) -> pd.DataFrame:
     planned = (
         select(
             Trial.study_session_id.label("owner"),
             func.count().label("trials"),
             (func.count(Trial.answered_at) + func.count(Trial.unplayable_at)).label("settled"),
+            *(
+                func.count(case((Trial.kind == kind, Trial.unplayable_at))).label(
+                    f"left_out_{kind}"
+                )
+                for kind in JUDGED
+            ),
         )
         .group_by(Trial.study_session_id)
         .subquery()
     )
     excluded = standing_exclusions().subquery()
     found = _frame(
-        database,
+        session,
         select(
             StudySession.id.label("study_session"),
             StudyVersion.number.label("version"),
@@ -191,6 +196,9 @@ def _study_sessions(database: Database) -> pd.DataFrame:
             StudySession.completed_at.is_not(None).label("completed"),
             func.coalesce(planned.c.trials, 0).label("trials"),
             func.coalesce(planned.c.settled, 0).label("settled"),
+            func.coalesce(planned.c.left_out_catch, 0).label("left_out_catch"),
+            func.coalesce(planned.c.left_out_attention, 0).label("left_out_attention"),
+            func.coalesce(StudySession.outcome == "unwatched", False).label("unwatched"),
             Place.id.is_not(None).label("placed"),
             func.coalesce(excluded.c.reason, "").label("excluded_because"),
             exists().where(Look.at <= excluded.c.at).label("excluded_after_look"),
@@ -201,13 +209,13 @@ def _study_sessions(database: Database) -> pd.DataFrame:
         .outerjoin(excluded, excluded.c.study_session_id == StudySession.id)
         .order_by(StudySession.id),
     )
-    truths = ("withdrawn", "completed", "placed", "excluded_after_look")
+    truths = ("withdrawn", "completed", "unwatched", "placed", "excluded_after_look")
     return found.astype(dict.fromkeys(truths, bool))
 
 
-def _trials(database: Database) -> pd.DataFrame:
+def _trials(session: Session) -> pd.DataFrame:
     found = _frame(
-        database,
+        session,
         _of_answered(
             select(
                 Trial.id.label("trial"),
@@ -234,81 +242,51 @@ def _of_answered(query: Select[*tuple[object, ...]]) -> Select[*tuple[object, ..
     )
 
 
-def _frame(database: Database, query: Select[*tuple[object, ...]]) -> pd.DataFrame:
+def _frame(session: Session, query: Select[*tuple[object, ...]]) -> pd.DataFrame:
     names = [column.key for column in query.selected_columns]
     blocks = []
-    with database.reading() as session:
-        result = session.execute(query)
-        while rows := result.fetchmany(ROWS):
-            blocks.append(pd.DataFrame(rows, columns=names))
+    result = session.execute(query)
+    while rows := result.fetchmany(ROWS):
+        blocks.append(pd.DataFrame(rows, columns=names))
     return pd.concat(blocks, ignore_index=True) if blocks else pd.DataFrame(columns=names)
 
 
-class _Report(NamedTuple):
-    """A report of playing, with as much as must be known to judge it."""
+class _Record(NamedTuple):
+    """As much of a watch record as must be known to judge it."""
 
-    batch: int
     intervals: list[list[float]]
-    rate: float
-    hidden_seconds: float
-    silent_seconds: float
+    latest: list[list[int]]
 
 
 class _Video(NamedTuple):
-    """A video of a trial, with the reports of it."""
+    """A video of a trial, with what was reported of it."""
 
     duration: float
-    soundless: bool
-    watch_batches: tuple[_Report, ...]
+    sent_at: datetime | None
+    watch_record: _Record | None
 
 
-def _watched(database: Database) -> pd.DataFrame:
+def _watched(session: Session) -> pd.DataFrame:
     """Return which share of the videos of each answered trial was watched."""
-    rows = list(_shares(database))
+    rows = list(_shares(session))
     found = pd.DataFrame(rows, columns=["trial", "watched"])
     return found.astype({"trial": "int64", "watched": "float64"})
 
 
-def _shares(database: Database) -> Iterator[tuple[int, float]]:
-    heard = (
-        select(
-            TrialStimulus.video_id.label("video"),
-            (func.count(TrialStimulus.speech) == 0).label("soundless"),
-        )
-        .group_by(TrialStimulus.video_id)
-        .subquery()
-    )
+def _shares(session: Session) -> Iterator[tuple[int, float]]:
     query = _of_answered(
-        select(
-            Trial.id,
-            Video.id,
-            Video.duration,
-            heard.c.soundless,
-            WatchBatch.batch,
-            WatchBatch.intervals,
-            WatchBatch.rate,
-            WatchBatch.hidden_seconds,
-            WatchBatch.silent_seconds,
-        )
+        select(Trial.id, Video.duration, Video.sent_at, WatchRecord.intervals)
         .join(Video, Video.trial_id == Trial.id)
-        .outerjoin(heard, heard.c.video == Video.id)
-        .outerjoin(WatchBatch, WatchBatch.video_id == Video.id)
-    ).order_by(Trial.id, Video.id, WatchBatch.batch)
-    with database.reading() as session:
-        found = session.execute(query.execution_options(yield_per=ROWS)).partitions()
-        rows: Iterator[tuple[Any, ...]] = (tuple(row) for block in found for row in block)
-        for trial, of_trial in groupby(rows, key=itemgetter(0)):
-            videos = [_video(list(each)) for _, each in groupby(of_trial, key=itemgetter(1))]
-            total = sum(video.duration for video in videos)
-            played = sum(length(watched_so_far(video, 0.0).intervals) for video in videos)
-            yield trial, min(1.0, round(played / total, 4)) if total else math.nan
+        .outerjoin(WatchRecord, WatchRecord.video_id == Video.id)
+    ).order_by(Trial.id)
+    found = session.execute(query.execution_options(yield_per=ROWS)).partitions()
+    rows: Iterator[tuple[Any, ...]] = (tuple(row) for block in found for row in block)
+    for trial, of_trial in groupby(rows, key=itemgetter(0)):
+        yield trial, round(watched_share([_video(*row[1:]) for row in of_trial]), 4)
 
 
-def _video(rows: list[tuple[Any, ...]]) -> _Video:
-    """Return a video from its rows: one for each report, or a single one without any."""
-    duration, soundless = rows[0][2:4]
-    return _Video(
-        duration=duration,
-        soundless=bool(soundless),
-        watch_batches=tuple(_Report(*row[4:]) for row in rows if row[4] is not None),
-    )
+def _video(
+    duration: float, sent_at: datetime | None, intervals: list[list[float]] | None
+) -> _Video:
+    record = None if intervals is None else _Record(intervals=intervals, latest=[])
+    return _Video(duration=duration, sent_at=sent_at, watch_record=record)

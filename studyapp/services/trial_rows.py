@@ -1,36 +1,96 @@
-"""Storing the trials that were planned for a participant, table by table.
+"""Storing the trials that were planned for a participant: one statement a table.
 
-Row by row, which is how the unit of work stores what gets its number from SQLite, the trials of
-one participant take a hundred statements and more.
+The rows travel as one JSON text, which the database takes apart. As parameters of their own, the
+150 rows of a study session took longer than everything else at an arrival.
 """
 
 from __future__ import annotations
 
+import json
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Final, cast
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Final
 
-from sqlalchemy import Table, bindparam, insert, select
+from sqlalchemy import (
+    ColumnElement,
+    Insert,
+    String,
+    Text,
+    bindparam,
+    cast,
+    column,
+    insert,
+    literal_column,
+    select,
+)
+from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.orm import Session
+from sqlalchemy.sql.compiler import SQLCompiler
+from sqlalchemy.sql.functions import GenericFunction
+from sqlalchemy.types import TypeEngine
 
 from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content
-from studyapp.models import Trial, TrialStimulus, Video
+from studyapp.models import Base, Trial, TrialStimulus, Video
 from studyapp.services.served_study import ServedStudy
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""
 
-TRIALS: Final = insert(cast(Table, Trial.__table__))
-VIDEOS: Final = insert(cast(Table, Video.__table__))
-STIMULI: Final = insert(cast(Table, TrialStimulus.__table__))
-TRIALS_OF: Final = select(Trial.position, Trial.id).where(
-    Trial.study_session_id == bindparam("study_session_id")
-)
-VIDEOS_OF: Final = (
-    select(Trial.position, Video.number, Video.id)
-    .join(Video.trial)
-    .where(Trial.study_session_id == bindparam("study_session_id"))
+
+class json_rows(GenericFunction[Any]):  # noqa: N801 - SQLAlchemy takes the function's name from it
+    """The elements of a JSON list, each as one row with one column, `value`."""
+
+    inherit_cache = True
+
+
+@compiles(json_rows, "sqlite")
+def _on_sqlite(rows: json_rows, compiler: SQLCompiler, **given: Any) -> str:
+    return f"json_each({compiler.process(rows.clauses, **given)})"
+
+
+@compiles(json_rows, "postgresql")
+def _on_postgresql(rows: json_rows, compiler: SQLCompiler, **given: Any) -> str:
+    return f"jsonb_array_elements(CAST({compiler.process(rows.clauses, **given)} AS jsonb))"
+
+
+GIVEN: Final = json_rows(bindparam("rows", type_=Text)).table_valued(column("value"), name="given")
+
+
+def _given(name: str, kind: TypeEngine[Any]) -> ColumnElement[Any]:
+    """Return the field `name` of a row that was given."""
+    text = GIVEN.c.value.op("->>", return_type=String())(literal_column(f"'{name}'"))
+    return text if isinstance(kind, String) else cast(text, kind)
+
+
+def _inserted(into: type[Base], given: Sequence[str], found: dict[str, Any]) -> Insert:
+    """Insert a row for each one given, with the fields `given` and what is `found` elsewhere."""
+    table = into.__table__
+    values = {name: _given(name, table.c[name].type) for name in given} | found
+    return insert(into).from_select(list(values), select(*values.values()).select_from(GIVEN))
+
+
+TRIALS: Final = _inserted(
+    Trial,
+    [
+        "token",
+        "position",
+        "kind",
+        "part",
+        "segment",
+        "emotion",
+        "speaker",
+        "expected",
+        "instructed",
+        "repeats",
+    ],
+    {"study_session_id": bindparam("study_session_id", type_=Trial.id.type)},
+).returning(Trial.position, Trial.id)
+VIDEOS: Final = _inserted(
+    Video, ["trial_id", "number", "token", "duration", "made_from"], {}
+).returning(Video.trial_id, Video.number, Video.id)
+STIMULI: Final = _inserted(
+    TrialStimulus, ["trial_id", "video_id", "number", "condition", "segment", "speech"], {}
 )
 
 
@@ -44,36 +104,38 @@ def store_trials(
 ) -> None:
     """Store `planned`, the videos that show them and what these present."""
     connection = session.connection()
-    own = {"study_session_id": study_session_id}
-    connection.execute(TRIALS, [_trial(trial) | own for trial in planned])
-    trials = {row.position: row.id for row in connection.execute(TRIALS_OF, own)}
-    connection.execute(
-        VIDEOS,
-        [
-            {
-                "trial_id": trials[trial.position],
-                "number": number,
-                "token": new_token(),
-                "duration": served.videos[content].duration,
-            }
-            for trial in planned
-            for number, content in _players(trial)
-        ],
-    )
+
+    def rows(given: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+        return {"study_session_id": study_session_id, "rows": json.dumps(list(given))}
+
+    stored = connection.execute(TRIALS, rows(_trial(trial) for trial in planned))
+    trials: dict[int, int] = dict(stored.all())
+    shown = [
+        {
+            "trial_id": trials[trial.position],
+            "number": number,
+            "token": new_token(),
+            "duration": served.videos[content].duration,
+            "made_from": served.videos[content].made_from,
+        }
+        for trial in planned
+        for number, content in _players(trial)
+    ]
     videos = {
-        (position, number): video for position, number, video in connection.execute(VIDEOS_OF, own)
+        (trial_id, number): video_id
+        for trial_id, number, video_id in connection.execute(VIDEOS, rows(shown))
     }
+    stimuli = (
+        {"trial_id": trials[trial.position], **stimulus}
+        for trial in planned
+        for stimulus in _stimuli(trial)
+    )
     connection.execute(
         STIMULI,
-        [
-            {
-                "trial_id": trials[trial.position],
-                "video_id": videos[trial.position, player],
-                **stimulus,
-            }
-            for trial in planned
-            for player, stimulus in _stimuli(trial)
-        ],
+        rows(
+            {"video_id": videos[stimulus["trial_id"], stimulus.pop("player")], **stimulus}
+            for stimulus in stimuli
+        ),
     )
 
 
@@ -99,18 +161,16 @@ def _players(planned: PlannedTrial) -> Iterator[tuple[int, Content]]:
     yield from enumerate(planned.videos, start=1)
 
 
-def _stimuli(planned: PlannedTrial) -> Iterator[tuple[int, Mapping[str, Any]]]:
-    """Yield the number of its video and the columns of each stimulus; 0 is the reference."""
+def _stimuli(planned: PlannedTrial) -> Iterator[dict[str, Any]]:
+    """Yield the columns of each stimulus, and the number of its video; 0 is the reference."""
     judged = 0
     for player, content in _players(planned):
         for stimulus in content:
             judged += player > 0
-            yield (
-                player,
-                {
-                    "number": judged if player > 0 else 0,
-                    "condition": stimulus.condition,
-                    "segment": stimulus.segment,
-                    "speech": stimulus.speech,
-                },
-            )
+            yield {
+                "player": player,
+                "number": judged if player > 0 else 0,
+                "condition": stimulus.condition,
+                "segment": stimulus.segment,
+                "speech": stimulus.speech,
+            }

@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import select, update
+from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.definition.versioning import operation_changes, operation_part
-from studyapp.models import AuditLine, Place, StudySession, StudyVersion
+from studyapp.models import AuditLine, Event, StudySession, StudyVersion
 from studyapp.services.database import Database
-from studyapp.services.places import open_places, release_outdated, take_allocation_turn
-from studyapp.services.refusal import ConflictError
-from studyapp.services.served_study import ServedStudy
-
-OPERATION_CHANGED = "operation changed"
-
-UNKNOWN_DESIGN = ""
-"""Of data that were collected before designs were noted."""
+from studyapp.services.places import (
+    open_places,
+    release_outdated,
+    restore_places,
+    take_allocation_turn,
+)
+from studyapp.services.served_study import ServedStudy, study_has_changed
 
 
 def open_study(
@@ -35,7 +34,8 @@ def open_study(
     Raises
     ------
     InputError
-        If somebody has taken part in another design, and `new_version` is not given.
+        If somebody has taken part in the design that was served last, `served` has another one,
+        and `new_version` is not given.
     """
     with database.writing() as session:
         take_allocation_turn(session)
@@ -55,43 +55,18 @@ def present_version(session: Session, served: ServedStudy) -> StudyVersion:
         select(StudyVersion).where(StudyVersion.design == served.design)
     ).first()
     if known is None:
-        raise ConflictError(
-            "The study has just been changed, and this page is of the one before.",
-            "Please try again in a few minutes with the same link.",
-        )
+        raise study_has_changed()
     return known
 
 
+def must_be_new_version(database: Database, design: str) -> bool:
+    """Tell whether `design` can only be served as a new version: people came to another one."""
+    with database.reading() as session:
+        return _leaves_participants(session, design)
+
+
 def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: bool) -> None:
-    versions = list(session.scalars(select(StudyVersion).order_by(StudyVersion.number)))
-    known = next((version for version in versions if version.design == served.design), None)
-    if known is None:
-        known = _note(session, served, versions, now, new_version=new_version)
-    elif not _was_seen(session, known):
-        # Whoever comes first is to find the exclusion rules of now, not those of the first opening.
-        known.definition = served.definition
-    _note_operation(session, served, known, now)
-    release_outdated(session, served)
-    open_places(session, served)
-
-
-def _note(
-    session: Session,
-    served: ServedStudy,
-    versions: list[StudyVersion],
-    now: datetime,
-    *,
-    new_version: bool,
-) -> StudyVersion:
-    """Return a version for a design that is not known yet."""
-    last = versions[-1] if versions else None
-    if last is not None and last.design == UNKNOWN_DESIGN:
-        return _adopt(session, served, last, now)
-    if last is not None and not _was_seen(session, last):
-        session.delete(last)
-        session.flush()
-        last = versions[-2] if len(versions) > 1 else None
-    elif last is not None and not new_version:
+    if _leaves_participants(session, served.design) and not new_version:
         raise InputError(
             "the study's design has changed, and people have taken part in the one before",
             where="study.toml",
@@ -99,8 +74,31 @@ def _note(
             "--new-version: earlier answers are kept apart, and unfinished participants of what "
             "has changed cannot go on",
         )
+    wanted = select(StudyVersion).where(StudyVersion.design == served.design)
+    version = session.scalars(wanted).first() or _note(session, served, now)
+    if not _was_seen(session, version):
+        # Whoever comes first is to find the exclusion rules of now, not those of the first opening.
+        version.definition = served.definition
+    session.execute(update(StudyVersion).values(in_force=StudyVersion.id == version.id))
+    _note_operation(session, served, version, now)
+    release_outdated(session, served)
+    open_places(session, served)
+    restore_places(session, served, now)
+
+
+def _leaves_participants(session: Session, design: str) -> bool:
+    """Tell whether the design in force is another one, and somebody has enrolled in it."""
+    in_force = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
+    return in_force is not None and in_force.design != design and _was_seen(session, in_force)
+
+
+def _note(session: Session, served: ServedStudy, now: datetime) -> StudyVersion:
+    """Return a version for a design that is not known yet; it replaces those that nobody saw."""
+    seen = select(StudySession.version_id)
+    session.execute(delete(StudyVersion).where(StudyVersion.id.not_in(seen)))
+    last = session.scalars(select(func.max(StudyVersion.number))).one()
     made = StudyVersion(
-        number=1 if last is None else last.number + 1,
+        number=1 if last is None else last + 1,
         design=served.design,
         definition=served.definition,
         operation=operation_part(served.study),
@@ -109,7 +107,7 @@ def _note(
     session.add(made)
     session.flush()
     if made.number > 1:
-        session.add(AuditLine(at=now, event="new version", detail=f"version {made.number}"))
+        session.add(AuditLine(at=now, event=Event.NEW_VERSION, detail=f"version {made.number}"))
     return made
 
 
@@ -119,40 +117,12 @@ def _was_seen(session: Session, version: StudyVersion) -> bool:
     return session.scalars(seen).first() is not None
 
 
-def _adopt(
-    session: Session, served: ServedStudy, version: StudyVersion, now: datetime
-) -> StudyVersion:
-    """Take what was collected before designs were noted for answers to the present design."""
-    version.design, version.definition = served.design, served.definition
-    version.operation = operation_part(served.study)
-    for name, design in served.arms:
-        session.execute(
-            update(Place)
-            .where(Place.arm == name, Place.design == UNKNOWN_DESIGN)
-            .values(design=design)
-        )
-        session.execute(
-            update(StudySession)
-            .where(StudySession.arm == name, StudySession.arm_design == UNKNOWN_DESIGN)
-            .values(arm_design=design)
-        )
-    session.add(
-        AuditLine(
-            at=now,
-            event="design noted",
-            detail="answers from before designs were noted are taken for the present one",
-        )
-    )
-    session.flush()
-    return version
-
-
 def _note_operation(
     session: Session, served: ServedStudy, version: StudyVersion, now: datetime
 ) -> None:
     operation = operation_part(served.study)
     changes = operation_changes(version.operation, operation)
     if changes:
-        session.add(AuditLine(at=now, event=OPERATION_CHANGED, detail="; ".join(changes)))
+        session.add(AuditLine(at=now, event=Event.OPERATION_CHANGED, detail="; ".join(changes)))
         version.operation = operation
         session.flush()

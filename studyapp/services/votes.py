@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 
-from sqlalchemy import select
+from sqlalchemy import select, tuple_
 from sqlalchemy.orm import Session, aliased
 
 from analysis.trial_kinds import ANALYSED_KINDS
@@ -17,9 +17,9 @@ from studyapp.services.served_study import ServedStudy
 def votes_so_far(session: Session, served: ServedStudy) -> Tally:
     """Return how often each condition was preferred on the study's first question.
 
-    Empty for studies that do not look at it. Whoever withdrew, or is excluded by hand,
-    has no vote. A slight preference counts as a clear one, and no difference as half a vote for
-    both.
+    Empty for studies that do not look at it. Whoever withdrew, is excluded by hand, or was asked by
+    an earlier design of the study has no vote. A slight preference counts as a clear one, and no
+    difference as half a vote for both.
     """
     if not served.study.follows_votes:
         return NO_VOTES
@@ -34,6 +34,7 @@ def votes_so_far(session: Session, served: ServedStudy) -> Tally:
             Trial.kind.in_(ANALYSED_KINDS),
             Response.question == served.study.questions[0].name,
             StudySession.withdrawn_at.is_(None),
+            tuple_(StudySession.arm, StudySession.arm_design).in_(list(served.arms)),
             StudySession.id.not_in(select(standing_exclusions().subquery().c.study_session_id)),
         )
     )

@@ -2,22 +2,40 @@
 
 A report tells of one stretch of playing, all of it alike: as recorded or faster, in view or not,
 heard or not. Only what was played no faster than recorded, in view, and heard where there is
-something to hear counts as watched.
+something to hear counts as watched, and nothing of a video that the server never sent.
 """
 
 from __future__ import annotations
 
-import itertools
+import math
+import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from datetime import datetime
+from operator import itemgetter
 from typing import Final, Protocol
 
-from studyapp.models import Trial
+from studyapp.models import Trial, Video
 
 Interval = tuple[float, float]
 
 FASTEST: Final = 1.05
 """Playback rate up to which a video counts as played as it was recorded."""
+
+MOST_REPORTS: Final = 1000
+"""Reports of one video that are taken: half an hour of playing it."""
+
+MOST_INTERVALS: Final = 200
+"""Parts that a report may tell of, and that the watched ones of a video may be in."""
+
+MEDIA_ERRORS: Final = ("2", "3", "4")
+"""A browser's codes for a video that it could not fetch, decode or play at all."""
+
+LONG_STALL: Final = 4.0
+"""Seconds without data after which a video counts as stalled; its page says so after five."""
+
+REMEMBERED: Final = 32
+"""Reports by which one that is sent again is known; each is sent until it is acknowledged."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,8 +52,7 @@ class Playback:
     stalled_seconds : float
         How often and how long it waited for data while meant to play.
     frames, dropped_frames : int or None
-        Pictures to be shown and pictures left out since the page was loaded; None where the
-        browser does not count them.
+        Pictures to be shown and pictures left out; None where the browser does not count them.
     """
 
     rate: float = 1.0
@@ -65,45 +82,55 @@ class Report(Playback):
     batch: int
     intervals: list[list[float]]
 
-
-class Reported(Protocol):
-    """What must be known of a report to judge it, just sent or stored alike."""
+    @property
+    def checksum(self) -> int:
+        """The same for a report that is sent again, another for almost any other."""
+        return zlib.crc32(repr(self).encode())
 
     @property
-    def batch(self) -> int:
-        """Its number within the video."""
+    def played_seconds(self) -> float:
+        """Seconds of all its parts together."""
+        return sum(end - start for start, end in self.intervals)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record(Playback):
+    """All reports of one video, added up; see `studyapp.models.WatchRecord`."""
+
+    intervals: Sequence[Sequence[float]] = ()
+    played_seconds: float = 0.0
+    latest: Sequence[Sequence[int]] = ()
+
+
+NOTHING_PLAYED: Final = Record(rate=0.0)
+
+
+class Recorded(Protocol):
+    """What must be known of a record to judge it."""
 
     @property
-    def intervals(self) -> list[list[float]]:
-        """Played parts, each from and to, in seconds."""
+    def intervals(self) -> Sequence[Sequence[float]]:
+        """The parts that count as watched, disjoint and in order."""
 
     @property
-    def rate(self) -> float:
-        """Largest playback rate seen."""
-
-    @property
-    def hidden_seconds(self) -> float:
-        """How long it played where nobody could see it."""
-
-    @property
-    def silent_seconds(self) -> float:
-        """How long it played where nobody could hear it."""
+    def latest(self) -> Sequence[Sequence[int]]:
+        """Numbers and checksums of the latest reports."""
 
 
 class Played(Protocol):
-    """What must be known of a video to judge the reports of it."""
+    """What must be known of a video to judge what was watched of it."""
 
     @property
     def duration(self) -> float:
         """Its length in seconds."""
 
     @property
-    def soundless(self) -> bool:
-        """Whether it is meant to be seen without sound."""
+    def sent_at(self) -> datetime | None:
+        """When it was first sent; None where it never was."""
 
     @property
-    def watch_batches(self) -> Sequence[Reported]:
-        """The reports of it."""
+    def watch_record(self) -> Recorded | None:
+        """What was reported of it; None where nothing was."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,10 +156,10 @@ class Watched:
     stored: bool = True
 
 
-def merged(intervals: Iterable[Interval]) -> tuple[Interval, ...]:
+def merged(intervals: Iterable[Sequence[float]]) -> tuple[Interval, ...]:
     """Return the union of `intervals` as disjoint ones in order."""
     union: list[Interval] = []
-    for start, end in sorted(intervals):
+    for start, end in sorted((start, end) for start, end in intervals):
         if union and start <= union[-1][1]:
             union[-1] = (union[-1][0], max(union[-1][1], end))
         else:
@@ -145,37 +172,79 @@ def length(intervals: Iterable[Interval]) -> float:
     return sum(end - start for start, end in intervals)
 
 
-def counts(batch: Reported, video: Played) -> bool:
-    """Tell whether what `batch` reports of `video` as played was watched."""
+def counts(played: Playback, *, soundless: bool) -> bool:
+    """Tell whether what was `played` like this was watched."""
     return (
-        batch.rate <= FASTEST
-        and batch.hidden_seconds == 0
-        and (batch.silent_seconds == 0 or video.soundless)
+        played.rate <= FASTEST
+        and played.hidden_seconds == 0
+        and (played.silent_seconds == 0 or soundless)
     )
+
+
+def is_stored(record: Recorded, report: Report) -> bool | None:
+    """Tell whether `record` holds `report`.
+
+    Returns
+    -------
+    bool or None
+        False where the number is used up by another report; None where it is still free.
+    """
+    for number, checksum in record.latest:
+        if number == report.batch:
+            return checksum == report.checksum
+    full = len(record.latest) == REMEMBERED
+    return False if full and report.batch < record.latest[0][0] else None
+
+
+def add(record: Record, report: Report, *, soundless: bool) -> Record:
+    """Return `record` with one more report in it."""
+    watched = report.intervals if counts(report, soundless=soundless) else []
+    latest = sorted([*record.latest, (report.batch, report.checksum)], key=itemgetter(0))
+    return Record(
+        intervals=merged([*record.intervals, *watched]),
+        played_seconds=record.played_seconds + report.played_seconds,
+        latest=latest[-REMEMBERED:],
+        rate=max(record.rate, report.rate),
+        hidden_seconds=record.hidden_seconds + report.hidden_seconds,
+        silent_seconds=record.silent_seconds + report.silent_seconds,
+        stalls=record.stalls + report.stalls,
+        stalled_seconds=record.stalled_seconds + report.stalled_seconds,
+        frames=_together(record.frames, report.frames),
+        dropped_frames=_together(record.dropped_frames, report.dropped_frames),
+    )
+
+
+def _together(so_far: int | None, more: int | None) -> int | None:
+    return so_far if more is None else (so_far or 0) + more
 
 
 def watched_so_far(video: Played, coverage: float) -> Watched:
-    """Return what has been watched of `video`.
+    """Return what has been watched of `video`; nothing where it was never sent.
 
     Parameters
     ----------
-    video : Played
-        With its reports.
     coverage : float
         Share of the video that must have been watched, in [0, 1].
     """
-    union = merged(
-        (start, end)
-        for batch in video.watch_batches
-        if counts(batch, video)
-        for start, end in batch.intervals
-    )
-    missing = max(0.0, coverage * video.duration - length(union))
+    record = video.watch_record or NOTHING_PLAYED
+    proven = record.intervals if video.sent_at is not None else ()
+    intervals = tuple((start, end) for start, end in proven)
+    missing = max(0.0, coverage * video.duration - length(intervals))
     return Watched(
-        intervals=union,
+        intervals=intervals,
         missing=0.0 if missing < 1e-3 else missing,
-        next_batch=max((batch.batch for batch in video.watch_batches), default=-1) + 1,
+        next_batch=record.latest[-1][0] + 1 if record.latest else 0,
     )
+
+
+def failed_to_play(video: Video, media_error: str) -> bool:
+    """Tell whether anything shows that `video` does not play.
+
+    The server must have sent it, or tried to; and the browser must report an error with it, or
+    have reported that it waited long for data.
+    """
+    stalled = 0.0 if video.watch_record is None else video.watch_record.stalled_seconds
+    return video.sent_at is not None and (media_error in MEDIA_ERRORS or stalled >= LONG_STALL)
 
 
 def missing_seconds(trial: Trial, coverage: float) -> float:
@@ -183,28 +252,8 @@ def missing_seconds(trial: Trial, coverage: float) -> float:
     return sum(watched_so_far(video, coverage).missing for video in trial.videos)
 
 
-def watched_share(trial: Trial) -> float:
-    """Return the share of all videos of `trial` together that was watched, in [0, 1]."""
-    played = sum(length(watched_so_far(video, 0.0).intervals) for video in trial.videos)
-    return min(1.0, played / sum(video.duration for video in trial.videos))
-
-
-def sum_with_restarts(totals: Sequence[int | None]) -> int | None:
-    """Return how much a counter has counted in all.
-
-    Parameters
-    ----------
-    totals : sequence of int or None
-        What it stood at, in order. It begins again at 0 whenever the page is loaded again, which
-        shows where it stands lower than before. None where it was not read.
-
-    Returns
-    -------
-    int or None
-        None where it was never read.
-    """
-    read = [total for total in totals if total is not None]
-    if not read:
-        return None
-    ends = [now for now, after in itertools.pairwise(read) if after < now]
-    return sum(ends) + read[-1]
+def watched_share(videos: Sequence[Played]) -> float:
+    """Return the share of all `videos` together that was watched, in [0, 1]; nan of none."""
+    total = sum(video.duration for video in videos)
+    played = sum(length(watched_so_far(video, 0.0).intervals) for video in videos)
+    return min(1.0, played / total) if total else math.nan

@@ -11,17 +11,21 @@ from sqlalchemy.orm import Session
 from studyapp.clock import Clock
 from studyapp.services.database import Database
 from studyapp.services.places import regain_place
-from studyapp.services.playing import PlayedVideo, Playing, add_report, load_playing
-from studyapp.services.refusal import TooMuchWatchedError
+from studyapp.services.playing import PlayedVideo, load_playing, store_record
+from studyapp.services.refusal import TooMuchWatchedError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find, require_present, video_of
 from studyapp.services.watch_evidence import (
     AS_RECORDED,
+    MOST_INTERVALS,
+    NOTHING_PLAYED,
     Interval,
     Playback,
+    Record,
     Report,
     Watched,
-    counts,
+    add,
+    is_stored,
     length,
     merged,
     watched_so_far,
@@ -64,7 +68,7 @@ def record_watched(
     RefusalError
         If the video is not theirs or not of the present trial, or more of the trial's videos is
         claimed to be played than time has passed since they were first shown: never do two of
-        them play at once.
+        them play at once. Where the clock was set back since, nothing is refused for that.
     """
     with database.writing() as session:
         now = clock.now()
@@ -76,20 +80,24 @@ def record_watched(
             raise RuntimeError("what is playing in SQL is not what is playing in Python")
         video, coverage = playing.video, served.study.watching.coverage
         report = _report(video, batch, intervals, playback)
-        before = watched_so_far(video, coverage)
-        for known in video.watch_batches:
-            if known.batch == batch:
-                return replace(before, stored=known == report)
-        possible = clock.seconds_since(playing.shown_at) + TOLERANCE
-        if _claimed(playing, report, before, coverage) > possible:
+        record = video.watch_record or NOTHING_PLAYED
+        stored = is_stored(record, report)
+        if stored is not None:
+            return replace(watched_so_far(video, coverage), stored=stored)
+        record = add(record, report, soundless=video.soundless)
+        watched = watched_so_far(replace(video, watch_record=record), coverage)
+        passed = clock.seconds_since(playing.shown_at)
+        if passed is not None and _claimed(report, record, playing.others) > passed + TOLERANCE:
             raise TooMuchWatchedError(
                 "More of the video was reported as played than time has passed.",
                 "Please play it again.",
             )
-        add_report(session, video, report, now)
-        return watched_so_far(
-            replace(video, watch_batches=(*video.watch_batches, report)), coverage
-        )
+        if len(record.intervals) > MOST_INTERVALS:
+            raise UnacceptableError(
+                "The video was played in too many small parts.", "Please play it from its start."
+            )
+        store_record(session, video, record, now)
+        return watched
 
 
 def _bring_back(session: Session, served: ServedStudy, token: str, video_token: str) -> None:
@@ -111,11 +119,16 @@ def _report(
     return Report(batch=batch, intervals=inside, **asdict(playback))
 
 
-def _claimed(playing: Playing, report: Report, before: Watched, coverage: float) -> float:
-    """Return the seconds that must have passed if `report` is true."""
-    intervals = [(start, end) for start, end in report.intervals]
-    measured = max(report.hidden_seconds, report.silent_seconds, report.stalled_seconds)
-    if not counts(report, playing.video):
-        return max(measured, length(merged(intervals)) / max(1.0, report.rate))
-    others = sum(length(watched_so_far(other, coverage).intervals) for other in playing.others)
-    return max(measured, others + length(merged([*before.intervals, *intervals])))
+def _claimed(report: Report, record: Record, others: Sequence[PlayedVideo]) -> float:
+    """Return the seconds that must have passed if `report` is true, which makes it `record`.
+
+    Videos that were not sent yet are included: what is reported of them counts once they are.
+    """
+    records = [record, *(other.watch_record or NOTHING_PLAYED for other in others)]
+    return max(
+        report.hidden_seconds,
+        report.silent_seconds,
+        report.stalled_seconds,
+        length(merged(report.intervals)) / max(1.0, report.rate),
+        sum(length(merged(each.intervals)) for each in records),
+    )

@@ -6,11 +6,10 @@ from typing import Final
 
 import pandas as pd
 from sqlalchemy import or_, select
-from sqlalchemy.orm import selectinload
+from sqlalchemy.orm import Session, selectinload
 
 from studyapp.models import RefusalLine, StudySession, Trial, Video
-from studyapp.services.database import Database
-from studyapp.services.watch_evidence import length, sum_with_restarts, watched_so_far
+from studyapp.services.watch_evidence import NOTHING_PLAYED, length, watched_so_far
 
 WATCHING_COLUMNS: Final = (
     "study_session",
@@ -23,8 +22,10 @@ WATCHING_COLUMNS: Final = (
     "video",
     "stimuli",
     "conditions",
+    "made_from",
     "duration",
     "watched",
+    "sent_at",
     "times_played",
     "rate",
     "hidden_seconds",
@@ -39,7 +40,7 @@ WATCHING_COLUMNS: Final = (
 REFUSAL_COLUMNS: Final = ("study_session", "at", "kind", "detail")
 
 
-def watching_table(database: Database) -> pd.DataFrame:
+def watching_table(session: Session) -> pd.DataFrame:
     """Return how each video was watched, one row per video of each trial that was shown.
 
     Trials of all kinds and of unfinished study sessions are included; those of participants who
@@ -50,7 +51,8 @@ def watching_table(database: Database) -> pd.DataFrame:
     DataFrame
         Columns `WATCHING_COLUMNS`, ordered by study session, position and video. `video` is 0
         for the reference; `stimuli` and `conditions` say what it shows, from left to right.
-        `watched` is the share that counts as watched, in [0, 1]; `times_played` the seconds
+        `watched` is the share that counts as watched, in [0, 1]; `sent_at` is when the video was
+        first sent, empty where it never was, and then nothing counts; `times_played` the seconds
         played in any way, replays included, over the duration. `rate` is the largest seen. Of
         `frames` pictures the browser left out `dropped_share`; both are empty where it does not
         count them. `unplayable_at` is when the participant said that it does not play, ISO 8601
@@ -66,53 +68,52 @@ def watching_table(database: Database) -> pd.DataFrame:
         .order_by(Trial.study_session_id, Trial.position)
         .options(
             selectinload(Trial.study_session).selectinload(StudySession.version),
-            selectinload(Trial.videos).selectinload(Video.watch_batches),
+            selectinload(Trial.videos).selectinload(Video.watch_record),
             selectinload(Trial.videos).selectinload(Video.stimuli),
         )
     )
-    with database.reading() as session:
-        rows = [
-            {
-                "study_session": str(trial.study_session_id),
-                "version": trial.study_session.version.number,
-                "arm": trial.study_session.arm,
-                "part": trial.part,
-                "position": trial.position,
-                "kind": trial.kind,
-                "segment": trial.segment,
-                **_of_video(video),
-            }
-            for trial in session.scalars(query)
-            for video in trial.videos
-        ]
+    rows = [
+        {
+            "study_session": str(trial.study_session_id),
+            "version": trial.study_session.version.number,
+            "arm": trial.study_session.arm,
+            "part": trial.part,
+            "position": trial.position,
+            "kind": trial.kind,
+            "segment": trial.segment,
+            **_of_video(video),
+        }
+        for trial in session.scalars(query)
+        for video in trial.videos
+    ]
     return pd.DataFrame(rows, columns=list(WATCHING_COLUMNS))
 
 
 def _of_video(video: Video) -> dict[str, object]:
-    batches = video.watch_batches
+    record = video.watch_record or NOTHING_PLAYED
     watched = length(watched_so_far(video, 0.0).intervals)
-    played = sum(end - start for batch in batches for start, end in batch.intervals)
-    frames = sum_with_restarts([batch.frames for batch in batches])
-    dropped = sum_with_restarts([batch.dropped_frames for batch in batches])
+    frames, dropped = record.frames, record.dropped_frames
     return {
         "video": video.number,
         "stimuli": " ".join(str(shown.number) for shown in video.stimuli),
         "conditions": " ".join(shown.condition for shown in video.stimuli),
+        "made_from": video.made_from,
         "duration": video.duration,
         "watched": round(min(1.0, watched / video.duration), 4),
-        "times_played": round(played / video.duration, 2),
-        "rate": round(max((batch.rate for batch in batches), default=1.0), 3),
-        "hidden_seconds": round(sum(batch.hidden_seconds for batch in batches), 2),
-        "silent_seconds": round(sum(batch.silent_seconds for batch in batches), 2),
-        "stalls": sum(batch.stalls for batch in batches),
-        "stalled_seconds": round(sum(batch.stalled_seconds for batch in batches), 2),
+        "sent_at": video.sent_at.isoformat() if video.sent_at else "",
+        "times_played": round(record.played_seconds / video.duration, 2),
+        "rate": round(record.rate or 1.0, 3),
+        "hidden_seconds": round(record.hidden_seconds, 2),
+        "silent_seconds": round(record.silent_seconds, 2),
+        "stalls": record.stalls,
+        "stalled_seconds": round(record.stalled_seconds, 2),
         "frames": "" if frames is None else frames,
         "dropped_share": round(dropped / frames, 4) if frames and dropped is not None else "",
         "unplayable_at": video.unplayable_at.isoformat() if video.unplayable_at else "",
     }
 
 
-def refusals_table(database: Database) -> pd.DataFrame:
+def refusals_table(session: Session) -> pd.DataFrame:
     """Return the requests that were refused, one row each, the first one first.
 
     Returns
@@ -121,19 +122,18 @@ def refusals_table(database: Database) -> pd.DataFrame:
         Columns `REFUSAL_COLUMNS`; `study_session` is empty where the address belonged to
         nobody. Who withdrew is left out.
     """
-    with database.reading() as session:
-        rows = [
-            (
-                "" if line.study_session_id is None else str(line.study_session_id),
-                line.at.isoformat(),
-                line.kind,
-                line.detail,
-            )
-            for line in session.scalars(
-                select(RefusalLine)
-                .outerjoin(StudySession, StudySession.id == RefusalLine.study_session_id)
-                .where(StudySession.withdrawn_at.is_(None))
-                .order_by(RefusalLine.id)
-            )
-        ]
+    rows = [
+        (
+            "" if line.study_session_id is None else str(line.study_session_id),
+            line.at.isoformat(),
+            line.kind,
+            line.detail,
+        )
+        for line in session.scalars(
+            select(RefusalLine)
+            .outerjoin(StudySession, StudySession.id == RefusalLine.study_session_id)
+            .where(StudySession.withdrawn_at.is_(None))
+            .order_by(RefusalLine.id)
+        )
+    ]
     return pd.DataFrame(rows, columns=list(REFUSAL_COLUMNS))

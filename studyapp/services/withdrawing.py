@@ -27,7 +27,7 @@ def promise_made(database: Database, token: str) -> Promise:
     Raises
     ------
     ConflictError
-        If the study session is finished.
+        If the study session is finished, or somebody unproven has gone on with it.
     """
     with database.reading() as session:
         study_session = find(session, token, to_change=False)
@@ -43,7 +43,8 @@ def withdraw(database: Database, token: str, clock: Clock) -> None:
     Raises
     ------
     ConflictError
-        If the study session is finished; its completion code may have been used.
+        If the study session is finished, as its completion code may have been used; or if
+        somebody went on with it who could not show that they had begun it.
     """
     with database.writing() as session:
         study_session = find(session, token)
@@ -82,6 +83,13 @@ def take_back(session: Session, study_session: StudySession, now: datetime) -> N
 
 
 def _require_unfinished(study_session: StudySession) -> None:
+    if study_session.unproven_at is not None and study_session.withdrawn_at is None:
+        raise ConflictError(
+            "This study was continued by somebody who only knew the participant's name, so nobody "
+            "can withdraw here.",
+            "To stop, just close this page. To have your answers removed, please write to the "
+            "people who run the study.",
+        )
     if state_of(study_session) == "completed":
         raise ConflictError(
             "You have already finished the study.",

@@ -16,6 +16,7 @@ from analysis.tables.layouts import LAYOUTS
 from analysis.tables.reading import Order, answers_in
 from studyapp.definition.exclusions import ExclusionSection
 from studyapp.definition.protocols.ranking import RankingStudy
+from studyapp.definition.protocols.rating import RatingStudy
 from studyapp.definition.study import Study
 from studyapp.stages.answer_table import empty_answers, study_answers
 from studyapp.stages.answers import Answers
@@ -89,11 +90,19 @@ def analysed_tasks(study: Study, answers: Answers, rules: StudyExclusions) -> li
                 conditions=compared(study),
                 questions=tuple(question.name for question in study.questions),
                 sets=study.parts,
+                scales=_scales(study),
             ),
         )
         left_out = leave_out(table, rules.rules, planned=rules.planned, known=given.known)
         tasks.append(AnalysedTask(protocol=protocol, rows=rows, table=table, left_out=left_out))
     return tasks
+
+
+def _scales(study: Study) -> dict[str, tuple[int, int]]:
+    """Return between which ratings each question's scale lies; empty where nothing is rated."""
+    if not isinstance(study, RatingStudy):
+        return {}
+    return {one.name: (min(one.values), max(one.values)) for one in study.questions}
 
 
 def compared(study: Study) -> tuple[str, ...]:

@@ -37,7 +37,8 @@ OWN: Final[Mapping[str, tuple[str, ...]]] = {
 """Columns of one protocol's."""
 
 KNOWN_COLUMNS: Final = (
-    *("study_session", "trials", "settled", "excluded_because", "excluded_after_look"),
+    *("study_session", "trials", "settled", "left_out_catch", "left_out_attention"),
+    *("excluded_because", "excluded_after_look"),
 )
 
 AFTER_LOOK: Final = " (decided after results had been looked at)"
@@ -199,13 +200,17 @@ def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownSitting]:
         str(session): KnownSitting(
             trials=int(trials),
             settled=int(settled),
-            failed_catch=failed.get((session, "catch"), 0) if study.catch.trials else None,
+            failed_catch=(
+                failed.get((session, "catch"), 0) + int(no_catch) if study.catch.trials else None
+            ),
             failed_attention=(
-                failed.get((session, "attention"), 0) if study.attention.trials else None
+                failed.get((session, "attention"), 0) + int(no_attention)
+                if study.attention.trials
+                else None
             ),
             decided=f"{decided}{AFTER_LOOK}" if decided and after_look else str(decided),
         )
-        for session, trials, settled, decided, after_look in zip(
+        for session, trials, settled, no_catch, no_attention, decided, after_look in zip(
             *(sessions[name].tolist() for name in KNOWN_COLUMNS),
             strict=True,
         )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import Literal
+
+from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
@@ -48,6 +50,24 @@ def answers_to_report(folder: StudyFolder) -> Answers:
     return real if rehearsed.origin == "none" else rehearsed
 
 
+def read_rehearsal(folder: StudyFolder) -> Answers:
+    """Return the rehearsal's answers.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    """
+    rehearsed = read_answers(folder, "rehearsal")
+    if rehearsed.origin == "none":
+        raise InputError(
+            "nothing has been rehearsed",
+            where=folder.root,
+            remedy="Run 'motionjury rehearse' first, or leave out --rehearsal",
+        )
+    return rehearsed
+
+
 def read_answers(folder: StudyFolder, origin: Source) -> Answers:
     """Return the answers of participants or of a rehearsal; the database is left as it is.
 
@@ -55,13 +75,18 @@ def read_answers(folder: StudyFolder, origin: Source) -> Answers:
     """
     if folder.shared_answers.is_dir():
         return _shared(folder, origin)
-    with opened(folder, origin) as database:
-        if database is None:
-            return Answers(origin="none", stored=None, stated=None)
-        stored = stored_answers(database)
-        sessions = stored.study_sessions
-        versions = sessions.loc[of_present_design(sessions), "version"]
-        stated = None if versions.empty else stated_study(database, int(versions.min()))
+    with snapshot(folder, origin) as session:
+        return answers_in(session, origin)
+
+
+def answers_in(session: Session | None, origin: Source) -> Answers:
+    """Return the answers in a `snapshot`, for whoever reads more of the same state."""
+    if session is None:
+        return Answers(origin="none", stored=None, stated=None)
+    stored = stored_answers(session)
+    sessions = stored.study_sessions
+    versions = sessions.loc[of_present_design(sessions), "version"]
+    stated = None if versions.empty else stated_study(session, int(versions.min()))
     return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
 
 
@@ -81,8 +106,10 @@ def _shared(folder: StudyFolder, origin: Source) -> Answers:
 
 
 @contextmanager
-def opened(folder: StudyFolder, origin: Source) -> Iterator[Database | None]:
-    """Give the database that holds the answers, to be read; None where there is none yet.
+def snapshot(folder: StudyFolder, origin: Source) -> Iterator[Session | None]:
+    """Give one state of the database that holds the answers; None where there is none yet.
+
+    Whatever is read in it belongs together, whoever withdraws meanwhile.
 
     Raises
     ------
@@ -97,8 +124,8 @@ def opened(folder: StudyFolder, origin: Source) -> Iterator[Database | None]:
         )
     url = database_url_of(folder.root, rehearsal=origin == "rehearsal")
     database = Database.open_for_reading(url)
-    try:
-        yield database
-    finally:
-        if database is not None:
-            database.close()
+    if database is None:
+        yield None
+        return
+    with closing(database), database.reading() as session:
+        yield session

@@ -10,16 +10,14 @@ from typing import Final
 from motion.errors import InputError
 from motion.files import replacing, write_text
 from motion.segment import Segment
-from motion.source_version import imported_sources, source_version
 from renderer.figures.glance import glance_at
 from renderer.figures.sheet import Sheet, SheetCell, sheet_page, sheet_pictures
 from renderer.figures.sheet_cell import Cell, draw_cell
+from renderer.version import CELL_VERSION
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.stages.digest import digest
 from studyapp.stages.shown_videos import ShownVideo, shown_videos
-
-_VERSION: Final = source_version(imported_sources(["renderer.figures.sheet_cell"]))
 
 _UNSHOWN: Final = SheetCell(cell=None, remark="is not shown to participants", video="")
 
@@ -56,7 +54,12 @@ def write_contact_sheet(
     entries: dict[tuple[str, str], SheetCell] = {}
     with ThreadPoolExecutor(threads) as pool:
         made = pool.map(
-            lambda key: _entry(place, clips.get(key)) if key in shown else _UNSHOWN, wanted
+            lambda key: (
+                _entry(place, clips.get(key), brought=study.is_finished(key[1]))
+                if key in shown
+                else _UNSHOWN
+            ),
+            wanted,
         )
         for number, (key, entry) in enumerate(zip(wanted, made, strict=True), 1):
             entries[key] = entry
@@ -84,10 +87,17 @@ def write_contact_sheet(
     return page
 
 
-def _entry(place: Path, clip: ShownVideo | None) -> SheetCell:
-    """Return the cell of a clip, drawn where it is not kept."""
+def _entry(place: Path, clip: ShownVideo | None, *, brought: bool) -> SheetCell:
+    """Return the cell of a clip, drawn where it is not kept.
+
+    Parameters
+    ----------
+    brought : bool
+        Whether the video is finished, so that it is not rendered here.
+    """
     if clip is None:
-        return SheetCell(cell=None, remark="there is no video: run 'motionjury render'", video="")
+        todo = "bring it" if brought else "run 'motionjury render'"
+        return SheetCell(cell=None, remark=f"there is no video: {todo}", video="")
     kept = _kept(place, clip)
     video = f"../../{clip.file.relative_to(place.parent.parent).as_posix()}"
     if not kept.exists():
@@ -104,7 +114,7 @@ def _entry(place: Path, clip: ShownVideo | None) -> SheetCell:
 
 def _kept(place: Path, clip: ShownVideo) -> Path:
     """Return where the cell of a clip is kept."""
-    return place / ".cells" / f"{digest(_VERSION, clip.key)}.webp"
+    return place / ".cells" / f"{digest(CELL_VERSION, clip.key)}.webp"
 
 
 def _facts(study: Study, segments: Sequence[Segment], conditions: Sequence[str], clips: int) -> str:

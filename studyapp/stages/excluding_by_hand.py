@@ -11,7 +11,7 @@ from studyapp.services.database import Database, database_url_of
 from studyapp.services.exclusion_decisions import decide_exclusion
 from studyapp.services.monitoring.naming import number_called
 from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.stages.answers import opened
+from studyapp.stages.answers import snapshot
 
 
 def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str) -> int:
@@ -28,10 +28,10 @@ def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str)
         If nobody is called so, no reason is given, it is so already, or the study was passed on
         by another lab.
     """
-    with opened(folder, "participants") as there:
+    with snapshot(folder, "participants") as session:
         number = None
-        if there is not None:
-            number = number_called(there, PseudonymKey.read(folder.pseudonym_key), name)
+        if session is not None:
+            number = number_called(session, PseudonymKey.read(folder.pseudonym_key), name)
     if number is None:
         raise InputError(
             f"no study session is called {name!r}",

@@ -15,7 +15,7 @@ from motion.errors import InputError
 from motion.formats import read_clip, read_motion
 from motion.segment import Segment
 from renderer.clip_video import Stage, as_shown
-from renderer.figures.closeup import face_camera
+from renderer.figures.closeup import face_camera, faces_level
 from renderer.figures.cut_out import Box
 from renderer.figures.moments import MOST_MOMENTS, Moment, even_moments, loud_moments
 from renderer.figures.panels import common_box
@@ -48,9 +48,14 @@ class FigureMaterial:
         plan = RenderPlan.of(folder)
         return cls(plan, plan.camera)
 
-    def close_to_faces(self, clips: Iterable[MotionClip]) -> Self:
-        """Return the same with a camera that sees the faces of all `clips`."""
-        return replace(self, camera=face_camera(clips, self.plan.model, self.plan.camera))
+    def close_to_faces(
+        self, groups: Iterable[Sequence[MotionClip]]
+    ) -> tuple[Self, list[list[MotionClip]]]:
+        """Return the same with a camera close to the faces, and the clips brought before it."""
+        level = faces_level(groups, self.plan.model)
+        clips = [clip for group in level for clip in group]
+        camera = face_camera(clips, self.plan.model, self.plan.camera)
+        return replace(self, camera=camera), level
 
     @contextmanager
     def stage(self, size: int) -> Iterator[Stage]:

@@ -7,9 +7,8 @@ from contextlib import contextmanager
 
 from studyapp.clock import Clock
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.audit import logged_changes
 from studyapp.services.database import Database, database_url_of
-from studyapp.services.forgetting import EVENT, Remembered, forget, remembered
+from studyapp.services.forgetting import Remembered, forget, has_forgotten, remembered
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.scrubbing import leave_nothing
 
@@ -40,7 +39,7 @@ def forget_participant(folder: StudyFolder, name: str) -> int:
             return 0
         key = PseudonymKey.read(folder.pseudonym_key)
         count = forget(database, name, key, Clock())
-        if count or _has_forgotten(database):
+        if count or has_forgotten(database):
             leave_nothing(database)
     return count
 
@@ -69,7 +68,3 @@ def _opened(folder: StudyFolder) -> Iterator[Database | None]:
         yield database
     finally:
         database.close()
-
-
-def _has_forgotten(database: Database) -> bool:
-    return any(line.event == EVENT for line in logged_changes(database))

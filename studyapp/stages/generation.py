@@ -6,14 +6,15 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from generators.diffsheg.sampling_settings import SamplingSettings
+from generators.diffsheg.walk import SamplingSettings
 from generators.interface import Generator, OnPart, SpeechSegment
 from generators.model_settings import ModelSettings
-from generators.registry import generator_version, load_generator, needs_model
+from generators.registry import load_generator, needs_model
 from motion.audio import read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
+from motion.placement import place
 from motion.segment import Segment
 from studyapp.definition.conditions import Condition
 from studyapp.definition.folder import StudyFolder
@@ -158,15 +159,17 @@ class _ConditionMaker:
             else None
         )
         model = model_of(folder, name, condition, device)
+        generator = load_generator(str(condition.generator), model)
         return cls(
             folder=folder,
             condition=name,
-            generator=load_generator(str(condition.generator), model),
+            generator=generator,
             source=source,
             study_seed=study.seed,
             frame_rate=study.video.frame_rate,
             inputs=digest(
-                generator_version(str(condition.generator)),
+                generator.name,
+                generator.version,
                 study.seed,
                 study.video.frame_rate,
                 source.paths_digest() if source else "",
@@ -203,5 +206,5 @@ class _ConditionMaker:
             source=self.source,
             on_part=on_part,
         )
-        write_clip(path, clip.with_provenance(inputs=inputs))
+        write_clip(path, place(clip)[0].with_provenance(inputs=inputs))
         return True

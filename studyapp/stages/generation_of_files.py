@@ -9,7 +9,7 @@ from pathlib import Path
 
 from generators.interface import SpeechSegment
 from generators.model_settings import ModelSettings
-from generators.registry import generator_version, load_generator, needs_source
+from generators.registry import load_generator, needs_source
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
@@ -73,7 +73,8 @@ def generate_files(
         )
     generator = load_generator(how.generator, how.model)
     settings = digest(
-        generator_version(how.generator),
+        generator.name,
+        generator.version,
         how.seed,
         how.frame_rate,
         how.emotion,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -71,7 +72,8 @@ def write_grid_of(
         for name, called in names.items()
     ]
     if closeup:
-        material = material.close_to_faces([panel.clip for panel in panels])
+        material, faces = material.close_to_faces([[panel.clip] for panel in panels])
+        panels = [replace(panel, clip=clip) for panel, [clip] in zip(panels, faces, strict=True)]
     with material.stage(size or min(material.plan.look.size, fitting)) as stage:
         write_grid(
             stage,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from analysis.metrics.conditions import StudyMetrics
+from analysis.metrics.feature_networks import PublishedFile, Source
 from analysis.metrics.joint_motion import JointMotionStore
 from analysis.metrics.measured_clips import LandmarkBody
 from analysis.metrics.measuring import study_metrics
@@ -15,9 +16,9 @@ from analysis.metrics.presets import combined
 from analysis.metrics.segment_scores import Excerpt
 from motion.errors import InputError
 from motion.segments_table import SEGMENTS_FILE, read_segments
-from renderer.body_asset import default_body
+from renderer.avatars import default_body
 from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import GROUND_TRUTH
+from studyapp.definition.study import GROUND_TRUTH, Study
 from studyapp.stages.shown_body import body_file, expression_matrix_file
 
 Show = Callable[[int, int], None]
@@ -36,7 +37,7 @@ def measure_study(
     *,
     presets: Sequence[str],
     processes: int,
-    evaluators: Sequence[Path] = (),
+    evaluators: Sequence[Source] = (),
     penetration: bool = False,
     on_progress: Show | None = None,
 ) -> StudyMetrics:
@@ -51,8 +52,8 @@ def measure_study(
         The study.
     presets, processes, on_progress
         As for `analysis.metrics.measuring.study_metrics`.
-    evaluators : sequence of Path
-        Feature networks, besides those in the study's folder ``evaluators``.
+    evaluators : sequence of Path or PublishedFile
+        Feature networks, besides those of the study (`study_evaluators`).
     penetration : bool
         Whether arms are looked for inside the body.
 
@@ -88,7 +89,7 @@ def measure_study(
         frozen=study.freeze,
         recorded=clips.get(GROUND_TRUTH),
         emotions={segment.name: segment.emotion for segment in segments},
-        evaluators=(*study_evaluators(folder), *evaluators),
+        evaluators=(*study_evaluators(folder, study), *evaluators),
         face=_face_of(folder, presets) if GROUND_TRUTH in clips else None,
         penetrable=default_body(MEASURED_BODY) if penetration else None,
         presets=presets,
@@ -99,9 +100,21 @@ def measure_study(
     )
 
 
-def study_evaluators(folder: StudyFolder) -> tuple[Path, ...]:
-    """Return the feature networks in the study's folder ``evaluators``, by name."""
-    return tuple(sorted(folder.evaluators.glob(f"*{_NETWORK}")))
+def study_evaluators(folder: StudyFolder, study: Study) -> tuple[Source, ...]:
+    """Return the networks in the study's folder ``evaluators``, then those that it names."""
+    return (
+        *sorted(folder.evaluators.glob(f"*{_NETWORK}")),
+        *(
+            PublishedFile(
+                preset=one.preset,
+                file=folder.root / Path(one.file).expanduser(),
+                statistics=folder.root / Path(one.statistics).expanduser()
+                if one.statistics
+                else None,
+            )
+            for one in study.evaluator
+        ),
+    )
 
 
 def measure_folders(
@@ -111,7 +124,7 @@ def measure_folders(
     *,
     presets: Sequence[str],
     processes: int,
-    evaluators: Sequence[Path] = (),
+    evaluators: Sequence[Source] = (),
     penetration: bool = False,
     semantics: Path | None = None,
     cache: Path | None = None,
@@ -130,7 +143,7 @@ def measure_folders(
         ``<segment>.wav``, or a table ``segments.csv`` with the recordings it names.
     presets, processes, on_progress
         As for `analysis.metrics.measuring.study_metrics`.
-    evaluators : sequence of Path
+    evaluators : sequence of Path or PublishedFile
         Feature networks.
     penetration : bool
         Whether arms are looked for inside the body.

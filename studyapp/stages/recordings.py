@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Final
 
 import numpy as np
@@ -13,6 +14,8 @@ from motion.audio import Audio, read_audio, write_wav
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion, write_clip
+from motion.formats.joint_maps import JointMap
+from motion.placement import place
 from motion.resample import cut
 from motion.segment import Segment, check_name
 from motion.segments_table import read_segments, write_segments
@@ -46,6 +49,8 @@ class Take:
         What its segments are.
     as_recorded : bool
         Whether hands of a BVH stay where they come to lie inside the body.
+    joint_map : mapping of str to str, optional
+        For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
     """
 
     motion: Path
@@ -56,6 +61,7 @@ class Take:
     speaker: str
     emotion: str
     as_recorded: bool = False
+    joint_map: JointMap | None = None
 
 
 def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[str]]:
@@ -74,7 +80,8 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
     ------
     InputError
         If a file cannot be used, the two do not belong together, the condition's motion is
-        generated, or a segment of the same name but another place or other speech exists.
+        generated or another one, or a segment of the same name but another place or other speech
+        exists.
     """
     study = folder.study()
     _check_condition(study, take.condition, folder)
@@ -85,6 +92,7 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
         frame_rate=take.frame_rate,
         mean_hands=licensed_hands(folder, study),
         as_recorded=take.as_recorded,
+        joint_map=take.joint_map,
     )
     clip, face_notes = with_face_beside(clip, take.motion)
     notes = [*audio.notes, *_notes_of(clip, take.motion), *face_notes]
@@ -99,11 +107,12 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
     known = _known_segments(folder)
     _check_no_clash(known, segments, folder)
     _check_same_speech(folder.speech / segments[0].wav, audio)
-    clips = [cut(clip, segment.start, segment.end) for segment in segments]
+    clips = {segment.name: _placed_cut(clip, segment.start, segment.end) for segment in segments}
+    _check_no_other_motion(folder, take.condition, clips)
 
     write_wav(folder.speech / segments[0].wav, replace(audio, notes=()))
-    for segment, piece in zip(segments, clips, strict=True):
-        write_clip(folder.clip(take.condition, segment.name), piece)
+    for name, piece in clips.items():
+        write_clip(folder.clip(take.condition, name), piece)
     merged = {segment.name: segment for segment in (*known, *segments)}
     write_segments(folder.speech, tuple(merged.values()))
     return segments, notes + _add_if_new(folder, study, take.condition)
@@ -116,6 +125,7 @@ def import_clips(
     condition: str,
     frame_rate: float | None,
     as_recorded: bool = False,
+    joint_map: JointMap | None = None,
 ) -> list[str]:
     """Store motion made elsewhere for segments the study already has.
 
@@ -131,6 +141,8 @@ def import_clips(
         Overrides what the files say of their frame rate.
     as_recorded : bool
         Whether hands of a BVH stay where they come to lie inside the body.
+    joint_map : mapping of str to str, optional
+        For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
 
     Returns
     -------
@@ -141,7 +153,7 @@ def import_clips(
     ------
     InputError
         If a file belongs to no segment, two belong to the same, one is more than 0.1 s longer or
-        shorter than its speech, or the condition's motion is generated.
+        shorter than its speech, or the condition's motion is generated or another one.
     """
     study = folder.study()
     _check_condition(study, condition, folder)
@@ -165,12 +177,17 @@ def import_clips(
                 remedy="Give one motion for each segment",
             )
         clip = read_motion(
-            path, frame_rate=frame_rate, mean_hands=mean_hands, as_recorded=as_recorded
+            path,
+            frame_rate=frame_rate,
+            joint_map=joint_map,
+            mean_hands=mean_hands,
+            as_recorded=as_recorded,
         )
         clip, face_notes = with_face_beside(clip, path)
         check_same_length(clip, segment, path)
         notes += [*_notes_of(clip, path), *face_notes]
-        clips[segment.name] = cut(clip, 0.0, min(clip.duration, segment.duration))
+        clips[segment.name] = _placed_cut(clip, 0.0, min(clip.duration, segment.duration))
+    _check_no_other_motion(folder, condition, clips)
     for name, clip in clips.items():
         write_clip(folder.clip(condition, name), clip)
     return notes + _add_if_new(folder, study, condition)
@@ -187,6 +204,14 @@ def check_same_length(clip: MotionClip, segment: Segment, where: Path) -> None:
             remedy=f"They may differ by {SEGMENT_TOLERANCE} s: cut the longer one, "
             "or check the frame rate",
         )
+
+
+def _placed_cut(clip: MotionClip, start: float, end: float) -> MotionClip:
+    """Return an excerpt that is placed by its own frames, whatever it was cut from.
+
+    A segment would otherwise show whether its condition came as whole takes or as segments.
+    """
+    return place(cut(clip, start, end))[0]
 
 
 def _notes_of(clip: MotionClip, path: Path) -> list[str]:
@@ -277,6 +302,25 @@ def _check_same_speech(stored: Path, audio: Audio) -> None:
             where=stored,
             remedy="Rename the new recording: its segments are named after it",
         )
+
+
+def _check_no_other_motion(
+    folder: StudyFolder, condition: str, clips: Mapping[str, MotionClip]
+) -> None:
+    """Raise if `condition` has another motion for a segment; the same one may come again."""
+    with TemporaryDirectory() as scratch:
+        draft = Path(scratch) / "clip.npz"
+        for name, clip in clips.items():
+            stored = folder.clip(condition, name)
+            if not stored.exists():
+                continue
+            write_clip(draft, clip)
+            if draft.read_bytes() != stored.read_bytes():
+                raise InputError(
+                    f"condition {condition!r} has another motion for segment {name} already",
+                    where=stored,
+                    remedy="Bring this one in under another condition, or remove that file first",
+                )
 
 
 def _check_no_clash(known: Sequence[Segment], new: Sequence[Segment], folder: StudyFolder) -> None:

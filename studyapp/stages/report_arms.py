@@ -45,6 +45,7 @@ def arm_states(study: Study, stored: StoredAnswers) -> tuple[ArmState, ...]:
     present = of_present_design(study_sessions)
     withdrawn = study_sessions["withdrawn"].to_numpy(bool)
     completed = study_sessions["completed"].to_numpy(bool)
+    unwatched = study_sessions["unwatched"].to_numpy(bool) & ~withdrawn
     states = []
     for name in names:
         own = (study_sessions["arm"] == name).to_numpy(bool)
@@ -55,6 +56,7 @@ def arm_states(study: Study, stored: StoredAnswers) -> tuple[ArmState, ...]:
                 opened=int(own.sum()),
                 withdrawn=int((own & withdrawn).sum()),
                 earlier=int((own & ~present & ~withdrawn).sum()),
+                unwatched=int((own & present & unwatched).sum()),
                 completed=int((own & present & ~withdrawn & completed).sum()),
             )
         )

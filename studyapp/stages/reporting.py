@@ -24,17 +24,18 @@ from analysis.results.report import (
     analyse_table,
 )
 from motion.files import replacing
+from motion.segment import Segment
 from motion.spreadsheet import harmless_frame
 from studyapp.definition.exclusions import ExclusionSection
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.services.stored_answers import StoredAnswers
 from studyapp.stages.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
-from studyapp.stages.answers import Answers, answers_to_report
+from studyapp.stages.answers import Answers, answers_to_report, read_rehearsal
 from studyapp.stages.excluding import StudyExclusions
 from studyapp.stages.logged_looks import earlier_looks, note_way_out
 from studyapp.stages.report_arms import arm_of_each, arm_states, of_present_design
-from studyapp.stages.report_margin import study_margin
+from studyapp.stages.report_settings import agreed_on
 from studyapp.stages.report_subject import study_subject
 
 
@@ -78,7 +79,9 @@ def report(
     *,
     exclude: Sequence[ExclusionSection] = (),
     margin: float | None = None,
+    family: str | None = None,
     reason: str = "",
+    rehearsal: bool = False,
     warn: Callable[[str], None] | None = None,
 ) -> Path:
     """Write the report of `folder` and return its page.
@@ -94,8 +97,12 @@ def report(
         Exploratory rules, applied after those of the study file.
     margin : float, optional
         Margin of equivalence, where the study file states none; it is exploratory.
+    family : str, optional
+        Which tests decide, where the study file does not say; it is exploratory.
     reason : str
         Why results are looked at, for the log of looks.
+    rehearsal : bool
+        Whether the rehearsal's answers are reported, though there are real ones.
     warn : callable, optional
         Told, in sentences, what looking before the end means; nothing where it is the end.
 
@@ -105,14 +112,24 @@ def report(
         If the study cannot be read, or its answers contradict it.
     """
     study = folder.study()
-    segments = tuple(folder.segments_of(study))
-    answers = answers_to_report(folder)
+    segments = _segments(folder, study)
+    answers = read_rehearsal(folder) if rehearsal else answers_to_report(folder)
     rules = rules_of(study, answers, exclude)
-    agreed = study_margin(study.margin, answers.stated, margin)
-    subject = study_subject(
-        folder, study, segments, origin=answers.origin, notes=(*rules.notes, *agreed.notes)
+    before = answers.stated
+    agreed = agreed_on(
+        "margin", study.margin, None if before is None else before.margin, margin, known=before
     )
-    tasks = _tasks(study, answers, rules, agreed.margin, subject)
+    tested = agreed_on(
+        "family", study.family, None if before is None else before.family, family, known=before
+    )
+    subject = study_subject(
+        folder,
+        study,
+        segments,
+        origin=answers.origin,
+        notes=(*rules.notes, *agreed.notes, *tested.notes),
+    )
+    tasks = _tasks(study, answers, rules, agreed.value, tested.value or "all", subject)
     main = tasks[0]
     remark = note_way_out(folder, study, answers, way="report", reason=reason)
     if remark and warn is not None:
@@ -138,6 +155,15 @@ def _metrics(subject: Subject, folder: StudyFolder) -> dict[str, object]:
     return {"metrics": metrics_document(subject.metrics, folder.root)}
 
 
+def _segments(folder: StudyFolder, study: Study) -> tuple[Segment, ...]:
+    """Return the study's segments; none of a shared copy without its videos and speech."""
+    is_finished = all(condition.videos for condition in study.conditions.values())
+    has_speech = (folder.speech / "segments.csv").exists()
+    if is_finished and not has_speech and not any(folder.videos.glob("*/*.mp4")):
+        return ()
+    return tuple(folder.segments_of(study))
+
+
 def report_table(
     responses: Path,
     protocol: str,
@@ -145,6 +171,8 @@ def report_table(
     *,
     max_catch_failures: int,
     margin: float | None,
+    family: str = "all",
+    scale: tuple[int, int] | None = None,
     exclude: Sequence[ExclusionRule] = (),
 ) -> Path:
     """Write the report of a platform's table of answers into `out` and return its page.
@@ -156,6 +184,8 @@ def report_table(
         protocol,
         max_catch_failures=max_catch_failures,
         margin=margin,
+        family=family,
+        scale=scale,
         exclude=exclude,
     )
     subject = Subject(
@@ -173,12 +203,13 @@ def _tasks(
     answers: Answers,
     rules: StudyExclusions,
     margin: float | None,
+    family: str,
     subject: Subject,
 ) -> list[_Task]:
     """Analyse what was answered, task by task; the one that the study is named after first."""
     looks = earlier_looks(study, answers)
     return [
-        _analysed(study, task, margin, answers.stored, subject, looks)
+        _analysed(study, task, margin, family, answers.stored, subject, looks)
         for task in analysed_tasks(study, answers, rules)
     ]
 
@@ -187,6 +218,7 @@ def _analysed(
     study: Study,
     task: AnalysedTask,
     margin: float | None,
+    family: str,
     stored: StoredAnswers | None,
     subject: Subject,
     looks: LooksBefore,
@@ -201,7 +233,7 @@ def _analysed(
                 sha256=hashlib.sha256(written).hexdigest(),
                 motionjury=metadata.version("motionjury"),
             ),
-            settings=Settings(max_catch_failures=None, margin=margin),
+            settings=Settings(max_catch_failures=None, margin=margin, family=family),
             arms=() if stored is None else arm_states(study, stored),
             arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
             metrics=subject.metrics,

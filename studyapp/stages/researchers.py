@@ -12,6 +12,7 @@ from studyapp.services.researchers.account import Account
 from studyapp.services.researchers.links import invite, offer_new_password
 from studyapp.services.researchers.membership import accounts
 from studyapp.services.researchers.roles import Role
+from studyapp.services.researchers.second_factor import reset_second_factor
 
 
 def listed_researchers(folder: StudyFolder) -> list[Account]:
@@ -41,6 +42,18 @@ def link_for_new_password(folder: StudyFolder, name: str) -> str:
     """
     with _opened(folder) as database:
         return _path(offer_new_password(database, Clock(), name=name, by=""))
+
+
+def without_second_factor(folder: StudyFolder, name: str) -> None:
+    """Let the researcher `name`, whose device is lost, log in without a code.
+
+    Raises
+    ------
+    InputError
+        If there is no such researcher.
+    """
+    with _opened(folder) as database:
+        reset_second_factor(database, Clock(), name=name)
 
 
 @contextmanager

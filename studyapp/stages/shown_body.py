@@ -13,8 +13,7 @@ from motion.body_limits import not_shown
 from motion.clip import MotionClip
 from motion.expression_matrix import read_expression_matrix
 from motion.hands import read_mean_hands
-from renderer.avatars import AVATARS
-from renderer.body_asset import default_body
+from renderer.avatars import AVATARS, default_body
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 

@@ -112,7 +112,7 @@ def write_still(
     excerpt = material.segment(segment)
     pose = frame_at(material.clip(excerpt, condition), seconds)
     if closeup:
-        material = material.close_to_faces([pose])
+        material, [[pose]] = material.close_to_faces([[pose]])
     with material.stage(size) as stage:
         picture = panel(stage, pose, material.camera, clear=clear)
         if skeleton is not None:
@@ -160,12 +160,13 @@ def write_strip(
         else material.found_moments(segment, count, even=even)
     )
     clips = {called: material.clip(segment, name) for name, called in names.items()}
+    rows = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
+    material, box, rows = _view(material, printed, rows)
     poses = {
-        (called, moment): frame_at(clip, moment.seconds)
-        for called, clip in clips.items()
-        for moment in moments
+        (called, moment): pose
+        for called, row in zip(clips, rows, strict=True)
+        for moment, pose in zip(moments, row, strict=True)
     }
-    material, box = _view(material, printed, list(poses.values()))
     layout = StripLayout(
         inches=printed.inches,
         rows=tuple(clips),
@@ -213,7 +214,7 @@ def write_overlay(
     clips = {called: material.clip(segment, name) for name, called in names.items()}
     clips |= {called: material.variation(segment, path) for path, called in motions}
     poses = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]
-    material, box = _view(material, printed, [pose for row in poses for pose in row])
+    material, box, poses = _view(material, printed, poses)
     width = round(printed.inches * DOTS_PER_INCH)
     with material.stage(_drawn_size(width, box)) as stage:
         trails = [
@@ -227,12 +228,14 @@ def write_overlay(
 
 
 def _view(
-    material: FigureMaterial, printed: Print, poses: Sequence[MotionClip]
-) -> tuple[FigureMaterial, Box]:
-    """Return the material seen as asked for, and the part of its picture that is shown."""
+    material: FigureMaterial, printed: Print, rows: list[list[MotionClip]]
+) -> tuple[FigureMaterial, Box, list[list[MotionClip]]]:
+    """Return the material seen as asked for, the part of its picture that is shown, and poses."""
     if printed.closeup:
-        return material.close_to_faces(poses), WHOLE
-    return material, WHOLE if printed.whole else material.box_around(poses)
+        material, rows = material.close_to_faces(rows)
+        return material, WHOLE, rows
+    everyone = [pose for row in rows for pose in row]
+    return material, WHOLE if printed.whole else material.box_around(everyone), rows
 
 
 def _drawn_size(width: int, box: Box) -> int:

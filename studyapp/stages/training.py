@@ -20,7 +20,7 @@ from motion.errors import InputError
 from motion.formats import read_clip, read_motion
 from motion.hands import read_mean_hands
 from motion.segments_table import SEGMENTS_FILE
-from renderer.body_asset import default_body
+from renderer.avatars import default_body
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.shown_body import shown_body
 

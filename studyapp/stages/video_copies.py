@@ -12,13 +12,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Final
 
 from motion.errors import InputError
 from motion.segment import Segment
-from motion.source_version import source_version
 from renderer.stream_copy import copy_video, end_of
-from studyapp.definition.finished_videos import finished_video, shows_copy
+from renderer.version import COPY_VERSION
+from studyapp.definition.finished_videos import finished_video, shows_copy, similar_file
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.media import stimulus_of
 from studyapp.definition.stimuli import Stimuli, VideoCopy, read_stimuli, write_stimuli
@@ -26,8 +25,6 @@ from studyapp.definition.study import Study
 from studyapp.design.stimulus import Stimulus
 from studyapp.stages.digest import digest
 from studyapp.stages.media_probe import flaw_of
-
-_VERSION: Final = source_version(("renderer/stream_copy.py", "renderer/mp4_bit_rates.py"), ("av",))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +49,12 @@ class _Original:
     """A video to be copied, and what tells it from every other."""
 
     file: Path
-    key: str
+    made_from: str
+
+    @property
+    def key(self) -> str:
+        """What its copies depend on, the way of copying included."""
+        return digest(COPY_VERSION, self.made_from)
 
 
 def copy_videos(folder: StudyFolder) -> CopyCount:
@@ -68,14 +70,18 @@ def copy_videos(folder: StudyFolder) -> CopyCount:
     made: list[VideoCopy] = []
     kept: list[VideoCopy] = []
     failures: list[str] = []
-    for name, originals in _originals(folder, study, tuple(segments.values()), before).items():
+    by_segment = _originals(folder, study, tuple(segments.values()), before)
+    needed = {original.file for each in by_segment.values() for original in each.values()}
+    for name, originals in by_segment.items():
         usable = {}
         for stimulus, original in originals.items():
             flaw = _flaw_of(original.file, segments[name], sound=stimulus.speech is not None)
             if flaw is None:
                 usable[stimulus] = original
-            else:
-                failures.append(f"{original.file.relative_to(folder.root)} {flaw}")
+                continue
+            similar = None if original.file.is_file() else similar_file(original.file, needed)
+            meant = "" if similar is None else f" (is it {similar.relative_to(folder.root)}?)"
+            failures.append(f"{original.file.relative_to(folder.root)} {flaw}{meant}")
         files = {original.file for original in usable.values()}
         lasts = max(map(end_of, files), default=Fraction(0))
         for stimulus, original in usable.items():
@@ -127,7 +133,7 @@ def _originals(
     # A rendered clip is told by its key: its file is padded after it was copied.
     rendered = {
         (clip.condition, clip.segment, clip.speech or clip.segment): _Original(
-            file=folder.root / clip.file, key=digest(_VERSION, clip.key)
+            file=folder.root / clip.file, made_from=clip.key
         )
         for clip in stimuli.clips
     }
@@ -139,8 +145,7 @@ def _originals(
         made = rendered.get((shown.condition, shown.segment, shown.speech or shown.segment))
         if study.is_finished(shown.condition):
             file = finished_video(folder.videos, shown)
-            key = digest(_VERSION, file) if file.is_file() else ""
-            made = _Original(file=file, key=key)
+            made = _Original(file=file, made_from=digest(file) if file.is_file() else "")
         if made is not None:
             originals[shown.segment][shown] = made
     return originals
@@ -162,4 +167,5 @@ def _copy_of(stimulus: Stimulus, original: _Original, lasts: Fraction) -> VideoC
         file=f"videos/copies/{digest(stimulus)}.mp4",
         duration=float(lasts),
         key=f"{original.key}-{float(lasts):.6f}",
+        original=original.made_from,
     )

@@ -31,7 +31,8 @@ participant. What programs may rely on:
                                 The same answers may be sent twice.
 ``POST /take/<token>/unplayable``  the form ``<form id="unplayable">``: ``trial``, and ``video``,
                                 one of the tokens that its buttons send; a trial of one video
-                                needs none.
+                                needs none. ``error`` is the code of the browser's media error;
+                                without one, a long stall must have been reported.
 ``POST`` the ``data-watched-url`` of ``<video id="pair">``
                                 JSON ``{"batch": n, "intervals": [[from, to], ...]}``, seconds of
                                 the video that were played; n counts the reports of a video from

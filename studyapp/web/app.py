@@ -10,11 +10,12 @@ from jinja2 import StrictUndefined
 
 from motion.errors import InputError
 from studyapp.clock import Clock
+from studyapp.definition.folder import StudyFolder
 from studyapp.definition.form import LONGEST_TEXT
-from studyapp.services.database import Database, database_url_of
+from studyapp.services.database import Database, database_url_of, sqlite_url
 from studyapp.services.interim.computing import FigureProcess
 from studyapp.services.media_store.store import MediaStore
-from studyapp.services.served_study import ServedStudy
+from studyapp.services.served_study import ServedStudy, VideoRecord
 from studyapp.services.versions import open_study
 from studyapp.web import entrance, health, media, participant, sound_check, withdrawal
 from studyapp.web.errors import register_error_pages
@@ -23,6 +24,7 @@ from studyapp.web.language import language_of, speak
 from studyapp.web.research.pages import research_pages
 from studyapp.web.running import Running, attach
 from studyapp.web.sub_path import SubPath, checked_prefix
+from studyapp.web.trying import WithTestParticipations
 from studyapp.web.window_name import window_name
 
 LARGEST_REQUEST: Final = 64 * 1024
@@ -43,10 +45,12 @@ def create_app(
     *,
     database_url: str | None = None,
     rehearsal_speed: float | None = None,
+    tried: bool = False,
     accel_prefix: str | None = None,
     prefix: str = "",
     served: ServedStudy | None = None,
     store: MediaStore | None = None,
+    origin: str = "",
 ) -> Flask:
     """Make the application that serves the study in `folder`.
 
@@ -58,6 +62,8 @@ def create_app(
         See `studyapp.services.database.database_url_of`.
     rehearsal_speed : float, optional
         Makes a rehearsal: seconds that count as passed for each real one.
+    tried : bool
+        Makes the application for test participations, whose database is their own.
     accel_prefix : str, optional
         Where a proxy in front finds the study folder: videos are left to it (X-Accel-Redirect).
     prefix : str
@@ -67,6 +73,9 @@ def create_app(
         the same study, whatever has become of the files.
     store : MediaStore, optional
         Where participants load the videos from.
+    origin : str
+        What the study's public addresses begin with, such as ``https://study.example.org``; empty
+        where nobody has said so.
 
     Raises
     ------
@@ -78,24 +87,30 @@ def create_app(
         raise InputError("a rehearsal's speed must be above 0", where=f"speed {rehearsal_speed}")
     prefix = checked_prefix(prefix)
     rehearsal = rehearsal_speed is not None
-    served = (served or ServedStudy.read(folder)).opened_for(rehearsal=rehearsal)
+    served = served or ServedStudy.read(folder)
+    served = served.opened_to_try() if tried else served.opened_for(rehearsal=rehearsal)
+    files = StudyFolder(folder)
+    if tried:
+        database_url = sqlite_url(files.tries)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
     app = StudyWeb("studyapp.web")
     app.config["MAX_CONTENT_LENGTH"] = LARGEST_REQUEST
     app.config["SEND_FILE_MAX_AGE_DEFAULT"] = SCRIPT_SECONDS
     app.jinja_env.undefined = StrictUndefined
-    app.jinja_env.globals.update(window_name=window_name, longest_text=LONGEST_TEXT)
+    app.jinja_env.globals.update(window_name=window_name, longest_text=LONGEST_TEXT, tried=tried)
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
     here = Running(
         served=served,
         database=Database.open(url),
         clock=Clock(speed=rehearsal_speed or 1.0),
         folder=folder.resolve(),
+        record=VideoRecord(folder.resolve(), served),
         figures=FigureProcess(folder.resolve(), url),
         accel_prefix=accel_prefix,
         store=store,
+        origin=origin,
     )
-    open_study(here.database, served, here.clock)
+    open_study(here.database, served, here.clock, new_version=tried)
     attach(app, here)
     speak(app, language_of(served.study.page.language))
     app.register_blueprint(entrance.pages)
@@ -104,7 +119,7 @@ def create_app(
     app.register_blueprint(withdrawal.pages)
     app.register_blueprint(media.pages)
     app.register_blueprint(health.pages)
-    if not rehearsal:
+    if not rehearsal and not tried:
         # A rehearsal is looked at from the study's own server, where researchers have accounts.
         app.register_blueprint(research_pages())
     register_error_pages(app)
@@ -113,6 +128,14 @@ def create_app(
         recruitment=served.study.recruitment,
         media="" if store is None else store.origin,
     )
+    if not rehearsal and not tried:
+        app.wsgi_app = WithTestParticipations(  # type: ignore[method-assign]
+            app.wsgi_app,
+            lambda: create_app(
+                folder, tried=True, served=served, accel_prefix=accel_prefix, store=store
+            ),
+            files.tries,
+        )
     if prefix:
         app.wsgi_app = SubPath(app.wsgi_app, prefix)  # type: ignore[method-assign]
     return app

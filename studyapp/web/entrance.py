@@ -6,13 +6,11 @@ before consent, except that somebody whom a recruiter named was screened out.
 
 from __future__ import annotations
 
-import re
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
 
-from flask import Blueprint, render_template, request
+from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
 
 from studyapp.definition.form import Stage
@@ -26,12 +24,11 @@ from studyapp.web.about_participant import form_fields, problems_of
 from studyapp.web.errors import STATUS, told
 from studyapp.web.language import say
 from studyapp.web.participant import to_where_they_stand
+from studyapp.web.returning import send_cookie
 from studyapp.web.running import running
-from studyapp.web.sent_by import arrival_of, is_preview, names_in
+from studyapp.web.sent_by import VISIT, arrival_of, is_preview, names_in
 
 pages = Blueprint("entrance", __name__)
-
-VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,9 +106,10 @@ def consent() -> ResponseReturnValue:
     Who has a study session already is brought back to it.
     """
     entrant = _entrant()
-    token = enrolled(running().database, entrant.arrival)
+    here = running()
+    token = enrolled(here.database, here.served, entrant.arrival, here.clock)
     if token is not None:
-        return to_where_they_stand(token)
+        return _to_their_page(token)
     if _was_screened_out(entrant):
         return _screened_out(entrant)
     _require_welcome(entrant)
@@ -134,6 +132,7 @@ def consent_again() -> ResponseReturnValue:
 def start() -> ResponseReturnValue:
     """Enrol the participant, or bring them back to where they were."""
     here = running()
+    here.record.require_unchanged()
     entrant = _entrant()
     if _was_screened_out(entrant):
         return _screened_out(entrant)
@@ -145,7 +144,7 @@ def start() -> ResponseReturnValue:
         return entrant.page(stage, problem=told(refusal)), 422
     except IneligibleError:
         return _screened_out(entrant)
-    return to_where_they_stand(token)
+    return _to_their_page(token)
 
 
 @pages.errorhandler(StudyFullError)
@@ -166,11 +165,19 @@ def turn_away(refusal: StudyFullError) -> ResponseReturnValue:
         and request.method != "POST"
         and not names_in(request.args),
     )
-    return page, STATUS[StudyFullError]
+    return page, STATUS[type(refusal)]
+
+
+def _to_their_page(token: str) -> Response:
+    """Lead to where the participant stands, and have the browser know it again."""
+    response = make_response(to_where_they_stand(token))
+    send_cookie(response, running().study.name, token)
+    return response
 
 
 def _require_welcome(entrant: Entrant) -> None:
     here = running()
+    here.record.require_unchanged()
     require_welcome(here.database, here.served, entrant.arrival, here.clock)
 
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import Final
 
-from flask import Flask, jsonify, render_template, request, url_for
+from flask import Flask, abort, jsonify, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.exc import OperationalError, SQLAlchemyError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
+from werkzeug.datastructures import MultiDict
 from werkzeug.exceptions import HTTPException
 
 from studyapp.design.message import Message
 from studyapp.services.refusal import (
     ConflictError,
+    CrowdedAddressError,
     IneligibleError,
     NotTheirsError,
     RefusalError,
@@ -21,8 +23,10 @@ from studyapp.services.refusal import (
     UnacceptableError,
     UninvitedError,
     UnknownAddressError,
+    UnprovenError,
 )
 from studyapp.services.refusals import note_refusal
+from studyapp.services.waiting_line import LineHeldError
 from studyapp.web.language import _, say
 from studyapp.web.running import running
 
@@ -31,6 +35,8 @@ STATUS: Final[dict[type[RefusalError], int]] = {
     NotTheirsError: 403,
     IneligibleError: 403,
     UninvitedError: 403,
+    UnprovenError: 403,
+    CrowdedAddressError: 429,
     StudyFullError: 409,
     ConflictError: 409,
     UnacceptableError: 422,
@@ -67,6 +73,7 @@ OUR_FAULT: Final = (
 )
 
 FIRST_FAULT_OF_OURS: Final = 500
+NUL: Final = "\0"
 
 
 def wants_json() -> bool:
@@ -78,6 +85,14 @@ def wants_json() -> bool:
 def register_error_pages(app: Flask) -> None:
     """Show every refusal and failure of `app` as a friendly page."""
 
+    @app.before_request
+    def refuse_nul() -> None:
+        """Refuse the one character that no text of PostgreSQL, and no path, can hold."""
+        if NUL in request.path or _hold_nul(request.args):
+            abort(404)
+        if _hold_nul(request.form):
+            abort(400)
+
     @app.errorhandler(RefusalError)
     def refuse(refusal: RefusalError) -> ResponseReturnValue:
         note(refusal)
@@ -85,7 +100,8 @@ def register_error_pages(app: Flask) -> None:
 
     @app.errorhandler(OperationalError)
     @app.errorhandler(PoolTimeoutError)
-    def ask_for_patience(error: SQLAlchemyError) -> ResponseReturnValue:
+    @app.errorhandler(LineHeldError)
+    def ask_for_patience(error: SQLAlchemyError | LineHeldError) -> ResponseReturnValue:
         cause = error.orig if isinstance(error, OperationalError) else error
         words = (str(cause).splitlines() or [""])[0]
         app.logger.error("The database cannot be used: %s (%s)", words, type(cause).__name__)
@@ -96,6 +112,10 @@ def register_error_pages(app: Flask) -> None:
         status = error.code or FIRST_FAULT_OF_OURS
         others = OUR_FAULT if status >= FIRST_FAULT_OF_OURS else NOT_UNDERSTOOD
         return _page(WORDS.get(status, others), status)
+
+
+def _hold_nul(values: MultiDict[str, str]) -> bool:
+    return any(NUL in name or NUL in value for name, value in values.items(multi=True))
 
 
 def note(refusal: RefusalError) -> None:

@@ -14,7 +14,7 @@ from motion.errors import InputError
 from studyapp.design.stimulus import Content
 from studyapp.services.earlier_videos import earlier_contents
 from studyapp.services.media_store.store import KEPT_SECONDS as REDIRECT_SECONDS
-from studyapp.services.showing import content_of
+from studyapp.services.showing import content_of, content_to_send
 from studyapp.web.file_part import FilePart
 from studyapp.web.running import running
 
@@ -22,6 +22,9 @@ pages = Blueprint("media", __name__)
 
 KEPT_SECONDS: Final = 3600
 BLOCK: Final = 1 << 16
+
+OWN_COPY: Final = "own"
+"""What a page adds to the address of a video that the store does not send."""
 
 
 @pages.get("/media/<token>.mp4")
@@ -31,10 +34,14 @@ def video(token: str) -> Response:
     The headers are the same for every file: its name and age would tell videos apart.
     """
     here = running()
-    content = content_of(here.database, token)
+    if request.method == "HEAD":
+        content = content_of(here.database, token)
+    else:
+        content = content_to_send(here.database, token, here.clock)
     found = here.served.videos.get(content) if content is not None else None
     if content is None or found is None:
         abort(404)
+    here.record.require_unchanged()
     elsewhere = _in_store(token, content)
     if elsewhere is not None:
         return elsewhere
@@ -44,9 +51,12 @@ def video(token: str) -> Response:
 
 
 def _in_store(token: str, content: Content) -> Response | None:
-    """Send the browser to the store for `content`; None where this server has to send it."""
+    """Send the browser to the store for `content`; None where this server has to send it.
+
+    It has to where a page asks for its own copy: then the store may be down.
+    """
     here = running()
-    if here.store is None or request.method != "GET":
+    if here.store is None or request.method != "GET" or OWN_COPY in request.args:
         return None
     try:
         address = here.store.address(content, earlier_contents(here.database, token))

@@ -91,8 +91,24 @@ def answers(token: str) -> ResponseReturnValue:
 def unplayable(token: str) -> ResponseReturnValue:
     """Go on without the video that does not play."""
     here = running()
-    trial_token, video_token = (request.form.get(name, "") for name in ("trial", "video"))
-    skip_unplayable(here.database, here.served, token, trial_token, here.clock, video_token)
+    trial_token, video_token, media_error = (
+        request.form.get(name, "") for name in ("trial", "video", "error")
+    )
+    try:
+        skip_unplayable(
+            here.database,
+            here.served,
+            token,
+            trial_token,
+            here.clock,
+            video_token=video_token,
+            media_error=media_error,
+        )
+    except UnacceptableError as refusal:
+        if wants_json():
+            raise
+        note(refusal)
+        return where_they_stand(token, problem=told(refusal)), 422
     return to_where_they_stand(token)
 
 
@@ -154,13 +170,16 @@ def where_they_stand(token: str, *, problem: str = "", given: Fields | None = No
 
 
 def _trial_page(token: str, trial: ShownTrial, problem: str, given: Fields) -> str:
-    study = running().study
+    here = running()
+    here.record.require_unchanged()
+    study = here.study
     return render_template(
         "trial.html",
         study=study,
         token=token,
         trial=trial,
         page=trial_page(study, trial),
+        from_store=here.store is not None,
         problem=problem,
         given=given,
     )

@@ -13,7 +13,7 @@ from studyapp.definition.study import Study
 from studyapp.services.database import Database
 from studyapp.services.interim.computing import FigureProcess
 from studyapp.services.media_store.store import MediaStore
-from studyapp.services.served_study import ServedStudy
+from studyapp.services.served_study import ServedStudy, VideoRecord
 
 EXTENSION: Final = "motionjury"
 
@@ -26,21 +26,27 @@ class Running:
     ----------
     folder : Path
         The study folder.
+    record : VideoRecord
+        Tells whether its videos are still those that are served.
     figures : FigureProcess
         Computes what pages of researchers show of the answers so far.
     accel_prefix : str or None
         Where a proxy in front finds that folder; None where this server sends the videos itself.
     store : MediaStore or None
         Where participants load the videos from instead.
+    origin : str
+        What the study's public addresses begin with, before the path; empty where nobody said so.
     """
 
     served: ServedStudy
     database: Database
     clock: Clock
     folder: Path
+    record: VideoRecord
     figures: FigureProcess
     accel_prefix: str | None = None
     store: MediaStore | None = None
+    origin: str = ""
 
     @property
     def study(self) -> Study:

@@ -6,7 +6,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from studyapp.services.watch_evidence import Playback
+from studyapp.services.watch_evidence import MOST_INTERVALS, MOST_REPORTS, Playback
 
 Second = Annotated[float, Field(ge=0, le=86_400, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=0, le=10_000_000, strict=True)]
@@ -27,8 +27,8 @@ class WatchReport(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    batch: int = Field(ge=0, le=9999, strict=True)
-    intervals: tuple[tuple[Second, Second], ...] = Field(max_length=200)
+    batch: int = Field(ge=0, lt=MOST_REPORTS, strict=True)
+    intervals: tuple[tuple[Second, Second], ...] = Field(max_length=MOST_INTERVALS)
     rate: float = Field(default=1.0, gt=0, le=100, allow_inf_nan=False)
     hidden_seconds: Second = 0.0
     silent_seconds: Second = 0.0

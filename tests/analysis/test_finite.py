@@ -7,9 +7,9 @@ from analysis.agreement.intraclass import intraclass_correlation
 from analysis.agreement.krippendorff import krippendorff_alpha
 from analysis.equivalence import equivalence_of_means
 from analysis.finite import finite
-from analysis.published.pooled import pooled_tests
 from analysis.ratings.cliffs_delta import cliffs_delta
 from analysis.robustness.min_f import min_f
+from analysis.robustness.pooled import pooled_tests
 from analysis.robustness.sign_test import sign_test
 from analysis.robustness.wilcoxon import signed_rank
 from motion.errors import InputError

@@ -23,11 +23,14 @@ from studyapp.stages.deploying.deployment import Deployment, Proxy, planned_depl
 from studyapp.stages.deploying.files import deployed_files
 
 HOST = "study.example.org"
+UNPACKED = Path(__file__).parents[2] / "build" / "proxies" / "usr"
+"""Where `make setup-proxies` puts those that are not installed: without a service that runs."""
+
 PATIENCE = 120
 """Seconds that a busy machine may take to start or end a server."""
 
 
-def _any_certificate() -> ssl.SSLContext:
+def any_certificate() -> ssl.SSLContext:
     anything = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     anything.check_hostname = False
     anything.verify_mode = ssl.CERT_NONE
@@ -38,7 +41,7 @@ class _ToThisMachine(httpx.HTTPTransport):
     """Reaches `HOST` at a port of this machine, with any certificate."""
 
     def __init__(self, port: int) -> None:
-        super().__init__(verify=_any_certificate())
+        super().__init__(verify=any_certificate())
         self.port = port
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:
@@ -86,8 +89,11 @@ class Proxied:
         return "\n".join(log.read_text("utf-8", errors="replace") for log in logs)
 
 
-def is_installed(proxy: Proxy) -> bool:
-    return shutil.which(proxy) is not None and shutil.which("openssl") is not None
+def program(proxy: Proxy) -> str | None:
+    """Return where `proxy` is, if openssl is there as well."""
+    places = (os.environ["PATH"], UNPACKED / "bin", UNPACKED / "sbin")
+    found = shutil.which(proxy, path=os.pathsep.join(map(str, places)))
+    return found if shutil.which("openssl") else None
 
 
 def free_port() -> int:
@@ -116,8 +122,9 @@ def behind(proxy: Proxy, study: Path, root: Path, *, prefix: str) -> Iterator[Pr
         path.write_text(text, "utf-8")
     with _study_server(deployment, root) as server:
         start = {"nginx": _nginx, "caddy": _caddy}[proxy]
+        executable = str(program(proxy))
         secured = partial(_shake_hands, secure)
-        with _running(start(root, secure, plain), root / "proxy.log", secured):
+        with _running([executable, *start(root, secure, plain)], root / "proxy.log", secured):
             yield Proxied(deployment, secure, root, server)
 
 
@@ -156,7 +163,7 @@ def _shake_hands(port: int) -> None:
     """Ask for the certificate, which Caddy may still be making when it already listens."""
     with (
         socket.create_connection(("127.0.0.1", port), timeout=1) as plain,
-        _any_certificate().wrap_socket(plain, server_hostname=HOST),
+        any_certificate().wrap_socket(plain, server_hostname=HOST),
     ):
         pass
 
@@ -207,7 +214,6 @@ pid {root}/nginx.pid;
 error_log {root}/var/log/nginx/general.log;
 events {{ }}
 http {{
-    include /etc/nginx/mime.types;
     access_log {root}/var/log/nginx/access.log;
     sendfile on;
     gzip on;
@@ -217,7 +223,7 @@ http {{
 """,
         "utf-8",
     )
-    return ["nginx", "-c", str(root / "nginx.conf"), "-e", str(root / "var/log/nginx/start.log")]
+    return ["-c", str(root / "nginx.conf"), "-e", str(root / "var/log/nginx/start.log")]
 
 
 def _caddy(root: Path, secure: int, plain: int) -> list[str]:
@@ -226,4 +232,4 @@ def _caddy(root: Path, secure: int, plain: int) -> list[str]:
     ours = f"{{\n\tadmin off\n\tlocal_certs\n\tskip_install_trust\n\tstorage file_system {root}\n"
     ours += f"\thttp_port {plain}\n\thttps_port {secure}\n"
     file.write_text(file.read_text("utf-8").replace("{\n", ours, 1), "utf-8")
-    return ["caddy", "run", "--config", str(file), "--adapter", "caddyfile"]
+    return ["run", "--config", str(file), "--adapter", "caddyfile"]

@@ -37,7 +37,7 @@ from tests.studyapp.taking_part_steps import SetClock
 
 pytestmark = pytest.mark.slow
 
-SITTINGS: Final = 16
+SITTINGS: Final = 24
 """Half of them are guessed: eight study sessions can exchange what is true of them in so many ways
 that a perfect guess is far less probable than `CHANCE` allows, even of one catch trial in six."""
 CHANCE: Final = 0.01

@@ -12,18 +12,18 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select
 
-from studyapp.bench.databases import BACKENDS, Backend
-from studyapp.bench.fabricated_study import StudyShape, write_fabricated_study
-from studyapp.bench.study_server import HOST, study_server
-from studyapp.bench.throwaway_postgresql import programs, throwaway_postgresql
-from studyapp.bench.visitor import Ledger, Visitor
-from studyapp.bench.wire import Wire
 from studyapp.clock import Clock
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Place, Response, StudySession, Trial
 from studyapp.services.database import Database, sqlite_url
 from studyapp.stages.backing_up.backing import Backup, back_up
 from studyapp.stages.backing_up.restoring import restore
+from tests.support.databases import BACKENDS, Backend
+from tests.support.fabricated_study import StudyShape, write_fabricated_study
+from tests.support.study_server import HOST, study_server
+from tests.support.throwaway_postgresql import programs, throwaway_postgresql
+from tests.support.visitor import Ledger, Visitor
+from tests.support.wire import Wire
 
 PEOPLE = 12
 TRIALS = 5

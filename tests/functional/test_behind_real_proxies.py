@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import signal
 from collections.abc import Iterator
 from pathlib import Path
-from urllib.parse import urljoin
+from urllib.parse import urljoin, urlsplit
 
 import httpx
 import pytest
 
 from studyapp.stages.deploying.deployment import PROXIES, Proxy
-from tests.functional.proxies import PATIENCE, Proxied, behind, is_installed
+from tests.functional.proxies import HOST, PATIENCE, Proxied, any_certificate, behind, program
+from tests.hanging_lines import hanging, slow_body, whole_video
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.walking import filled
@@ -21,6 +23,9 @@ from tests.studyapp.web.walking import filled
 pytestmark = pytest.mark.slow
 
 PREFIX = "/studies/one"
+VIDEO_BYTES = 4 << 20
+"""More than the buffers of lines and proxies hold."""
+
 TOKEN = re.compile(r"(?:take|media|join)/([\w-]{20,})")
 
 
@@ -31,12 +36,14 @@ def proxied(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Iterator[Proxied]:
     proxy: Proxy = request.param
-    if not is_installed(proxy):
+    if program(proxy) is None:
         pytest.skip(f"{proxy}, or openssl, is not installed")
     root = tmp_path_factory.mktemp(proxy)
     # A folder's name may hold what means something in the files of a proxy.
     study = root / "50% {x};# of it" / "my-study"
     shutil.copytree(tiny_study_template, study)
+    for video in study.glob("videos/**/*.mp4"):
+        os.truncate(video, VIDEO_BYTES)
     with behind(proxy, study, root, prefix=PREFIX) as served:
         yield served
 
@@ -56,6 +63,10 @@ class Participant:
         self.address = str(answer.url)
         self.tokens.update(TOKEN.findall(self.address), TOKEN.findall(answer.text))
         return PageReader(answer.text)
+
+    @property
+    def video_source(self) -> str:
+        return str(self.page.one("video")["src"])
 
     def go_on(self) -> None:
         """Watch what is shown, and send the page's form."""
@@ -87,7 +98,7 @@ def test_a_participant_answers_and_the_proxy_adds_and_logs_nothing_that_tells(
         for _page in range(3):  # consent, instructions, a trial
             one.go_on()
         page = client.get(one.address)
-        video = urljoin(one.address, str(one.page.one("video")["src"]))
+        video = urljoin(one.address, one.video_source)
         whole = client.get(video)
         part = client.get(video, headers={"Range": "bytes=100-199"})
         unchanged = client.get(video, headers={"If-Modified-Since": whole.headers["date"]})
@@ -154,6 +165,26 @@ def test_researchers_cookies_are_for_https_and_their_path(proxied: Proxied) -> N
         assert "How the study goes" in overview.text
         assert overview.headers["x-frame-options"] == "DENY"
     assert link[0].rpartition("/")[2] not in proxied.written()
+
+
+def test_a_participant_answers_while_300_lines_of_another_address_hang(proxied: Proxied) -> None:
+    tls = any_certificate()
+    with proxied.client() as client:
+        other = Participant(client, proxied.address)
+        for _page in range(3):  # consent, instructions, a trial
+            other.go_on()
+        video = whole_video(urlsplit(urljoin(other.address, other.video_source)).path, HOST)
+        slow = slow_body(f"{PREFIX}/", HOST)
+        with (
+            hanging(proxied.port, slow, 300, trickle=b"x", tls=tls, host=HOST),
+            hanging(proxied.port, video, 100, tls=tls, host=HOST),
+        ):
+            client.timeout = httpx.Timeout(10)
+            one = Participant(client, proxied.address)
+            for _page in range(5):
+                one.go_on()
+
+    assert one.page.soup.select("#answers")
 
 
 def test_while_the_study_is_away_no_address_is_logged(proxied: Proxied) -> None:

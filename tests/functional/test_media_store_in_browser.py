@@ -42,6 +42,25 @@ def test_videos_play_and_are_fetched_ahead_and_nothing_of_the_page_reaches_the_s
             check_asked(store, address)
 
 
+def test_where_the_store_is_down_a_video_plays_from_the_study_s_own_server(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use_keys(monkeypatch)
+    with s3_stand_in() as store:
+        place = Place(bucket=BUCKET, folder="my-study/", endpoint=store.endpoint)
+        publish(StudyFolder(tiny_study), place, lambda _done, _total: None)
+    with serving(tiny_study, from_store=True) as address, launched() as chromium:
+        page = chromium.new_page()
+        page.set_default_timeout(PATIENCE_MS)
+        page.goto(address)
+        page.get_by_role("button", name="I agree").click()
+        page.get_by_role("button", name="Begin").click()
+
+        watch(page)
+
+        expect(page.locator(".fault")).to_be_hidden()
+
+
 def take_trials(page: Page, address: str, count: int) -> None:
     page.goto(address)
     page.get_by_role("button", name="I agree").click()

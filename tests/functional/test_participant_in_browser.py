@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Route, expect
 from sqlalchemy import select
 
 from studyapp.models import Response, StudySession, Trial
@@ -307,10 +307,16 @@ def test_only_the_next_video_is_fetched_ahead_and_only_after_watching(
     assert following in fetched
 
 
+def garbled(route: Route) -> None:
+    """Let the server send what is asked for, and the browser get something else."""
+    route.fetch()
+    route.fulfill(status=200, body="no video")
+
+
 def test_a_video_that_does_not_play_can_be_left_behind(
     page: Page, address: str, database: Database
 ) -> None:
-    page.route("**/media/**", lambda route: route.fulfill(status=200, body="no video"))
+    page.route("**/media/**", garbled)
     take_part(page, address)
 
     expect(page.get_by_role("alert")).to_have_text("This video cannot be played.")

@@ -176,11 +176,11 @@ def test_a_study_is_launched_watched_mended_extended_closed_and_exported(
     assert form["value"].tolist() == [SCRIPT] * (PEOPLE + 1)
     log = pd.read_csv(study / "out" / "answers_log.csv", keep_default_na=False)
     assert log.loc[log["researcher"] == NAME, "event"].tolist()[-5:] == [
-        "newcomers paused",
-        "newcomers let in",
-        "participant excluded",
-        "extended by 1 place an arm",
-        "closed to newcomers",
+        "newcomers_paused",
+        "newcomers_let_in",
+        "participant_excluded",
+        "extended",
+        "newcomers_closed",
     ]
     book = json.loads((study / "out" / "answers_codebook.json").read_text("utf-8"))
     assert "researcher" in json.dumps(book)

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import select
 
-from studyapp.models import FormAnswer, Response, StudySession, Trial, WatchBatch
+from studyapp.models import FormAnswer, Response, StudySession, Trial, WatchRecord
 from studyapp.services.database import Database
 from tests.functional.browsing import IN_A_BROWSER, playing_on
 from tests.functional.looking import LAPTOP, photograph
@@ -230,7 +230,9 @@ def test_withdrawing_deletes_what_was_answered(
     expect(page.locator(".progress")).to_contain_text("Trial 2 of 4")
     mine = study_session(page, database).id
     with database.reading() as session:
-        before = [len(session.scalars(select(t)).all()) for t in (Response, WatchBatch, FormAnswer)]
+        before = [
+            len(session.scalars(select(t)).all()) for t in (Response, WatchRecord, FormAnswer)
+        ]
 
     page.get_by_role("link", name="withdraw").click()
     heading(page, "Withdraw from the study?")
@@ -239,7 +241,7 @@ def test_withdrawing_deletes_what_was_answered(
     heading(page, "You have withdrawn")
 
     with database.reading() as session:
-        after = [len(session.scalars(select(t)).all()) for t in (Response, WatchBatch, FormAnswer)]
+        after = [len(session.scalars(select(t)).all()) for t in (Response, WatchRecord, FormAnswer)]
         assert session.scalars(select(Trial).where(Trial.study_session_id == mine)).all() == []
     assert all(then < earlier for then, earlier in zip(after, before, strict=True))
     assert study_session(page, database).withdrawn_at is not None

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from generators.diffsheg.shared_threads import torch_threads
 from generators.interface import Generator, SpeechSegment
 from generators.model_settings import ModelSettings
 from generators.registry import load_generator, needs_model
@@ -17,6 +16,7 @@ from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS, Segment
 from tests.generators.diffsheg.small_network import written_network
+from training.threads import torch_threads
 
 RATE = 16000
 

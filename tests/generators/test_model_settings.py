@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from generators.diffsheg.sampling_settings import SamplingSettings
+from generators.diffsheg.walk import SamplingSettings
 from generators.model_settings import ModelSettings
 from motion.errors import InputError
 

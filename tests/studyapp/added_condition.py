@@ -1,4 +1,4 @@
-"""A condition more in the tiny study, so that it has two comparisons."""
+"""The tiny study with a condition more, so that it has two comparisons, or with other videos."""
 
 from __future__ import annotations
 
@@ -27,4 +27,11 @@ def add_condition(folder: Path) -> None:
         if "mismatched" in (pair.left, pair.right)
     ]
     pairs = (*stimuli.pairs, *more)
+    write_stimuli(folder / "stimuli.json", stimuli.model_copy(update={"pairs": pairs}))
+
+
+def make_videos_anew(folder: Path) -> None:
+    """Say of every pair that it is made from something else now."""
+    stimuli = read_stimuli(folder / "stimuli.json")
+    pairs = tuple(pair.model_copy(update={"key": f"{pair.key} anew"}) for pair in stimuli.pairs)
     write_stimuli(folder / "stimuli.json", stimuli.model_copy(update={"pairs": pairs}))

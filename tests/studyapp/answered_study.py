@@ -38,6 +38,7 @@ def _take(participant: Participant, chance: np.random.Generator, trials: int | N
             return
         participant.clock.advance(seconds=10)
         for video in shown.videos:
+            participant.fetch(video.token)
             record_watched(
                 participant.database,
                 participant.served,

@@ -14,11 +14,6 @@ import pytest
 from argon2 import PasswordHasher
 from flask import Flask
 
-from studyapp.bench.throwaway_postgresql import (
-    ThrowawayPostgresql,
-    programs,
-    throwaway_postgresql,
-)
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
@@ -29,6 +24,11 @@ from tests.studyapp.emptying import empty
 from tests.studyapp.figures_at_hand import FiguresAtHand
 from tests.studyapp.s3_stand_in import Store, s3_stand_in, use_keys
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.throwaway_postgresql import (
+    ThrowawayPostgresql,
+    programs,
+    throwaway_postgresql,
+)
 
 DatabaseKind = Literal["sqlite", "postgresql"]
 

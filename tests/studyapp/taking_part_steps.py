@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
 from studyapp.clock import Clock
-from studyapp.services.answering import answer
+from studyapp.services.answering import answer, skip_unplayable
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.showing import content_to_send
 from studyapp.services.taking_part import ShownTrial, Situation, begin, look
 from studyapp.services.watch_evidence import AS_RECORDED, Playback
 from studyapp.services.watching import record_watched
@@ -56,17 +57,37 @@ class Participant:
         assert shown is not None
         return shown
 
+    def fetch(self, video_token: str) -> None:
+        """Let the server send a video."""
+        content_to_send(self.database, video_token, self.clock)
+
+    def leave_out(self, media_error: str = "4") -> None:
+        """Say that the first video of the present trial does not play."""
+        trial = self.trial()
+        self.fetch(trial.videos[0].token)
+        skip_unplayable(
+            self.database,
+            self.served,
+            self.token,
+            trial.token,
+            self.clock,
+            trial.videos[0].token,
+            media_error,
+        )
+
     def watch(
         self,
         *intervals: tuple[float, float],
         batch: int = 0,
         playback: Playback = AS_RECORDED,
     ) -> float:
+        video = self.trial().videos[0].token
+        self.fetch(video)
         known = record_watched(
             self.database,
             self.served,
             self.token,
-            self.trial().videos[0].token,
+            video,
             batch=batch,
             intervals=intervals,
             clock=self.clock,

@@ -4,7 +4,7 @@ from datetime import UTC, timedelta
 
 import pytest
 
-from studyapp.clock import Clock
+from studyapp.clock import Clock, has_passed
 
 
 def test_the_clock_tells_utc() -> None:
@@ -20,5 +20,22 @@ def test_only_what_counts_as_passed_is_sped_up() -> None:
     assert abs(fast.now() - slow.now()) < timedelta(seconds=1)
 
 
-def test_a_moment_to_come_is_no_time_ago() -> None:
-    assert Clock().seconds_since(Clock().now() + timedelta(hours=1)) == 0
+def test_how_long_ago_a_moment_to_come_was_nobody_knows() -> None:
+    assert Clock().seconds_since(Clock().now() + timedelta(hours=1)) is None
+
+
+@pytest.mark.parametrize(
+    ("ago", "passed"),
+    [
+        (timedelta(minutes=9), False),
+        (timedelta(minutes=10), True),
+        (-timedelta(seconds=20), False),
+        (-timedelta(hours=1), True),
+    ],
+)
+def test_after_the_clock_was_set_back_nobody_waits_until_it_has_caught_up(
+    ago: timedelta, *, passed: bool
+) -> None:
+    now = Clock().now()
+
+    assert has_passed(timedelta(minutes=10), now - ago, now) is passed

@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+import asyncio
 import json
+import os
+import random
 import signal
 import socket
 import subprocess
@@ -12,7 +15,14 @@ import httpx
 import pytest
 
 from motion.errors import InputError
+from studyapp.services.database import sqlite_url
 from studyapp.serving import run_server
+from tests.hanging_lines import hanging, slow_body, whole_video
+from tests.support.fabricated_study import StudyShape, write_fabricated_study
+from tests.support.page_scan import seen_videos
+from tests.support.study_server import HOST, study_server
+from tests.support.visitor import Ledger, Visitor
+from tests.support.wire import Wire
 
 HEAVY = (
     *("torch", "pyrender", "OpenGL", "matplotlib", "librosa", "anny"),
@@ -33,6 +43,15 @@ def test_a_missing_video_is_named_before_anything_is_served(tiny_study: Path) ->
     (tiny_study / "videos" / "pairs" / "003.mp4").unlink()
 
     with pytest.raises(InputError, match=r"003\.mp4"):
+        run_server(tiny_study, "127.0.0.1", 0, 1)
+    assert not (tiny_study / "responses.db").exists()
+
+
+def test_a_study_whose_videos_lie_elsewhere_is_not_served(tiny_study: Path) -> None:
+    record = tiny_study / "stimuli.json"
+    record.write_text(record.read_text("utf-8").replace("videos/pairs/", "../pairs/"), "utf-8")
+
+    with pytest.raises(InputError, match="outside the study's folder"):
         run_server(tiny_study, "127.0.0.1", 0, 1)
     assert not (tiny_study / "responses.db").exists()
 
@@ -92,3 +111,35 @@ def test_a_proxy_that_is_no_network_is_said_before_anything_is_made(
     with pytest.raises(InputError, match=r"FORWARDED_ALLOW_IPS: .*'the proxy'.*10\.0\.0\.5"):
         run_server(tiny_study, "127.0.0.1", 0, 1)
     assert not (tiny_study / "responses.db").exists()
+
+
+@pytest.mark.slow
+def test_an_honest_participant_takes_part_while_300_lines_hang_at_either_end(
+    tmp_path: Path,
+) -> None:
+    write_fabricated_study(tmp_path, StudyShape(places=4, trials=3, practice=0, catch=1))
+    os.truncate(tmp_path / "video.mp4", 32 << 20)
+    url = sqlite_url(tmp_path / "bench.db")
+    said = tmp_path / "said"
+    ledger = Ledger()
+
+    async def arrive() -> str:
+        async with Wire(HOST, server.port) as wire:
+            one = Visitor(wire=wire, ledger=ledger, chance=random.Random(1))  # noqa: S311
+            return await one.begin(await one.enrol())
+
+    async def take_part() -> None:
+        async with Wire(HOST, server.port) as wire, asyncio.timeout(60):
+            await Visitor(wire=wire, ledger=ledger, chance=random.Random(2)).take_part()  # noqa: S311
+
+    with study_server(tmp_path, said, database_url=url) as server:
+        video = whole_video(seen_videos(asyncio.run(arrive()))[0].source, HOST)
+        with (
+            hanging(server.port, slow_body("/", HOST), 300, trickle=b"x"),
+            hanging(server.port, video, 300),
+        ):
+            asyncio.run(take_part())
+
+    assert ledger.completed == 1
+    assert ledger.errors == []
+    assert said.read_text("utf-8") == ""

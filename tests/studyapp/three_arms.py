@@ -37,7 +37,7 @@ def three_arms(places: int, *, withdrawn: str = "kept") -> ServedStudy:
         definition=f'[page]\nwithdrawn = "{withdrawn}"\n',
         segments=segments,
         videos={
-            content: VideoFile(file=Path("not-there.mp4"), duration=2.0)
+            content: VideoFile(file=Path("not-there.mp4"), duration=2.0, made_from="nothing")
             for content in study.contents(segments)
         },
     )

@@ -101,9 +101,10 @@ class AutoencoderNetwork(nn.Module):
 def _convolved(
     channels: int, size: int, *, kernel: int = 3, stride: int = 1, padding: int = 0
 ) -> tuple[nn.Module, ...]:
-    convolution = nn.Conv1d(channels, size, kernel, stride=stride, padding=padding)
+    # A bias would be taken off with the mean, and move by rounding alone.
+    convolution = nn.Conv1d(channels, size, kernel, stride=stride, padding=padding, bias=False)
     return convolution, nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE)
 
 
 def _connected(entries: int, size: int) -> tuple[nn.Module, ...]:
-    return nn.Linear(entries, size), nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE)
+    return nn.Linear(entries, size, bias=False), nn.BatchNorm1d(size), nn.LeakyReLU(_SLOPE)

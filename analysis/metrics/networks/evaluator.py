@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import multiprocessing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.metrics import network_names as names
 from analysis.metrics.networks.clip_windows import TOLERANCE, long_enough, windows
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -59,6 +59,16 @@ class Evaluator:
     def channels(self) -> Channels:
         """What it looks at: ``body``, ``gesture``, ``expression``, ``both`` or ``landmarks``."""
         return self.file.facts.channels
+
+    @property
+    def name(self) -> str:
+        """Which kind it is; a name in `analysis.metrics.network_names`."""
+        return names.OF_CHANNELS[self.channels]
+
+    @property
+    def rule(self) -> None:
+        """No published code takes distances in its features."""
+        return None
 
     @property
     def frame_rate(self) -> float:
@@ -172,20 +182,13 @@ class Evaluator:
 def load_evaluator(path: Path) -> Evaluator:
     """Read a feature network that ``motionjury train evaluator`` wrote.
 
-    In a process that another one started, torch is left one thread: such processes share the
-    processors already.
-
     Raises
     ------
     InputError
         If the file is missing, damaged, another program's, of another version or changed.
     """
-    import torch
-
     from analysis.metrics.networks.evaluator_file import read_evaluator
 
-    if multiprocessing.parent_process() is not None:
-        torch.set_num_threads(1)
     path = Path(path)
     file = read_evaluator(path)
     with path.open("rb") as content:

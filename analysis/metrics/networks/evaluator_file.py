@@ -15,11 +15,11 @@ from analysis.metrics.networks.clip_views import Channels, Face
 from analysis.metrics.networks.design import SIZES, Design, Kind, Network
 from analysis.metrics.networks.emotion_network import EmotionConfig
 from analysis.metrics.networks.normalisation import Normalisation
-from generators.training.weights_file import WeightsFile, read_weights, write_weights
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
+from training.weights_file import WeightsFile, read_weights, write_weights
 
-_FORMAT: Final = 1
+_FORMAT: Final = 2
 
 _REMEDY: Final = "Give a file as 'motionjury train evaluator' wrote it, or train again"
 
@@ -57,7 +57,7 @@ class TrainingFacts(_Facts):
     Attributes
     ----------
     config : mapping
-        `generators.training.config.TrainingConfig`, as JSON holds it.
+        `training.config.TrainingConfig`, as JSON holds it.
     best_step : int
         Step after which the weights did best on what was kept back; they are in the file.
     last_loss : float
@@ -87,7 +87,7 @@ class EvaluatorFacts(_Facts):
         What was measured of the windows kept back.
     """
 
-    format: Literal[1] = _FORMAT
+    format: Literal[2] = _FORMAT
     kind: Kind
     channels: Channels
     joints: tuple[str, ...]

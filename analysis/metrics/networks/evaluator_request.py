@@ -8,9 +8,9 @@ from typing import Final
 
 from analysis.metrics.networks.clip_views import Channels
 from analysis.metrics.networks.design import Kind, Size
-from generators.training.config import TrainingConfig
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
+from training.config import TrainingConfig
 
 TRAINING: Final = MappingProxyType[tuple[Kind, Size], TrainingConfig](
     {

@@ -13,7 +13,7 @@ from torch import Tensor
 
 from analysis.metrics.networks.clip_windows import window_starts
 from analysis.metrics.networks.normalisation import Normalisation
-from generators.training.holdout import held_out_recordings
+from training.holdout import held_out_recordings
 
 FloatArray = NDArray[np.float32]
 

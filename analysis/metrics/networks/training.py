@@ -37,14 +37,15 @@ from analysis.metrics.networks.training_clips import (
     labels_in_order,
     read_training_clips,
 )
-from generators.training.launching import is_leader
-from generators.training.loop import Show, Trained, check_device, train
-from generators.training.run_folder import RunFolder
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.freeze import freeze
 from motion.resample import resample
 from motion.segment import EMOTIONS
+from training.device import check_device
+from training.launching import is_leader
+from training.loop import Show, Trained, train
+from training.run_folder import RunFolder
 
 FEWEST_WINDOWS: Final = 32
 """Fewer windows than this teach a network nothing that holds for other motion."""

@@ -126,7 +126,7 @@ def _forest(found: Sequence[Apart], by: By, mark: str) -> tuple[Picture, ...]:
         title=f"Effects by {by}",
         told={heading: _told(heading, dots) for heading, dots in panels.items()},
         caption=f"By {by}: {measure.says}, with {LEVEL:.0%} intervals, clustered by participant "
-        "and segment (CR1), of one segment by participant alone; after exclusions. Hollow: "
+        "and segment, of one segment by participant alone; after exclusions. Hollow: "
         f"descriptive, {FEW} segments or fewer. Diamond: over all.",
         data=_DATA,
         mark=mark,

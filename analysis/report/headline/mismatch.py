@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from analysis.report.content import Section
-from analysis.report.headline.degenerate import why_no_figure
 from analysis.report.headline.preference_figure import preference_pictures
 from analysis.report.headline.preference_rows import PreferenceGroup, mismatch_groups
 from analysis.report.headline.preference_tables import (
@@ -12,7 +11,7 @@ from analysis.report.headline.preference_tables import (
     sums_table,
     win_share_table,
 )
-from analysis.report.headline.words import in_set, suffix
+from analysis.report.headline.words import in_set, suffix, why_no_figure
 from analysis.report.subject import Subject
 from analysis.results.mismatch import MismatchResults
 

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from analysis.preferences.clustered import LEVEL
+from analysis.report.by_question import of
 from analysis.report.content import Picture, Section
-from analysis.report.headline.by_set import of
-from analysis.report.headline.degenerate import why_no_figure
 from analysis.report.headline.matrix_figure import Won, matrix_pictures
 from analysis.report.headline.preference_figure import preference_pictures
 from analysis.report.headline.preference_rows import PreferenceGroup, complement, pairwise_groups
@@ -18,9 +17,14 @@ from analysis.report.headline.preference_tables import (
     sums_table,
     win_share_table,
 )
-from analysis.report.headline.strength_figure import Standing, strength_pictures
-from analysis.report.headline.strengths import standings, standings_table
-from analysis.report.headline.words import in_set, of_set, share_words, suffix
+from analysis.report.headline.strengths import (
+    Standing,
+    contrasts_table,
+    standings,
+    standings_table,
+    strength_pictures,
+)
+from analysis.report.headline.words import in_set, of_set, share_words, suffix, why_no_figure
 from analysis.report.subject import Subject
 from analysis.results.pairwise import Comparison, PairwiseResults
 
@@ -79,6 +83,17 @@ def _section(
                 caption=caption,
                 name=f"strengths{end}",
                 data="bradley_terry.csv",
+            )
+        )
+    contrasts = [one for one in results.contrasts if one.set == group.set]
+    if len(strengths) and len({name for one in contrasts for name in (one.a, one.b)}) > 2:
+        tables.append(
+            contrasts_table(
+                contrasts,
+                strengths,
+                what="strengths",
+                name=f"contrasts{end}",
+                data="contrasts.csv",
             )
         )
     return Section(
@@ -145,7 +160,7 @@ def _matrix(
         found = shares[question] = {}
         for one in comparisons:
             if one.question == question and one.n:
-                share, decided = one.win_share, one.deciding_p_holm < SIGNIFICANCE
+                share, decided = one.win_share, one.decision.p_holm < SIGNIFICANCE
                 words = share_words(share)
                 found[one.a, one.b] = Won(share=share.estimate, words=words, decided=decided)
                 words = share_words(complement(share))

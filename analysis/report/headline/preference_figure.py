@@ -102,7 +102,7 @@ def _caption(group: PreferenceGroup) -> str:
         f"Answers in %, around “no difference”: {group.one} to the left, {group.other} to the "
         "right; after exclusions; n: participants analysed. Right: win share of "
         f"{group.one} (preferences plus half of “no difference”) with its {LEVEL:.0%} interval, "
-        "clustered by participant and segment (CR1); .5 means that neither is preferred."
+        "clustered by participant and segment; .5 means that neither is preferred."
     )
 
 

@@ -12,7 +12,7 @@ from analysis.results.estimate import Estimate
 from analysis.results.mismatch import MatchedCondition, MismatchResults
 from analysis.results.net_preference import NetPreference
 from analysis.results.pairwise import Comparison, PairwiseResults
-from analysis.results.preference import AsPublished, Preference, Robustness
+from analysis.results.preference import AsPublished, Decision, Preference, Robustness
 from analysis.results.sensitivity import Number
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
@@ -37,8 +37,8 @@ class PreferenceRow:
         Of the one: after exclusions, and when nobody is excluded.
     net : NetPreference
         For the one, in logits.
-    p, p_holm : float
-        What the report decides by; corrected over the report.
+    decision : Decision
+        What the report decides by.
     robustness, as_published
         Further tests, which have no direction.
     """
@@ -54,8 +54,7 @@ class PreferenceRow:
     win_share: Estimate
     everyone: Estimate
     net: NetPreference
-    p: float
-    p_holm: float
+    decision: Decision
     robustness: Robustness
     as_published: AsPublished
 
@@ -204,8 +203,7 @@ def _row(found: Preference, one: str, other: str, question: str) -> PreferenceRo
         win_share=found.win_share,
         everyone=found.without_exclusions.win_share,
         net=found.clmm,
-        p=found.deciding_p,
-        p_holm=found.deciding_p_holm,
+        decision=found.decision,
         robustness=found.robustness,
         as_published=found.as_published,
     )
@@ -220,6 +218,7 @@ def _turned(row: PreferenceRow) -> PreferenceRow:
         win_share=complement(row.win_share),
         everyone=complement(row.everyone),
         net=replace(row.net, estimate=-row.net.estimate),
+        decision=row.decision.turned(),
     )
 
 

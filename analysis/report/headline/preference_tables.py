@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Final
 
 from analysis.clustered_variance import TWO_WAY
@@ -10,7 +11,23 @@ from analysis.report import wording
 from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.preference_figure import levels
 from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow
-from analysis.report.headline.words import counted, gathered, of_set, plus_minus, share_words
+from analysis.report.headline.words import (
+    CLUSTERED,
+    counted,
+    gathered,
+    of_set,
+    plus_minus,
+    share_words,
+)
+
+INSTEAD: Final = MappingProxyType(
+    {
+        "clmm": "the mixed model",
+        "win_share": "the win share",
+        "sign": "the exact sign test of participants, who alone are taken as a sample",
+    }
+)
+"""What a p value is one of."""
 
 _MOST_BESIDE: Final = 3
 """Questions up to which a table shows them beside each other."""
@@ -89,12 +106,10 @@ def win_share_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
     return Table(
         caption=f"{of_set(group.set)}Win share of {group.one}: preferences for it plus half of "
         "“no difference”, as a share of all answers, with its "
-        f"{LEVEL:.0%} interval, clustered by participant and segment (CR1, t with "
-        "min(participants, segments) − 1 degrees of freedom). Log-odds: net preference in a "
-        "cumulative link mixed model with crossed effects of participants and segments; p by its "
-        "likelihood ratio (with few participants or segments, of the win share), corrected by Holm "
-        "over all comparisons and questions of the report. "
-        "After exclusions.",
+        f"{LEVEL:.0%} interval, clustered by participant and segment ({CLUSTERED}). Log-odds: "
+        "net preference in a cumulative link mixed model with crossed effects of participants and "
+        "segments; p by its likelihood ratio, or of what a note names in its place, corrected by "
+        "Holm over the report's family of tests. After exclusions.",
         header=(
             *("question", group.heading, "participants", "answers"),
             *(f"win share, {LEVEL:.0%} interval", "log-odds", "p", f"p{wording.NO_BREAK}(Holm)"),
@@ -169,8 +184,8 @@ def _headline(row: PreferenceRow) -> tuple[Cell, ...]:
         counted(row.n, str(row.n)),
         counted(row.win_share.estimate, share_words(row.win_share, why=False)),
         counted(net.estimate, plus_minus(net.estimate, net.se)),
-        counted(row.p, wording.p_value(row.p)),
-        counted(row.p_holm, wording.p_value(row.p_holm)),
+        counted(row.decision.p, wording.p_value(row.decision.p)),
+        counted(row.decision.p_holm, wording.p_value(row.decision.p_holm)),
     )
 
 
@@ -182,7 +197,9 @@ def _reasons(group: PreferenceGroup) -> tuple[str, ...]:
         for note in (
             row.win_share.reason and f"no interval: {row.win_share.reason}",
             "" if row.win_share.method in {"", TWO_WAY} else f"interval {row.win_share.method}",
+            row.win_share.remark,
             row.net.reason and f"no log-odds: {row.net.reason}",
             row.net.remark,
+            row.decision.why and f"p is that of {INSTEAD[row.decision.by]}; {row.decision.why}",
         )
     )

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from analysis.preferences.clustered import LEVEL
+from analysis.report.by_question import of
 from analysis.report.content import Picture, Section
-from analysis.report.headline.by_set import of
-from analysis.report.headline.degenerate import why_no_figure
 from analysis.report.headline.ranking_figures import first_share_pictures, place_pictures
 from analysis.report.headline.ranking_tables import place_table, posthoc_table, rank_table
-from analysis.report.headline.strength_figure import strength_pictures
-from analysis.report.headline.strengths import standings, standings_table
-from analysis.report.headline.words import in_set, of_set, suffix
+from analysis.report.headline.strengths import (
+    contrasts_table,
+    standings,
+    standings_table,
+    strength_pictures,
+)
+from analysis.report.headline.words import in_set, of_set, suffix, why_no_figure
 from analysis.report.subject import Subject
 from analysis.results.ranking import RankedCondition, RankingResults
 
@@ -36,7 +39,8 @@ def _section(results: RankingResults, name: str | None, mark: str, end: str) -> 
         participants=max(c.mean_rank_interval.participants for c in conditions),
         tied=_all_tied(conditions),
     )
-    contrasts = [c for c in results.posthoc if c.set == name]
+    contrasts = [c for c in results.contrasts if c.set == name]
+    posthoc = [c for c in results.posthoc if c.set == name]
     caption = (
         f"{of_set(name)}Plackett–Luce worths of the rankings after exclusions (ties included), on "
         "a log scale on which they add up to zero, and the ranks that each condition may have at "
@@ -64,8 +68,21 @@ def _section(results: RankingResults, name: str | None, mark: str, end: str) -> 
                 data="plackett_luce.csv",
             ),
             *(
-                (posthoc_table(contrasts, name=f"posthoc{end}", data="posthoc.csv"),)
+                (
+                    contrasts_table(
+                        contrasts,
+                        worths,
+                        what="worths",
+                        name=f"contrasts{end}",
+                        data="contrasts.csv",
+                    ),
+                )
                 if contrasts
+                else ()
+            ),
+            *(
+                (posthoc_table(posthoc, name=f"posthoc{end}", data="posthoc.csv"),)
+                if posthoc
                 else ()
             ),
         ),

@@ -54,7 +54,7 @@ def place_pictures(
         "How often each condition came to each place, in % of its n rankings, the first "
         "place on the left; tied conditions share their places; after exclusions. Right: mean "
         f"rank (1 is best) with its {LEVEL:.0%} interval, clustered by participant and segment "
-        "(CR1).",
+        ".",
         data=data,
         mark=mark,
     )
@@ -87,7 +87,7 @@ def first_share_pictures(
         },
         caption=f"{of_set(conditions[0].set)}"
         f"Share of rankings in which each condition came first, with its {LEVEL:.0%} "
-        "interval, clustered by participant and segment (CR1); conditions tied for the first "
+        "interval, clustered by participant and segment; conditions tied for the first "
         f"place share it. The line is what chance gives, {wording.share(chance)}.",
         data=data,
         mark=mark,

@@ -9,7 +9,15 @@ from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Table, cells
 from analysis.report.headline.ranking_figures import ordinal
-from analysis.report.headline.words import between, counted, gathered, interval, number, of_set
+from analysis.report.headline.words import (
+    CLUSTERED,
+    between,
+    counted,
+    gathered,
+    interval,
+    number,
+    of_set,
+)
 from analysis.results.rank_tests import Concordance, Friedman, RankContrast
 from analysis.results.ranking import RankedCondition
 
@@ -54,8 +62,8 @@ def rank_table(
     """Return mean ranks and shares of first places with their intervals."""
     return Table(
         caption=f"{of_set(conditions[0].set)}Mean rank (1 is best) and share of first places, with "
-        f"{LEVEL:.0%} intervals clustered by participant and segment (CR1, t with "
-        "min(participants, segments) − 1 degrees of freedom), each tested against what chance "
+        f"{LEVEL:.0%} intervals clustered by participant and segment ({CLUSTERED}), "
+        "each tested against what chance "
         "gives; p is not corrected. After exclusions; n: rankings.",
         groups=(("", 3), ("mean rank", 3), ("first places", 3)),
         header=(

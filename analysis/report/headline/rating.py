@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from analysis.report.by_question import of
 from analysis.report.content import Section
-from analysis.report.headline.by_set import of
-from analysis.report.headline.degenerate import why_no_figure
 from analysis.report.headline.rating_figures import (
     contrast_pictures,
     cumulative_pictures,
@@ -19,7 +18,7 @@ from analysis.report.headline.rating_tables import (
     model_table,
     score_table,
 )
-from analysis.report.headline.words import in_set, suffix
+from analysis.report.headline.words import in_set, suffix, why_no_figure
 from analysis.report.subject import Subject
 from analysis.results.rating import RatedCondition, RatingResults
 

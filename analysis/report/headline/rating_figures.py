@@ -76,7 +76,7 @@ def distribution_pictures(
         caption=f"{of_set(conditions[0].set)}"
         "How often each score was given, in % of a condition's n ratings, worst on the "
         "left; after exclusions. Right: mean with its "
-        f"{LEVEL:.0%} interval, clustered by participant and segment (CR1)."
+        f"{LEVEL:.0%} interval, clustered by participant and segment."
         f"{_scales(scores, labels, questions)}",
         data=data,
         mark=mark,
@@ -178,7 +178,7 @@ def contrast_pictures(
         caption=f"{of_set(contrasts[0].set)}"
         "How much better the first condition is rated than the second, in scores: mean "
         f"difference of paired ratings with its {LEVEL:.0%} interval, clustered by participant "
-        "and segment (CR1), after exclusions; p by Holm over the report.",
+        "and segment, after exclusions; p by Holm over the report.",
         data=data,
         mark=mark,
     )
@@ -195,7 +195,7 @@ def _difference(contrast: RatingContrast | None) -> Dot:
         low=found.low,
         high=found.high,
         words=number(found.estimate),
-        below="no test" if p == "–" else f"p {p if p.startswith('<') else f'= {p}'}",
+        below="no test" if p == "–" else wording.p_is(found.p_holm),
         hint=f"{number(found.estimate)}{inside}, p (Holm) {p}",
     )
 

@@ -9,13 +9,13 @@ from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.words import (
+    CLUSTERED,
     between,
     counted,
     gathered,
     notes,
     number,
     of_set,
-    plus_minus,
 )
 from analysis.results.rating import RatedCondition
 from analysis.results.rating_contrasts import RatingContrast
@@ -48,7 +48,7 @@ def interval_table(conditions: Sequence[RatedCondition], *, name: str, data: str
     scores = tuple(conditions[0].at_least)[1:]
     return Table(
         caption=f"{of_set(conditions[0].set)}Mean ratings with {LEVEL:.0%} intervals, clustered by "
-        "participant and segment (CR1, t with min(participants, segments) − 1 degrees of freedom), "
+        f"participant and segment ({CLUSTERED}), "
         "and how many of the n ratings are a score or a higher one, in %. After exclusions.",
         header=(
             *("question", "condition", "n", "mean", f"{LEVEL:.0%} interval"),
@@ -85,8 +85,8 @@ def contrast_table(contrasts: Sequence[RatingContrast], *, name: str, data: str)
     return Table(
         caption=f"{of_set(contrasts[0].set)}How much better the first condition is rated than the "
         f"second, in scores: mean difference of paired ratings with its {LEVEL:.0%} interval, "
-        "clustered by participant and segment (CR1, t with min(participants, segments) − 1 degrees "
-        "of freedom); n: pairs of ratings. p is corrected by Holm over all contrasts and questions "
+        f"clustered by participant and segment ({CLUSTERED}); n: "
+        "pairs of ratings. p is corrected by Holm over the report's family of tests. "
         "of the report. Cliff's δ: how often the first is rated higher minus how often lower. "
         "After exclusions.",
         header=(
@@ -134,21 +134,15 @@ def model_table(
     return Table(
         caption=f"{of_set(contrasts[0].set)}Beside the headline: the same contrasts in a "
         "cumulative link mixed model with crossed random intercepts of participants and segments. "
-        "Log-odds ± error and odds ratio: of a better rating for the first condition. The model "
-        "takes conditions to differ alike for all participants and segments; where they do not, "
-        "its p values are too small.",
-        header=(
-            *("question", "first", "second", "log-odds", "odds ratio", f"{LEVEL:.0%} interval"),
-            *("p", f"p{wording.NO_BREAK}(Holm)"),
-        ),
+        "Log-odds and odds ratio: of a better rating for the first condition. The model takes "
+        "conditions to differ alike for all participants and segments; where they do not, its "
+        "errors are too small, so that it describes and does not test.",
+        header=("question", "first", "second", "log-odds", "odds ratio"),
         rows=tuple(
             (
                 *_place(c),
-                counted(c.estimate, plus_minus(c.estimate, c.se)),
+                counted(c.log_odds, number(c.log_odds)),
                 counted(c.odds_ratio, number(c.odds_ratio)),
-                counted(c.odds_low, _inside(c.odds_low, c.odds_high, number)),
-                counted(c.p, wording.p_value(c.p)),
-                counted(c.p_holm, wording.p_value(c.p_holm)),
             )
             for c in contrasts
         ),
@@ -158,11 +152,6 @@ def model_table(
                 note
                 for question, model in models.items()
                 for note in notes(model.reason, model.remark, wording.heading(question))
-            ),
-            *gathered(
-                (_about(c), c.remark)
-                for c in contrasts
-                if c.remark not in {models[c.question].reason, models[c.question].remark}
             ),
         ),
         name=name,

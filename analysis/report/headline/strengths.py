@@ -1,19 +1,121 @@
-"""Bradley-Terry strengths and Plackett-Luce worths as a figure and a table."""
+"""Bradley-Terry strengths and Plackett-Luce worths as a figure and as tables."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
-from analysis.report.content import Cell, Table, cells
-from analysis.report.headline.strength_figure import Standing
-from analysis.report.headline.words import between, counted, notes, number, ranks
-from analysis.results.strengths import Strengths
-from analysis.results.worths import Worths
+from analysis.report.content import Cell, Picture, Table, cells
+from analysis.report.headline.dot_figure import Dot, dot_pictures, round_ticks, spread
+from analysis.report.headline.panels import RowName, Scale
+from analysis.report.headline.words import (
+    between,
+    counted,
+    gathered,
+    notes,
+    number,
+    of_set,
+    ranks,
+)
+from analysis.results.strengths import StrengthContrast, Strengths, Worths
 
 Fitted = Strengths | Worths
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """Where one condition stands.
+
+    Attributes
+    ----------
+    condition : str
+        Its name.
+    value, low, high : float
+        On a log scale on which all conditions add up to zero, with its interval.
+    ranks : str
+        Those it may have, '1–2'.
+    """
+
+    condition: str
+    value: float
+    low: float
+    high: float
+    ranks: str
+
+
+def strength_pictures(
+    standings: Mapping[str, Sequence[Standing]],
+    *,
+    axis: str,
+    name: str,
+    title: str,
+    caption: str,
+    data: str,
+    mark: str,
+) -> tuple[Picture, ...]:
+    """Draw a panel per question and a row per condition, the strongest on the first one on top.
+
+    Parameters
+    ----------
+    standings : mapping of str to sequence of Standing
+        By question.
+    axis : str
+        What the values are.
+    name, title, caption, data
+        See `analysis.report.svg.picture`.
+    mark : str
+        Written on top; empty for none.
+    """
+    first = next(iter(standings.values()))
+    values = {one.condition: one.value for one in first if not math.isnan(one.value)}
+    names = dict.fromkeys(one.condition for found in standings.values() for one in found)
+    order = sorted(names, key=lambda one: -values.get(one, -math.inf))
+    panels = {question: _dots(order, found) for question, found in standings.items()}
+    limits = spread([dot for dots in panels.values() for dot in dots], around=0.0)
+    return dot_pictures(
+        panels,
+        [RowName(name=wording.name(one)) for one in order],
+        Scale(limits=limits, ticks=round_ticks(limits), label=axis, line=0.0),
+        name=name,
+        title=title,
+        told={question: _told(question, found) for question, found in standings.items()},
+        caption=caption,
+        data=data,
+        mark=mark,
+    )
+
+
+def _dots(order: Sequence[str], standings: Sequence[Standing]) -> list[Dot]:
+    by_name = {one.condition: one for one in standings}
+    return [_dot(by_name.get(name)) for name in order]
+
+
+def _dot(one: Standing | None) -> Dot:
+    if one is None or math.isnan(one.value):
+        return Dot(estimate=math.nan, words="–")
+    return Dot(
+        estimate=one.value,
+        low=one.low,
+        high=one.high,
+        words=number(one.value),
+        below=f"rank {one.ranks}" if one.ranks != "–" else "",
+        hint=f"{wording.name(one.condition)}: {_words(one)}",
+    )
+
+
+def _words(one: Standing) -> str:
+    if math.isnan(one.value):
+        return "not known"
+    inside = "" if math.isnan(one.low) else f" {between(number(one.low), number(one.high))}"
+    return f"{number(one.value)}{inside}, rank {one.ranks}"
+
+
+def _told(question: str, standings: Sequence[Standing]) -> str:
+    parts = [f"{wording.name(one.condition)}: {_words(one)}" for one in standings]
+    return f"{wording.heading(question)}. {'; '.join(parts)}."
 
 
 def standings(fitted: Fitted) -> tuple[Standing, ...]:
@@ -88,3 +190,91 @@ def _uncertainty(fitted: Fitted, name: str) -> tuple[Cell, Cell]:
 
 def _values(fitted: Fitted) -> Mapping[str, float]:
     return fitted.strengths if isinstance(fitted, Strengths) else fitted.worths
+
+
+def contrasts_table(
+    contrasts: Sequence[StrengthContrast],
+    fitted: Mapping[str, Fitted],
+    *,
+    what: str,
+    name: str,
+    data: str,
+) -> Table:
+    """Return how much stronger the first of every two conditions is.
+
+    Parameters
+    ----------
+    contrasts : sequence of StrengthContrast
+        Of one set.
+    fitted : mapping of str to Strengths or Worths
+        What they are differences of, by question.
+    what : str
+        What those are called.
+    name, data
+        See `analysis.report.content.Table`.
+    """
+    shared = any(_share_ranks(one, fitted[one.question]) for one in contrasts)
+    return Table(
+        caption=f"{of_set(contrasts[0].set)}Differences of {what} of every two conditions, in "
+        f"logits, with {LEVEL:.0%} intervals one at a time, clustered by participant and segment; "
+        "above zero where the first is ahead. p is corrected by Holm over the report's family of "
+        "tests. After exclusions.",
+        header=(
+            *("question", "first", "second", "difference", f"{LEVEL:.0%} interval"),
+            *("p", f"p{wording.NO_BREAK}(Holm)"),
+        ),
+        rows=tuple(
+            (
+                *cells(wording.heading(one.question), wording.name(one.a), wording.name(one.b)),
+                counted(one.difference, number(one.difference)),
+                counted(
+                    one.low,
+                    "–" if math.isnan(one.low) else between(number(one.low), number(one.high)),
+                ),
+                counted(one.p, wording.p_value(one.p)),
+                counted(one.p_holm, wording.p_value(one.p_holm)),
+            )
+            for one in contrasts
+        ),
+        text_columns=3,
+        notes=(
+            *(
+                f"{wording.heading(question)}, all conditions together: "
+                + (
+                    test.reason
+                    or f"F({test.df:.0f}, {wording.quantity(test.df_rest)}) = "
+                    f"{number(test.f)}, {wording.p_is(test.p)}; {test.method}"
+                )
+                + "."
+                for question, model in fitted.items()
+                for test in (model.omnibus,)
+            ),
+            *gathered(
+                (
+                    f"{wording.heading(one.question)}, {wording.name(one.a)} against "
+                    f"{wording.name(one.b)}",
+                    note,
+                )
+                for one in contrasts
+                for note in (one.reason, one.remark)
+            ),
+            *((RANKS_ARE_WIDER,) if shared else ()),
+        ),
+        name=name,
+        data=data,
+    )
+
+
+RANKS_ARE_WIDER = (
+    "Some differences are decided although both conditions may have the same rank: ranks hold for "
+    "all conditions together at once (Bonferroni), while Holm's correction decides differences one "
+    "after another, which finds more."
+)
+
+
+def _share_ranks(one: StrengthContrast, fitted: Fitted) -> bool:
+    """Tell whether a decided difference is between conditions whose ranks overlap."""
+    if not one.p_holm < 1 - LEVEL or not fitted.ranks:
+        return False
+    a, b = fitted.ranks[one.a], fitted.ranks[one.b]
+    return a.best <= b.worst and b.best <= a.worst

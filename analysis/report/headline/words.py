@@ -1,4 +1,4 @@
-"""Estimates in words."""
+"""Estimates in words, and why there is no figure."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from collections.abc import Iterable
 from analysis.report import wording
 from analysis.report.content import Cell
 from analysis.results.estimate import Estimate
-from analysis.results.strength_errors import RankInterval
+from analysis.results.strengths import RankInterval
+
+CLUSTERED = "CR2, t with Satterthwaite's degrees of freedom"
+"""How intervals of means are computed, for captions."""
 
 
 def interval(found: Estimate) -> str:
@@ -86,3 +89,25 @@ def gathered(found: Iterable[tuple[str, str]]) -> tuple[str, ...]:
 def plus_minus(estimate: float, error: float) -> str:
     """Return an estimate with its error, '0.47 ± 0.03'; a dash for none."""
     return "–" if math.isnan(estimate) else f"{number(estimate)} ± {number(error)}"
+
+
+NOTHING = "No answer is left to analyse, so no figure is drawn."
+ALONE = (
+    "The answers of one participant are analysed. Nothing tells how people differ, so there is "
+    "neither an interval nor a figure; the tables hold what was answered."
+)
+
+
+def why_no_figure(*, answers: int, participants: int, tied: str = "") -> str:
+    """Return why nothing is drawn; '' where there is something to see.
+
+    Parameters
+    ----------
+    answers, participants : int
+        How many are analysed.
+    tied : str, optional
+        What to say where all answers are alike; '' where they are not.
+    """
+    if not answers or not participants:
+        return NOTHING
+    return ALONE if participants == 1 else tied

@@ -13,9 +13,10 @@ from typing import Final
 from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
-from studyapp.clock import Clock
+from studyapp.clock import Clock, has_passed
 from studyapp.models import (
     AuditLine,
+    Event,
     ExclusionDecision,
     IntakeChange,
     InterimFigures,
@@ -26,7 +27,6 @@ from studyapp.services.database import Database, Turn, take_turn
 from studyapp.services.interim.computing import FigureProcess, NoFiguresError
 from studyapp.services.interim.documents import FORMAT, What
 from studyapp.services.looks import answers_so_far
-from studyapp.services.versions import OPERATION_CHANGED
 
 RESTS: Final[dict[What, timedelta]] = {
     "agreement": timedelta(minutes=10),
@@ -98,7 +98,7 @@ def _state(session: Session) -> str:
         select(func.max(ExclusionDecision.id)),
         select(func.max(IntakeChange.id)),
         select(func.max(StudyVersion.id)),
-        select(func.max(AuditLine.id)).where(AuditLine.event == OPERATION_CHANGED),
+        select(func.max(AuditLine.id)).where(AuditLine.event == Event.OPERATION_CHANGED),
     )
     numbers = (
         FORMAT,
@@ -114,14 +114,14 @@ def _row(session: Session, what: What) -> InterimFigures | None:
 
 
 def _is_running(row: InterimFigures, now: datetime) -> bool:
-    return row.begun_at is not None and now - row.begun_at < GIVEN_UP_AFTER
+    return row.begun_at is not None and not has_passed(GIVEN_UP_AFTER, row.begun_at, now)
 
 
 def _is_due(row: InterimFigures | None, state: str, now: datetime, rest: timedelta) -> bool:
     if row is None or row.tried_at is None:
         return row is None or not _is_running(row, now)
     changed = row.state != state or bool(row.problem)
-    return changed and now - row.tried_at >= rest and not _is_running(row, now)
+    return changed and has_passed(rest, row.tried_at, now) and not _is_running(row, now)
 
 
 def _begin(database: Database, what: What, state: str, now: datetime) -> datetime | None:

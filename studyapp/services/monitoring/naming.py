@@ -37,7 +37,7 @@ def pseudonyms_of(
     return {number: named[number] for number in numbers if number in named}
 
 
-def number_called(database: Database, key: PseudonymKey | None, name: str) -> int | None:
+def number_called(session: Session, key: PseudonymKey | None, name: str) -> int | None:
     """Return the study session that is called `name`; None where there is none.
 
     Parameters
@@ -48,10 +48,9 @@ def number_called(database: Database, key: PseudonymKey | None, name: str) -> in
         Its number, or the participant's pseudonym as an export or a folder of it has it.
     """
     name = name.strip().removeprefix(FOLDER).lower()
-    with database.reading() as session:
-        if name.isascii() and name.isdecimal():
-            return _numbered(session, name)
-        named = {} if key is None else key.pseudonyms(_identities(session, true()))
+    if name.isascii() and name.isdecimal():
+        return _numbered(session, name)
+    named = {} if key is None else key.pseudonyms(_identities(session, true()))
     return next((number for number, found in named.items() if found == name), None)
 
 

@@ -10,13 +10,13 @@ from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
 from studyapp.definition.study import Study
-from studyapp.models import FormAnswer, RefusalLine, StudySession, Trial, Video, WatchBatch
+from studyapp.models import FormAnswer, RefusalLine, StudySession, Trial, Video, WatchRecord
 from studyapp.services.database import Database
 from studyapp.services.exclusion import JUDGED
 from studyapp.services.exclusion_decisions import DecidedExclusion, exclusion_decisions
 from studyapp.services.monitoring.sittings import Sitting, sittings
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.watch_evidence import FASTEST, counts, watched_share
+from studyapp.services.watch_evidence import FASTEST, length, watched_share, watched_so_far
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +103,7 @@ def one_sitting(
             selectinload(StudySession.trials).selectinload(Trial.stimuli),
             selectinload(StudySession.trials)
             .selectinload(Trial.videos)
-            .options(selectinload(Video.watch_batches), selectinload(Video.stimuli)),
+            .options(selectinload(Video.watch_record), selectinload(Video.stimuli)),
         )
     )
     refused = select(RefusalLine).where(RefusalLine.study_session_id == number)
@@ -141,7 +141,7 @@ def _line(study: Study, trial: Trial) -> TrialLine:
         segment=trial.segment,
         emotion=trial.emotion,
         seconds=trial.seconds,
-        watched=watched_share(trial),
+        watched=watched_share(trial.videos),
         outcome=_outcome(study, trial),
     )
 
@@ -184,8 +184,8 @@ def _trial_events(trial: Trial) -> Iterator[Event]:
     if trial.shown_at is not None:
         yield Event(at=trial.shown_at, what=f"Trial {place} was shown", trial=place)
     for video in trial.videos:
-        for batch in video.watch_batches:
-            yield _played(trial, video, batch)
+        if video.watch_record is not None:
+            yield _played(trial, video, video.watch_record)
         if video.unplayable_at is not None:
             what = f"Said that {_video(trial, video)} does not play"
             yield Event(at=video.unplayable_at, what=what, trial=place, trouble=True)
@@ -196,24 +196,27 @@ def _trial_events(trial: Trial) -> Iterator[Event]:
         yield Event(at=trial.unplayable_at, what=what, trial=place, trouble=True)
 
 
-def _played(trial: Trial, video: Video, batch: WatchBatch) -> Event:
-    parts = ", ".join(f"{start:.1f}–{end:.1f} s" for start, end in batch.intervals)
-    notes = [f"Played {parts or 'nothing'} of {_video(trial, video)}"]
-    if batch.rate > FASTEST:
-        notes.append(f"at {batch.rate:.2g} times the speed")
-    if batch.hidden_seconds:
-        notes.append(f"{batch.hidden_seconds:.1f} s out of sight")
-    if batch.silent_seconds and not video.soundless:
-        notes.append(f"{batch.silent_seconds:.1f} s unheard")
-    if batch.stalls:
-        notes.append(f"{batch.stalls} stalls of {batch.stalled_seconds:.1f} s")
-    if not counts(batch, video):
-        notes.append("does not count as watched")
+def _played(trial: Trial, video: Video, record: WatchRecord) -> Event:
+    watched = length(watched_so_far(video, 0.0).intervals)
+    notes = [
+        f"Had played {record.played_seconds:.1f} s of {_video(trial, video)}",
+        f"{watched:.1f} s of its {video.duration:.1f} s count as watched",
+    ]
+    if video.sent_at is None:
+        notes.append("though it was never sent")
+    if record.rate > FASTEST:
+        notes.append(f"at up to {record.rate:.2g} times the speed")
+    if record.hidden_seconds:
+        notes.append(f"{record.hidden_seconds:.1f} s out of sight")
+    if record.silent_seconds and not video.soundless:
+        notes.append(f"{record.silent_seconds:.1f} s unheard")
+    if record.stalls:
+        notes.append(f"{record.stalls} stalls of {record.stalled_seconds:.1f} s")
     return Event(
-        at=batch.received_at,
+        at=record.reported_at,
         what=", ".join(notes),
         trial=trial.position,
-        trouble=batch.stalls > 0 or not counts(batch, video),
+        trouble=len(notes) > 2,
     )
 
 

@@ -35,6 +35,8 @@ from studyapp.services.monitoring.sittings import Sitting, present_ones, sitting
 from studyapp.services.served_study import ServedStudy
 
 KINDS: Final = ("practice", "main", "repeat", *JUDGED)
+MOST_LISTED: Final = 20
+"""People who are named where there may be very many."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,10 +66,12 @@ class Overview:
         Of all arms together, and of each.
     earlier : int
         Study sessions of earlier versions of the study, which are counted nowhere else.
-    lapsed, replaced : int
+    lapsed, replaced, unwatched : int
         Study sessions that hold no place.
     excluded : int
         Study sessions that researchers leave out of the analysis; most hold places all the same.
+    leaving_out : tuple of Sitting
+        Who said most often that a video does not play; nobody who never did.
     whole : Times
         How long whole study sessions take, from the first trial to the last answer.
     """
@@ -80,7 +84,9 @@ class Overview:
     earlier: int
     lapsed: int
     replaced: int
+    unwatched: int
     excluded: int
+    leaving_out: tuple[Sitting, ...]
     progress: Progress
     dropouts: Dropouts
     failed: tuple[FailedChecks, ...]
@@ -115,6 +121,8 @@ def overview(database: Database, served: ServedStudy, now: datetime) -> Overview
         earlier=len(everybody) - len(present),
         lapsed=sum(each.standing == "lapsed" for each in present),
         replaced=sum(each.standing == "replaced" for each in present),
+        unwatched=sum(each.standing == "unwatched" for each in present),
+        leaving_out=_leaving_out(present),
         excluded=sum(each.excluded for each in present),
         progress=progress(trials, counted),
         dropouts=left,
@@ -153,6 +161,11 @@ def _forecast(present: Sequence[Sitting], places: PlaceCounts, now: datetime) ->
     finished = [each.completed_at for each in present if each.completed_at is not None]
     began = min((each.consented_at for each in present), default=None)
     return forecast(finished, places.still_to_be_done, began, now)
+
+
+def _leaving_out(present: Sequence[Sitting]) -> tuple[Sitting, ...]:
+    some = [each for each in present if each.left_out]
+    return tuple(sorted(some, key=lambda each: -each.left_out)[:MOST_LISTED])
 
 
 def _whole_seconds(present: Sequence[Sitting]) -> list[float]:

@@ -8,7 +8,7 @@ from typing import Final
 from sqlalchemy import ColumnElement, and_, case, exists, func, select
 from sqlalchemy.orm import Session, aliased
 
-from studyapp.models import TrialStimulus, Video, WatchBatch
+from studyapp.models import TrialStimulus, Video, WatchRecord
 
 NOTICEABLE: Final = 0.05
 """Share of left out pictures that an attentive eye may notice."""
@@ -81,20 +81,6 @@ def _played(
     )
 
 
-# Pictures are counted from when a page was loaded; of a page that was loaded twice, the longer
-# time tells enough.
-_SUMS = (
-    select(
-        WatchBatch.video_id.label("video"),
-        func.sum(WatchBatch.stalls).label("stalls"),
-        func.sum(WatchBatch.stalled_seconds).label("stalled_seconds"),
-        func.max(WatchBatch.frames).label("frames"),
-        func.max(WatchBatch.dropped_frames).label("dropped"),
-    )
-    .group_by(WatchBatch.video_id)
-    .subquery()
-)
-
 # A video shows one stimulus, or two beside each other.
 _FIRST, _SECOND, _EARLIER = (aliased(TrialStimulus) for _ in range(3))
 
@@ -109,18 +95,18 @@ _PLAYED = (
         _FIRST.condition,
         _SECOND.condition,
         func.count(),
-        func.sum(case((_SUMS.c.stalls > 0, 1), else_=0)),
-        func.coalesce(func.sum(_SUMS.c.stalled_seconds), 0.0),
-        func.sum(case((_SUMS.c.frames > 0, _SUMS.c.frames))),
-        func.sum(case((_SUMS.c.frames > 0, _SUMS.c.dropped))),
+        func.sum(case((WatchRecord.stalls > 0, 1), else_=0)),
+        func.coalesce(func.sum(WatchRecord.stalled_seconds), 0.0),
+        func.sum(case((WatchRecord.frames > 0, WatchRecord.frames))),
+        func.sum(case((WatchRecord.frames > 0, WatchRecord.dropped_frames))),
         func.count(Video.unplayable_at),
     )
     .select_from(Video)
-    .outerjoin(_SUMS, _SUMS.c.video == Video.id)
+    .outerjoin(WatchRecord, WatchRecord.video_id == Video.id)
     .join(_FIRST, and_(_FIRST.trial_id == Video.trial_id, _FIRST.video_id == Video.id))
     .outerjoin(_SECOND, and_(_same_video(_SECOND, _FIRST), _SECOND.number > _FIRST.number))
     .where(
-        _SUMS.c.video.is_not(None) | Video.unplayable_at.is_not(None),
+        WatchRecord.id.is_not(None) | Video.unplayable_at.is_not(None),
         ~exists().where(_same_video(_EARLIER, _FIRST), _EARLIER.number < _FIRST.number),
     )
     .group_by(_FIRST.segment, _FIRST.condition, _SECOND.condition)

@@ -10,11 +10,11 @@ from typing import Any, Final, Literal, NamedTuple, get_args
 from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session
 
-from studyapp.models import Place, StudySession, Trial
+from studyapp.models import Place, StudySession, Trial, Video
 from studyapp.services.exclusion_decisions import standing_exclusions
 from studyapp.services.served_study import ServedStudy
 
-Standing = Literal["done", "replaced", "active", "stale", "lapsed", "withdrawn"]
+Standing = Literal["done", "replaced", "active", "stale", "unwatched", "lapsed", "withdrawn"]
 STANDINGS: Final[tuple[Standing, ...]] = get_args(Standing)
 
 
@@ -29,10 +29,12 @@ class _Row(NamedTuple):
     last_active_at: datetime
     completed_at: datetime | None
     withdrawn_at: datetime | None
+    outcome: str | None
     placed: bool
     excluded: bool
     trials: int
     settled: int
+    left_out: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,9 +51,12 @@ class Sitting:
     standing : Standing
         ``done`` has finished; ``replaced`` has, and the place was given to somebody else after
         failed checks; ``active`` and ``stale`` hold a place, the latter silently for so long that
-        the next newcomer may get it; ``lapsed`` has lost it; ``withdrawn`` took consent back.
+        the next newcomer may get it; ``unwatched`` was ended, since too many videos were said not
+        to play; ``lapsed`` has lost its place; ``withdrawn`` took consent back.
     trials, settled : int
         Trials planned, and those answered or said not to play. None are left of who withdrew.
+    left_out : int
+        Pages on which a video was said not to play, that which ended the study session included.
     excluded : bool
         Whether a researcher leaves it out of the analysis.
     """
@@ -66,6 +71,7 @@ class Sitting:
     completed_at: datetime | None
     trials: int
     settled: int
+    left_out: int = 0
     excluded: bool = False
 
 
@@ -87,6 +93,7 @@ def sittings(
             completed_at=row.completed_at,
             trials=row.trials,
             settled=row.settled,
+            left_out=row.left_out,
             excluded=row.excluded,
         )
         for row in rows
@@ -103,6 +110,8 @@ def _standing(row: _Row, silent_since: datetime) -> Standing:
         return "withdrawn"
     if row.completed_at is not None:
         return "done" if row.placed else "replaced"
+    if row.outcome is not None:
+        return "unwatched"
     if not row.placed:
         return "lapsed"
     return "stale" if row.last_active_at < silent_since else "active"
@@ -118,6 +127,10 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
     if only is not None:
         planned = planned.where(Trial.study_session_id == only)
     of_trials = planned.subquery()
+    failing = select(Trial.study_session_id.label("owner"), func.count().label("left_out"))
+    failing = failing.join(Video, Video.trial_id == Trial.id)
+    failing = failing.where(Video.unplayable_at.is_not(None)).group_by(Trial.study_session_id)
+    of_videos = failing.subquery()
     by_hand = standing_exclusions().subquery()
     query = (
         select(
@@ -129,12 +142,15 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
             StudySession.last_active_at,
             StudySession.completed_at,
             StudySession.withdrawn_at,
+            StudySession.outcome,
             Place.id.is_not(None),
             by_hand.c.study_session_id.is_not(None),
             func.coalesce(of_trials.c.trials, 0),
             func.coalesce(of_trials.c.settled, 0),
+            func.coalesce(of_videos.c.left_out, 0),
         )
         .outerjoin(of_trials, of_trials.c.owner == StudySession.id)
+        .outerjoin(of_videos, of_videos.c.owner == StudySession.id)
         .outerjoin(Place, Place.study_session_id == StudySession.id)
         .outerjoin(by_hand, by_hand.c.study_session_id == StudySession.id)
         .order_by(StudySession.id)

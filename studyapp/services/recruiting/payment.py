@@ -6,7 +6,8 @@ never cost pay.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
@@ -19,8 +20,18 @@ from studyapp.models import ScreenOut, StudySession
 from studyapp.services.database import Database
 from studyapp.services.sitting import state_of
 
-Ours = Literal["completed", "failed_attention", "unfinished", "withdrawn", "screened_out", "nobody"]
-"""What the study knows; ``nobody`` where none came under the name."""
+Ours = Literal[
+    "completed",
+    "failed_attention",
+    "unwatched",
+    "unfinished",
+    "withdrawn",
+    "screened_out",
+    "elsewhere",
+    "nobody",
+]
+"""What the study knows of a submission: where its participant stands here; ``elsewhere`` where they
+took part under another submission, ``nobody`` where none came under the name."""
 
 Verdict = Literal["pay", "look", "wait", "settled"]
 """``look``: a person must decide."""
@@ -32,9 +43,11 @@ UNDER_WAY: Final = ("ACTIVE", "RESERVED")
 WHY_NOT: Final[Mapping[Ours, str]] = MappingProxyType(
     {
         "failed_attention": "failed too many attention checks",
+        "unwatched": "ended early, since too many videos were said not to play",
         "unfinished": "did not finish here",
         "withdrawn": "withdrew",
         "screened_out": "was screened out",
+        "elsewhere": "took part under another submission",
         "nobody": "never began here",
     }
 )
@@ -88,9 +101,40 @@ def arrived(database: Database) -> list[Arrived]:
     return found
 
 
-def by_participant(people: list[Arrived]) -> dict[str, Arrived]:
-    """Return people by name; who has a study session is not counted as screened out."""
-    return {each.participant: each for each in reversed(people)}
+def by_submission(
+    people: Sequence[Arrived], submissions: Sequence[tuple[str, str]]
+) -> dict[str, Arrived]:
+    """Return what the study knows of each submission: one study session is never paid twice.
+
+    Who came without the name of a submission is taken to have come under their only one.
+
+    Parameters
+    ----------
+    submissions : sequence of (str, str)
+        The recruiter's names of each submission and of its participant.
+    """
+    known: defaultdict[str, list[Arrived]] = defaultdict(list)
+    for each in people:
+        known[each.participant].append(each)
+    sent = Counter(participant for _, participant in submissions)
+    return {
+        submission: _under(submission, participant, known[participant], only=sent[participant] == 1)
+        for submission, participant in submissions
+    }
+
+
+def _under(submission: str, participant: str, known: list[Arrived], *, only: bool) -> Arrived:
+    # Who has a study session is not counted as screened out.
+    own = [each for each in known if each.ours != "screened_out"] or known
+    for each in own:
+        if each.session == submission:
+            return each
+    for each in own:
+        if not each.session and (only or each.ours != "completed"):
+            return each
+    return Arrived(
+        participant=participant, session=submission, ours="elsewhere" if own else "nobody"
+    )
 
 
 def judge_submission(status: str, code: str | None, ours: Ours, codes: Prolific) -> Judged:
@@ -122,7 +166,7 @@ def judge_submission(status: str, code: str | None, ours: Ours, codes: Prolific)
         )
         return Judged(verdict="pay", why=f"finished{other}")
     claimed = ", but entered the code of those who do" if code == codes.completed else ""
-    why = WHY_NOT[ours] + (claimed if ours in ("unfinished", "nobody") else "")
+    why = WHY_NOT[ours] + (claimed if ours in ("unwatched", "unfinished", "nobody") else "")
     return Judged(verdict="look", why=why)
 
 
@@ -149,6 +193,8 @@ def _ours(study_session: StudySession) -> Ours:
     state = state_of(study_session)
     if state == "withdrawn":
         return "withdrawn"
+    if state == "unwatched":
+        return "unwatched"
     if state != "completed":
         return "unfinished"
     return "failed_attention" if study_session.outcome == "failed_attention" else "completed"

@@ -82,6 +82,8 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
         "peripheral_requirements": ["audio"] if heard else [],
         "filters": [],
     }
+    if recruited.signed_for:
+        draft["is_external_study_url_secure"] = True
     return draft | ({"project": recruited.project} if recruited.project else {})
 
 

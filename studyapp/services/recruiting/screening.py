@@ -6,7 +6,7 @@ goes back and answers otherwise.
 
 from __future__ import annotations
 
-from sqlalchemy import ColumnElement, select
+from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
@@ -27,27 +27,15 @@ def note_screen_out(database: Database, arrival: Arrival, clock: Clock) -> None:
     try:
         with database.writing() as session:
             if _found(session, arrival) is None:
-                participant, study = _names(arrival)
-                session.add(
-                    ScreenOut(
-                        participant=participant,
-                        recruiter_study=study,
-                        screened_out_at=clock.now(),
-                    )
-                )
+                name = _name(arrival)
+                session.add(ScreenOut(participant=name, screened_out_at=clock.now()))
     except IntegrityError:
         pass  # the same person in another window, at the same moment
 
 
 def _found(session: Session, arrival: Arrival) -> ScreenOut | None:
-    return session.scalars(select(ScreenOut).where(_is_same(arrival))).first()
+    return session.scalars(select(ScreenOut).where(ScreenOut.participant == _name(arrival))).first()
 
 
-def _is_same(arrival: Arrival) -> ColumnElement[bool]:
-    participant, study = _names(arrival)
-    return (ScreenOut.participant == participant) & (ScreenOut.recruiter_study == study)
-
-
-def _names(arrival: Arrival) -> tuple[str, str]:
-    study = "" if arrival.once_for_all else arrival.recruiter_study
-    return arrival.recruiter_participant or arrival.visit or "", study
+def _name(arrival: Arrival) -> str:
+    return arrival.recruiter_participant or arrival.visit or ""

@@ -19,6 +19,7 @@ class Account:
     role: Role
     joined_at: datetime
     disabled_at: datetime | None
+    has_second_factor: bool
 
     def may(self, right: Right) -> bool:
         """Tell whether this researcher has `right`."""
@@ -33,4 +34,5 @@ def account_of(row: Researcher) -> Account:
         role=cast(Role, row.role),
         joined_at=row.joined_at,
         disabled_at=row.disabled_at,
+        has_second_factor=row.totp_secret is not None,
     )

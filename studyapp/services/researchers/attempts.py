@@ -1,8 +1,8 @@
 """Counting attempts to log in, so that nobody can go on guessing.
 
-They are counted in the database, so that all server processes count together, by the name that was
-tried and by the address it came from. An attempt is counted before the password is compared: many
-at once get no further than one after the other.
+They are counted in the database, so that all server processes count together, for each address and
+for each name that is tried from it. What a stranger tries elsewhere locks nobody out. An attempt is
+counted before the password is compared: many at once get no further than one after the other.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ import math
 from datetime import datetime, timedelta
 from typing import Final
 
-from sqlalchemy import ColumnElement, delete, select
+from sqlalchemy import ColumnElement, and_, delete, select
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
+from studyapp.clock import APART
 from studyapp.models import LoginAttempt
 from studyapp.services.database import Database, Turn, take_turn
 
@@ -25,7 +26,7 @@ MOST_OF_ADDRESS: Final = 50
 
 
 class TooManyAttemptsError(InputError):
-    """Nobody can log in with this name, or from this address, for a while.
+    """Nobody can log in from this address, with this name or any, for a while.
 
     Attributes
     ----------
@@ -49,7 +50,7 @@ def count_attempt(database: Database, name_hash: str, address: str, now: datetim
     Raises
     ------
     TooManyAttemptsError
-        If there were as many of this name, or from this address, as may be; this one is not
+        If there were as many of this name from this address, or of any, as may be; this one is not
         counted then, so that waiting is enough.
     """
     # Whoever floods the server with attempts must not keep participants from storing answers.
@@ -58,18 +59,32 @@ def count_attempt(database: Database, name_hash: str, address: str, now: datetim
     with database.writing() as session:
         take_turn(session.connection(), Turn.LOGIN)
         _require_fewer(session, name_hash, address, now)
-        session.execute(delete(LoginAttempt).where(LoginAttempt.at <= now - WINDOW))
+        session.execute(delete(LoginAttempt).where(~_counts(now)))
         session.add(LoginAttempt(at=now, name_hash=name_hash, address=address))
 
 
-def forget_attempts(session: Session, name_hash: str) -> None:
-    """Forget the attempts with a name whose right password was given."""
+def forget_attempts(session: Session, name_hash: str, address: str) -> None:
+    """Forget the attempts with a name whose right password was given from `address`."""
+    session.execute(delete(LoginAttempt).where(_of(name_hash, address)))
+
+
+def forget_all_attempts(session: Session, name_hash: str) -> None:
+    """Forget the attempts with a name that has another password now, wherever they came from."""
     session.execute(delete(LoginAttempt).where(LoginAttempt.name_hash == name_hash))
+
+
+def _of(name_hash: str, address: str) -> ColumnElement[bool]:
+    return and_(LoginAttempt.name_hash == name_hash, LoginAttempt.address == address)
+
+
+def _counts(now: datetime) -> ColumnElement[bool]:
+    """Return the condition that an attempt still counts; not so if the clock was set back since."""
+    return and_(LoginAttempt.at > now - WINDOW, LoginAttempt.at <= now + APART)
 
 
 def _require_fewer(session: Session, name_hash: str, address: str, now: datetime) -> None:
     for same, most in (
-        (LoginAttempt.name_hash == name_hash, MOST_OF_NAME),
+        (_of(name_hash, address), MOST_OF_NAME),
         (LoginAttempt.address == address, MOST_OF_ADDRESS),
     ):
         ends = _free_again(session, same, most, now)
@@ -83,7 +98,7 @@ def _free_again(
     """Return when fewer than `most` attempts will count, None where that is so by now."""
     counted = (
         select(LoginAttempt.at)
-        .where(same, LoginAttempt.at > now - WINDOW)
+        .where(same, _counts(now))
         .order_by(LoginAttempt.at.desc())
         .offset(most - 1)
         .limit(1)

@@ -15,11 +15,11 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.models import Researcher, ResearcherLink
+from studyapp.models import Event, Researcher, ResearcherLink
 from studyapp.services.audit import log_change
 from studyapp.services.database import Database
 from studyapp.services.researchers.logging_in import set_password
-from studyapp.services.researchers.logins import begin_login
+from studyapp.services.researchers.logins import begin_login, end_logins_of
 from studyapp.services.researchers.names import name_key, settled_name
 from studyapp.services.researchers.passwords import check_password, hashed
 from studyapp.services.researchers.roles import Role
@@ -84,7 +84,7 @@ def invite(database: Database, clock: Clock, *, role: Role, by: str) -> str:
     """Return the token of a link that makes an account of `role`."""
     now = clock.now()
     with database.writing() as session:
-        log_change(session, now, "invited", by=by, detail=f"as {role}")
+        log_change(session, now, Event.INVITED, by=by, detail=f"as {role}")
         return _make(session, now, "invitation", role=role, made_by=by)
 
 
@@ -108,7 +108,7 @@ def offer_new_password(database: Database, clock: Clock, *, name: str, by: str) 
         if found.disabled_at is not None:
             raise InputError(f"{found.name!r} is shut out", remedy="An owner can let them in again")
         session.execute(delete(ResearcherLink).where(ResearcherLink.researcher_id == found.id))
-        log_change(session, now, "new password offered", by=by, detail=f"to {found.name}")
+        log_change(session, now, Event.PASSWORD_OFFERED, by=by, detail=f"to {found.name}")
         return _make(session, now, "new_password", researcher_id=found.id, made_by=by)
 
 
@@ -138,7 +138,7 @@ def take_back_link(database: Database, clock: Clock, link_id: int, *, by: str) -
         if found is not None:
             session.delete(found)
             detail = f"{found.purpose.replace('_', ' ')} of {found.made_by or 'the server'}"
-            log_change(session, clock.now(), "link taken back", by=by, detail=detail)
+            log_change(session, clock.now(), Event.LINK_TAKEN_BACK, by=by, detail=detail)
 
 
 def join(database: Database, clock: Clock, token: str, *, name: str, password: str) -> str:
@@ -168,7 +168,7 @@ def join(database: Database, clock: Clock, token: str, *, name: str, password: s
             )
             session.add(researcher)
             session.flush()
-            log_change(session, now, "joined", by=name, detail=f"as {link.role}")
+            log_change(session, now, Event.JOINED, by=name, detail=f"as {link.role}")
             return begin_login(session, researcher.id, now)
     except IntegrityError:
         raise InputError(
@@ -176,8 +176,10 @@ def join(database: Database, clock: Clock, token: str, *, name: str, password: s
         ) from None
 
 
-def choose_password(database: Database, clock: Clock, token: str, *, password: str) -> str:
+def choose_password(database: Database, clock: Clock, token: str, *, password: str) -> str | None:
     """Give a researcher the password chosen by a link, and return the token of a new login.
+
+    Who has a second factor gets none: they log in with it.
 
     Raises
     ------
@@ -194,7 +196,11 @@ def choose_password(database: Database, clock: Clock, token: str, *, password: s
         researcher = session.scalars(query).first()
         if researcher is None or researcher.disabled_at is not None:
             raise UnusableLinkError
-        return set_password(session, researcher, password_hash, now)
+        login = set_password(session, researcher, password_hash, now)
+        if researcher.totp_secret is None:
+            return login
+        end_logins_of(session, researcher.id)
+        return None
 
 
 def _make(

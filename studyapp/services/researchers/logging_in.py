@@ -9,10 +9,14 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.models import Researcher
+from studyapp.models import Event, Researcher
 from studyapp.services.audit import log_change
 from studyapp.services.database import Database
-from studyapp.services.researchers.attempts import count_attempt, forget_attempts
+from studyapp.services.researchers.attempts import (
+    count_attempt,
+    forget_all_attempts,
+    forget_attempts,
+)
 from studyapp.services.researchers.logins import begin_login, end_logins_of
 from studyapp.services.researchers.names import name_hash, name_key
 from studyapp.services.researchers.passwords import (
@@ -21,20 +25,28 @@ from studyapp.services.researchers.passwords import (
     is_outdated,
     is_right,
 )
+from studyapp.services.researchers.second_factor import passes
 
 
 class WrongLoginError(InputError):
-    """Name and password do not go together; nobody is told which of them is wrong."""
+    """Name, password and code do not go together; nobody is told which of them is wrong."""
 
     def __init__(self) -> None:
         super().__init__(
-            "name and password do not go together",
-            remedy="Look at both once more; an owner can make a link for a new password",
+            "name and password do not go together, or the code is missing or was used",
+            remedy="Look at all of it once more; an owner can make a link for a new password",
         )
 
 
-def log_in(database: Database, clock: Clock, *, name: str, password: str, address: str) -> str:
+def log_in(
+    database: Database, clock: Clock, *, name: str, password: str, code: str = "", address: str
+) -> str:
     """Return the token of a new login.
+
+    Parameters
+    ----------
+    code : str
+        Of the second factor, where the account has one, or a recovery code.
 
     An unknown name, a wrong password and an account that is shut out get the same answer after
     the same work.
@@ -56,10 +68,12 @@ def log_in(database: Database, clock: Clock, *, name: str, password: str, addres
     better = hashed(password) if is_outdated(found.password_hash) else None
     with database.writing() as session:
         researcher = _unchanged(session, found)
+        if not passes(researcher, code, now):
+            raise WrongLoginError
         if better is not None:
             researcher.password_hash = better
-        forget_attempts(session, name_hash(name))
-        log_change(session, now, "logged in", by=researcher.name)
+        forget_attempts(session, name_hash(name), address)
+        log_change(session, now, Event.LOGGED_IN, by=researcher.name)
         return begin_login(session, researcher.id, now)
 
 
@@ -92,8 +106,8 @@ def set_password(
     """Store a new password, end all logins with the old one, and return a new login's token."""
     researcher.password_hash = password_hash
     end_logins_of(session, researcher.id)
-    forget_attempts(session, name_hash(researcher.name))
-    log_change(session, now, "password changed", by=researcher.name)
+    forget_all_attempts(session, name_hash(researcher.name))
+    log_change(session, now, Event.PASSWORD_CHANGED, by=researcher.name)
     return begin_login(session, researcher.id, now)
 
 

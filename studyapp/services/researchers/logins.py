@@ -8,6 +8,7 @@ from typing import Final
 from sqlalchemy import ColumnElement, delete, or_, select, update
 from sqlalchemy.orm import Session
 
+from studyapp.clock import has_passed
 from studyapp.models import Researcher, ResearcherLogin
 from studyapp.services.database import Database
 from studyapp.services.researchers.account import Account, account_of
@@ -60,7 +61,7 @@ def logged_in(database: Database, token: str, now: datetime, *, by_hand: bool) -
     if found is None:
         return None
     login, last_active_at, researcher = found
-    if by_hand and now - last_active_at >= NOTED_AFTER:
+    if by_hand and has_passed(NOTED_AFTER, last_active_at, now):
         with database.writing() as session:
             session.execute(
                 update(ResearcherLogin)

@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.models import Researcher
+from studyapp.models import Event, Researcher
 from studyapp.services.audit import log_change
 from studyapp.services.database import Database
 from studyapp.services.researchers.account import Account, account_of
@@ -42,7 +42,7 @@ def change_role(
         detail = f"{researcher.name}: {researcher.role} becomes {role}"
         researcher.role = role
         end_logins_of(session, researcher.id)
-        log_change(session, clock.now(), "role changed", by=by, detail=detail)
+        log_change(session, clock.now(), Event.ROLE_CHANGED, by=by, detail=detail)
 
 
 def shut_out(database: Database, clock: Clock, researcher_id: int, *, by: str) -> None:
@@ -58,7 +58,7 @@ def shut_out(database: Database, clock: Clock, researcher_id: int, *, by: str) -
         _require_another_owner(session, researcher)
         if researcher.disabled_at is None:
             researcher.disabled_at = clock.now()
-            log_change(session, clock.now(), "shut out", by=by, detail=researcher.name)
+            log_change(session, clock.now(), Event.SHUT_OUT, by=by, detail=researcher.name)
         end_logins_of(session, researcher.id)
 
 
@@ -74,7 +74,7 @@ def let_in_again(database: Database, clock: Clock, researcher_id: int, *, by: st
         researcher = _kept_from_others(session, researcher_id)
         if researcher.disabled_at is not None:
             researcher.disabled_at = None
-            log_change(session, clock.now(), "let in again", by=by, detail=researcher.name)
+            log_change(session, clock.now(), Event.LET_IN_AGAIN, by=by, detail=researcher.name)
 
 
 def _kept_from_others(session: Session, researcher_id: int) -> Researcher:

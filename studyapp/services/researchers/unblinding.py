@@ -8,7 +8,7 @@ from typing import Final
 from sqlalchemy import select, update
 
 from studyapp.clock import Clock
-from studyapp.models import ResearcherLogin
+from studyapp.models import Event, ResearcherLogin
 from studyapp.services.audit import log_change, reason_given
 from studyapp.services.database import Database
 from studyapp.services.researchers.tokens import token_hash
@@ -38,7 +38,7 @@ def unblind(database: Database, clock: Clock, token: str, *, by: str, reason: st
             .where(ResearcherLogin.token_hash == token_hash(token))
             .values(unblinded_at=now, unblinding_reason=reason)
         )
-        log_change(session, now, "results unblinded", by=by, reason=reason)
+        log_change(session, now, Event.UNBLINDED, by=by, reason=reason)
 
 
 def unblinded_because(database: Database, token: str, now: datetime) -> str:

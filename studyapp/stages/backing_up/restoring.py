@@ -15,6 +15,7 @@ from motion.listing import listed
 from studyapp.clock import Clock
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.lock import held_alone
+from studyapp.definition.stimuli import read_stimuli
 from studyapp.services.database import (
     Database,
     database_url_of,
@@ -117,6 +118,9 @@ def _restored(
     unpacked = StudyFolder(draft / "study")
     copy = draft / "study" / DATABASE
     require_sound(copy, manifest, archive)
+    if unpacked.stimuli.exists():
+        with _of_archive(archive):
+            read_stimuli(unpacked.stimuli)
     database = _opened(copy, archive)
     try:
         erased = None
@@ -169,8 +173,15 @@ def _erased_again(
 
 def _opened(copy: Path, archive: Path) -> Database:
     """Open the database `copy`, and bring it to the newest schema."""
-    try:
+    with _of_archive(archive):
         return Database.open(sqlite_url(copy))
+
+
+@contextmanager
+def _of_archive(archive: Path) -> Iterator[None]:
+    """Say of `archive` what is wrong with a file in it."""
+    try:
+        yield
     except InputError as error:
         raise InputError(error.what, where=archive, remedy=error.remedy) from error
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 from motion.segment import Segment
-from studyapp.definition.finished_videos import finished_video
+from studyapp.definition.finished_videos import finished_video, similar_file
 from studyapp.design.stimulus import Content
 from studyapp.services.served_study import described
 from studyapp.stages.checking.finding import Finding, FindingKind, error, warning
@@ -94,6 +94,8 @@ _DIFFERS: Final[Mapping[str, FindingKind]] = MappingProxyType(
     }
 )
 
+MISSING: Final = "MISSING"
+
 SMALLEST: Final = 360
 """Pixels of the shorter side below which hands of an upper body are some ten pixels wide."""
 
@@ -119,6 +121,33 @@ def finished_video_findings(material: Material) -> Iterator[Finding]:
     yield from _look_findings(material)
 
 
+def video_table(material: Material, *, everything: bool = False) -> Iterator[str]:
+    """Yield the lines of a table of segments and conditions: which finished videos are there.
+
+    Parameters
+    ----------
+    everything : bool
+        Whether segments that lack nothing are in it.
+    """
+    cells: defaultdict[str, dict[str, str]] = defaultdict(dict)
+    for file, (shown, *_) in material.brought.items():
+        row = cells[shown.segment]
+        there = row.get(shown.condition) != MISSING and file.is_file()
+        row[shown.condition] = "yes" if there else MISSING
+    conditions = dict.fromkeys(name for row in cells.values() for name in row)
+    chosen = {name: row for name, row in cells.items() if everything or MISSING in row.values()}
+    if not chosen:
+        return
+    first = max(len(name) for name in ("segment", *chosen))
+    widths = [max(len(name), len(MISSING)) for name in conditions]
+    for name, row in (("segment", dict(zip(conditions, conditions, strict=True))), *chosen.items()):
+        said = [
+            row.get(each, "").ljust(width) for each, width in zip(conditions, widths, strict=True)
+        ]
+        yield "  ".join((name.ljust(first), *said)).rstrip()
+    yield ""
+
+
 def flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:
     """Return what is wrong with the video `name`."""
     return OF_FLAW[flaw.kind].found(f"{name} {flaw.what}", where=name, remedy=remedy)
@@ -129,10 +158,14 @@ def _original_findings(material: Material, content: Content, segment: Segment) -
     file = finished_video(material.folder.videos, shown)
     name = material.name_of(file)
     if not file.is_file():
+        similar = similar_file(file, material.brought.keys())
         yield VIDEO_MISSING.found(
             f"the video of {described(content)} is missing",
             where=name,
-            remedy=f"Bring it as {file}",
+            remedy=f"Bring it as {file}, or set allow_gaps = true in study.toml to leave the "
+            "segment out"
+            if similar is None
+            else f"Rename {material.name_of(similar)} if that is the video, or bring it as {file}",
         )
         return
     flaw = flaw_of(file, segment.duration, sound=shown.speech is not None)

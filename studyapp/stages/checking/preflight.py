@@ -19,7 +19,10 @@ from studyapp.stages.checking.catch_checks import catch_picture_findings
 from studyapp.stages.checking.design_checks import design_findings
 from studyapp.stages.checking.expected_time import expected_time
 from studyapp.stages.checking.finding import Finding, Severity, error
-from studyapp.stages.checking.finished_video_checks import finished_video_findings
+from studyapp.stages.checking.finished_video_checks import (
+    finished_video_findings,
+    video_table,
+)
 from studyapp.stages.checking.material import Material
 from studyapp.stages.checking.motion_checks import motion_findings
 from studyapp.stages.checking.pace import Pace, pace_of_pilot, pace_of_study
@@ -72,6 +75,14 @@ def check(
         findings += address_findings(address)
     order = list(Severity)
     return sorted(findings, key=lambda finding: order.index(finding.severity))
+
+
+def finished_videos(folder: StudyFolder, *, everything: bool = False) -> list[str]:
+    """Return the `video_table` of a study; nothing where `check` says that it cannot be read."""
+    try:
+        return list(video_table(Material.of(folder, folder.study()), everything=everything))
+    except InputError:
+        return []
 
 
 def _findings(folder: StudyFolder, pace: Pace | None) -> Iterator[Finding]:

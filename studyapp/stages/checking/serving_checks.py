@@ -19,11 +19,11 @@ from studyapp.definition.study import Study
 from studyapp.definition.versioning import design_digest
 from studyapp.services.database import Database, database_url_of, sqlite_url
 from studyapp.services.intake import present_intake
-from studyapp.services.known_designs import answered_another_design
 from studyapp.services.probing import for_probing, token_of_a_video
 from studyapp.services.recruiting.prolific_draft import places_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting_times import arrivals
+from studyapp.services.versions import must_be_new_version
 from studyapp.stages.checking.finding import Finding, error, note, warning
 from studyapp.stages.checking.material import Material
 from studyapp.stages.disk_space import as_text
@@ -130,7 +130,9 @@ def _database_findings(material: Material) -> Iterator[Finding]:
             state = present_intake(session).state
         if state != "open":
             yield INTAKE_CLOSED.found(f"the study is {state} on the researchers' pages")
-        if answered_another_design(current, design_digest(material.study, material.segments)):
+        design = design_digest(material.study, material.segments, material.shown)
+        # A study that lacks videos is told so elsewhere; its design is not known yet.
+        if set(material.contents) <= material.shown.keys() and must_be_new_version(current, design):
             yield DESIGN_CHANGED.found(DESIGN_CHANGED.means, where="study.toml")
     finally:
         current.close()

@@ -36,6 +36,7 @@ SINCE: Final[Mapping[str, tuple[str, str]]] = {
     "shown_at": ("shown_after", "From the consent to the first showing of the trial."),
     "started_at": ("started_after", "From the consent to the first trial."),
     "completed_at": ("completed_after", "From the consent to the last answer."),
+    "sent_at": ("sent_after", "From the consent to when the video was first sent."),
     "unplayable_at": (
         "unplayable_after",
         "From the consent to when the participant said that it does not play.",

@@ -32,6 +32,7 @@ STATES: Final[Labels] = MappingProxyType(
         "started": "has begun, and has not finished",
         "completed": "gave the last answer",
         "withdrawn": "took the consent back, or was forgotten",
+        "unwatched": "was ended early, since too many videos were said not to play",
         "lapsed": "was silent for so long that the place was given back",
     }
 )

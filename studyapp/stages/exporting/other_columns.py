@@ -95,11 +95,23 @@ WATCHING: Final = TableColumns(
             type="text",
             meaning="Their conditions, from left to right, separated by spaces.",
         ),
+        Column(
+            name="made_from",
+            type="text",
+            meaning="Digest of all that the video was made from. Where it differs, participants "
+            "saw another video of the same condition and segment.",
+        ),
         Column(name="duration", type="number", meaning="Length of the video.", unit="s"),
         Column(
             name="watched",
             type="number",
             meaning="Share that counts as watched, in [0, 1], replays counted once.",
+        ),
+        Column(
+            name="sent_at",
+            type="moment",
+            meaning="When the server first sent the video, or led the browser to the store.",
+            missing="it never did, and so nothing counts as watched",
         ),
         Column(
             name="times_played",
@@ -175,7 +187,7 @@ LOG: Final = TableColumns(
     title="One change that was made while the study ran.",
     columns=(
         Column(name="at", type="moment", meaning="When it was."),
-        Column(name="event", type="text", meaning="What was done."),
+        Column(name="event", type="text", meaning="What was done, by a name that never changes."),
         Column(
             name="detail",
             type="text",

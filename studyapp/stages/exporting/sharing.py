@@ -17,10 +17,8 @@ from motion.files import write_text
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.models import StudyVersion
-from studyapp.services.database import Database
 from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.stated_study import stated_text
-from studyapp.stages.answers import Answers, Source, opened, read_answers
+from studyapp.stages.answers import Answers, Source, answers_in, snapshot
 from studyapp.stages.exporting.bids_tables import (
     BIDS_VERSION,
     PARTICIPANT_ID,
@@ -33,7 +31,7 @@ from studyapp.stages.exporting.codebook import codebook
 from studyapp.stages.exporting.codebook_page import codebook_page
 from studyapp.stages.exporting.columns import Column, TableColumns
 from studyapp.stages.exporting.environment import environment
-from studyapp.stages.exporting.exclusion import judge
+from studyapp.stages.exporting.exclusion import Judged, judge
 from studyapp.stages.exporting.labels import form_labels
 from studyapp.stages.exporting.plain_json import as_json
 from studyapp.stages.exporting.read_me import read_me
@@ -107,19 +105,12 @@ def share(
             remedy="Give one that lies elsewhere",
         )
     origin: Source = "rehearsal" if rehearsal else "participants"
-    answers = read_answers(folder, origin)
     draft = out.with_name(f".{out.name}-draft")
     shutil.rmtree(draft, ignore_errors=True)
+    stored = _stored(folder, origin)
+    look = note_way_out(folder, folder.study(), stored.answers, way="export", reason=reason)
     try:
-        with opened(folder, origin) as database:
-            if database is None or answers.stored is None:
-                raise InputError(
-                    "nobody has taken part yet, so there is nothing to pass on",
-                    where=folder.root,
-                    remedy="Give the study folder itself to whom you want to show the design",
-                )
-            look = note_way_out(folder, folder.study(), answers, way="export", reason=reason)
-            shared = _written(folder, draft, database, answers, origin, videos, free_text)
+        shared = _written(folder, draft, stored, origin, videos, free_text)
         if out.exists():
             out.rmdir()
         draft.replace(out)
@@ -129,27 +120,52 @@ def share(
     return replace(shared, study=out / STUDY, remarks=remarks)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Stored:
+    """What is passed on of one state of the database."""
+
+    answers: Answers
+    judged: Judged
+    tables: Mapping[str, ExportedTable]
+    versions: Sequence[StudyVersion]
+
+
+def _stored(folder: StudyFolder, origin: Source) -> _Stored:
+    with snapshot(folder, origin) as session:
+        if session is None:
+            raise InputError(
+                "nobody has taken part yet, so there is nothing to pass on",
+                where=folder.root,
+                remedy="Give the study folder itself to whom you want to show the design",
+            )
+        answers = answers_in(session, origin)
+        judged = judge(folder.study(), answers)
+        key = PseudonymKey.read_or_make(folder.pseudonym_key)
+        return _Stored(
+            answers=answers,
+            judged=judged,
+            tables={each.about.name: each for each in exported_tables(session, key, judged)},
+            versions=session.scalars(select(StudyVersion).order_by(StudyVersion.number)).all(),
+        )
+
+
 def _written(
     folder: StudyFolder,
     root: Path,
-    database: Database,
-    answers: Answers,
+    given: _Stored,
     origin: Source,
     videos: bool,
     free_text: bool,
 ) -> Shared:
-    study = folder.study()
-    key = PseudonymKey.read_or_make(folder.pseudonym_key)
-    judged = judge(study, answers)
-    tables = {table.about.name: table for table in exported_tables(database, key, judged)}
+    study, tables = folder.study(), given.tables
     remarks = copy_study(folder, study, StudyFolder(root / STUDY), videos=videos)
-    _write_answers(StudyFolder(root / STUDY), study, database, answers, origin)
+    _write_answers(StudyFolder(root / STUDY), study, given, origin)
     if origin == "rehearsal" and folder.rehearsal_truth.exists():
         shutil.copyfile(folder.rehearsal_truth, root / STUDY / folder.rehearsal_truth.name)
     if folder.stimuli.exists():
         segments = tuple(folder.segments_of(study))
         write_stimuli_list(root / "sourcedata" / "stimuli.tsv", folder, study, segments)
-    _write_versions(root / "sourcedata", database)
+    _write_versions(root / "sourcedata", given.versions)
     write_text(root / "sourcedata" / "environment.json", as_json(environment()))
     people = tables["participants"].frame
     # Of who withdrew, nothing is passed on but that somebody did, which the report counts.
@@ -163,15 +179,13 @@ def _written(
         results = root / "sourcedata" / "results.json"
         shutil.copyfile(folder.report / "results.json", results)
     _write_checksums(root)
-    if judged.remark:
-        remarks.append(judged.remark)
+    if given.judged.remark:
+        remarks.append(given.judged.remark)
     return Shared(study=root / STUDY, participants=len(staying), remarks=tuple(remarks))
 
 
-def _write_answers(
-    copy: StudyFolder, study: Study, database: Database, answers: Answers, origin: Source
-) -> None:
-    stored = answers.stored
+def _write_answers(copy: StudyFolder, study: Study, given: _Stored, origin: Source) -> None:
+    stored = given.answers.stored
     if stored is None:
         return
     present = stored.study_sessions[of_present_design(stored.study_sessions)]
@@ -180,15 +194,13 @@ def _write_answers(
         copy.shared_answers,
         with_looks_before(study, stored),
         origin=origin,
-        stated=None if first is None else stated_text(database, first),
+        stated=next((each.definition for each in given.versions if each.number == first), None),
         stated_version=first,
     )
 
 
-def _write_versions(folder: Path, database: Database) -> None:
+def _write_versions(folder: Path, versions: Sequence[StudyVersion]) -> None:
     """Write the study file of every version, and the digests of their designs."""
-    with database.reading() as session:
-        versions = session.scalars(select(StudyVersion).order_by(StudyVersion.number)).all()
     for version in versions:
         write_text(folder / "versions" / f"version-{version.number}.toml", version.definition)
     designs = {str(version.number): version.design for version in versions}

@@ -71,6 +71,12 @@ def _outside(folder: StudyFolder, study: Study) -> Iterator[str]:
             f"The body {Path(study.video.body).name} is licensed and was not copied: whoever "
             "repeats the metrics needs a copy of their own at the path that study.toml names."
         )
+    for one in study.evaluator:
+        yield (
+            f"The published evaluator {Path(one.file).name} is its authors' and was not copied: "
+            "whoever repeats the metrics needs it at the path that study.toml names, or removes "
+            "'evaluator' there."
+        )
     matrix = study.video.expression_matrix
     if matrix and not _is_within(folder, matrix):
         yield (

@@ -8,10 +8,11 @@ from typing import Any, Final
 
 import pandas as pd
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from analysis.trial_kinds import ANALYSED_KINDS
 from studyapp.models import AuditLine, StudySession
-from studyapp.services.database import Database
+from studyapp.services.audit import told_detail
 from studyapp.services.export import form_answers_table, responses_table, study_sessions_table
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.watching_export import refusals_table, watching_table
@@ -48,64 +49,61 @@ class ExportedTable:
 
 
 def exported_tables(
-    database: Database, key: PseudonymKey, judged: Judged
+    session: Session, key: PseudonymKey, judged: Judged
 ) -> tuple[ExportedTable, ...]:
     """Return all tables but that of the recruiter's names, the answers first."""
-    watching = watching_table(database)
-    answers = judged.mark_answers(_with_watching(responses_table(database), watching))
+    watching = watching_table(session)
+    answers = judged.mark_answers(_with_watching(responses_table(session), watching))
     analysed: list[Any] = [
         None if pd.isna(excluded) else (not excluded and kind in ANALYSED_KINDS)
         for excluded, kind in zip(answers["excluded"], answers["kind"], strict=True)
     ]
     answers = answers.assign(analysed=pd.Series(analysed, index=answers.index, dtype=object))
-    people = judged.mark_participants(study_sessions_table(database))
-    form, refusals = form_answers_table(database), refusals_table(database)
-    # Read last: somebody may have come since the tables were.
-    names = pseudonyms(database, key)
+    people = judged.mark_participants(study_sessions_table(session))
+    form, refusals = form_answers_table(session), refusals_table(session)
+    names = pseudonyms(session, key)
     return (
         _table(ANSWERS, answers, names),
         _table(PARTICIPANTS, people, names),
         _table(FORM, form, names),
         _table(WATCHING, watching, names),
         _table(REFUSALS, refusals, names),
-        ExportedTable(about=LOG, frame=typed(_log(database), LOG)),
+        ExportedTable(about=LOG, frame=typed(_log(session), LOG)),
     )
 
 
-def withdrawn_tables(database: Database, key: PseudonymKey) -> tuple[ExportedTable, ...]:
+def withdrawn_tables(session: Session, key: PseudonymKey) -> tuple[ExportedTable, ...]:
     """Return what was kept of participants who withdrew; no rule is applied to it."""
-    answers = responses_table(database, withdrawn=True)
-    form = form_answers_table(database, withdrawn=True)
-    names = pseudonyms(database, key)
+    answers = responses_table(session, withdrawn=True)
+    form = form_answers_table(session, withdrawn=True)
+    names = pseudonyms(session, key)
     return (_table(ANSWERS, answers, names), _table(FORM, form, names))
 
 
-def recruiter_ids(database: Database, key: PseudonymKey) -> ExportedTable:
+def recruiter_ids(session: Session, key: PseudonymKey) -> ExportedTable:
     """Return the table of the recruiter's names; it is never written with the others."""
-    names = pseudonyms(database, key)
-    with database.reading() as session:
-        rows = [
-            {
-                "participant": names[str(study_session.id)],
-                "study_session": study_session.id,
-                "recruiter_participant": study_session.recruiter_participant,
-                "recruiter_study": study_session.recruiter_study,
-                "recruiter_session": study_session.recruiter_session,
-            }
-            for study_session in session.scalars(
-                select(StudySession)
-                .where(StudySession.recruiter_participant.is_not(None))
-                .order_by(StudySession.id)
-            )
-        ]
+    names = pseudonyms(session, key)
+    rows = [
+        {
+            "participant": names[str(study_session.id)],
+            "study_session": study_session.id,
+            "recruiter_participant": study_session.recruiter_participant,
+            "recruiter_study": study_session.recruiter_study,
+            "recruiter_session": study_session.recruiter_session,
+        }
+        for study_session in session.scalars(
+            select(StudySession)
+            .where(StudySession.recruiter_participant.is_not(None))
+            .order_by(StudySession.id)
+        )
+    ]
     frame = pd.DataFrame(rows, columns=list(RECRUITER_IDS.names))
     return ExportedTable(about=RECRUITER_IDS, frame=typed(frame, RECRUITER_IDS))
 
 
-def pseudonyms(database: Database, key: PseudonymKey) -> Mapping[str, str]:
+def pseudonyms(session: Session, key: PseudonymKey) -> Mapping[str, str]:
     """Return the pseudonym of each study session, by its number as text."""
-    with database.reading() as session:
-        named = key.pseudonyms(session.scalars(select(StudySession)))
+    named = key.pseudonyms(session.scalars(select(StudySession)))
     return {str(number): name for number, name in named.items()}
 
 
@@ -143,12 +141,11 @@ def _with_watching(answers: pd.DataFrame, watching: pd.DataFrame) -> pd.DataFram
     return answers.merge(trials.drop(columns=["played", "duration"]), on=TRIAL, how="left")
 
 
-def _log(database: Database) -> pd.DataFrame:
+def _log(session: Session) -> pd.DataFrame:
     names: Sequence[str] = LOG.names
-    with database.reading() as session:
-        lines = session.scalars(select(AuditLine).order_by(AuditLine.id))
-        rows = [
-            (line.at.isoformat(), line.event, line.detail, line.researcher, line.reason)
-            for line in lines
-        ]
+    lines = session.scalars(select(AuditLine).order_by(AuditLine.id))
+    rows = [
+        (line.at.isoformat(), line.event, told_detail(line), line.researcher, line.reason)
+        for line in lines
+    ]
     return pd.DataFrame(rows, columns=list(names))

@@ -11,7 +11,7 @@ from typing import Final
 from motion.files import replacing, write_text
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.stages.answers import Source, opened, read_answers
+from studyapp.stages.answers import Answers, Source, answers_in, snapshot
 from studyapp.stages.exporting.codebook import codebook
 from studyapp.stages.exporting.codebook_page import codebook_page
 from studyapp.stages.exporting.exclusion import Judged, judge
@@ -91,23 +91,25 @@ def export(
     """
     study = folder.study()
     origin: Source = "rehearsal" if rehearsal else "participants"
+    answers: Answers | None = None
     judged, look = Judged(), ""
-    if not withdrawn:
-        answers = read_answers(folder, origin)
-        judged = judge(study, answers)
-        look = note_way_out(folder, study, answers, way="export", reason=reason)
     names: ExportedTable | None = None
-    with opened(folder, origin) as database:
-        if database is None:
+    with snapshot(folder, origin) as session:
+        if not withdrawn:
+            answers = answers_in(session, origin)
+            judged = judge(study, answers)
+        if session is None:
             tables = nothing_to_export()
         else:
             key = PseudonymKey.read_or_make(folder.pseudonym_key)
             tables = (
-                withdrawn_tables(database, key)
+                withdrawn_tables(session, key)
                 if withdrawn
-                else exported_tables(database, key, judged)
+                else exported_tables(session, key, judged)
             )
-            names = recruiter_ids(database, key) if with_recruiter_ids else None
+            names = recruiter_ids(session, key) if with_recruiter_ids else None
+    if answers is not None:
+        look = note_way_out(folder, study, answers, way="export", reason=reason)
     written: list[Path] = []
     described = []
     for table in tables:

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from studyapp.models import Place, Response, StudySession, Trial
 from studyapp.rehearsal.ledger import Acknowledged, AcknowledgedKey
-from studyapp.services.database import Database
 from studyapp.services.monitoring.dropouts import dropouts
 from studyapp.services.monitoring.sittings import Sitting
 from studyapp.stages.recovery.people import Person
@@ -45,7 +45,7 @@ class Check:
 
 
 def checks(
-    database: Database,
+    session: Session,
     told: Acknowledged,
     everybody: Sequence[Person],
     sittings: Sequence[Sitting],
@@ -67,8 +67,8 @@ def checks(
     """
     return (
         *_of_people(told, everybody, sittings, completed_in_report),
-        *_of_answers(told.answers, *_stored(database)),
-        *_of_places(database),
+        *_of_answers(told.answers, *_stored(session)),
+        *_of_places(session),
     )
 
 
@@ -129,11 +129,10 @@ def _of_answers(
     yield Check(what="answers stored twice", happened=0, counted=rows - len(stored))
 
 
-def _of_places(database: Database) -> Iterator[Check]:
-    with database.reading() as session:
-        held = session.scalars(
-            select(Place.study_session_id).where(Place.study_session_id.is_not(None))
-        ).all()
+def _of_places(session: Session) -> Iterator[Check]:
+    held = session.scalars(
+        select(Place.study_session_id).where(Place.study_session_id.is_not(None))
+    ).all()
     yield Check(
         what="places held, each by a study session of its own",
         happened=len(held),
@@ -141,7 +140,7 @@ def _of_places(database: Database) -> Iterator[Check]:
     )
 
 
-def _stored(database: Database) -> tuple[dict[AcknowledgedKey, list[int]], int]:
+def _stored(session: Session) -> tuple[dict[AcknowledgedKey, list[int]], int]:
     """Return the stored values by what they answer, and how many rows there are."""
     query = (
         select(
@@ -156,9 +155,8 @@ def _stored(database: Database) -> tuple[dict[AcknowledgedKey, list[int]], int]:
     )
     found: dict[AcknowledgedKey, list[int]] = {}
     rows = 0
-    with database.reading() as session:
-        for name, position, question, stimulus, value in session.execute(query):
-            rows += 1
-            key = (name or "", position, question, stimulus or 0)
-            found.setdefault(key, []).append(value)
+    for name, position, question, stimulus, value in session.execute(query):
+        rows += 1
+        key = (name or "", position, question, stimulus or 0)
+        found.setdefault(key, []).append(value)
     return found, rows

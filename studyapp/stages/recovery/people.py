@@ -7,14 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from sqlalchemy import select
-from sqlalchemy.orm import selectinload
+from sqlalchemy.orm import Session, selectinload
 
 from studyapp.models import StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.kinds import KINDS, UNSOUND, Kind
 from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.record import Truth
-from studyapp.services.database import Database
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,26 +85,25 @@ class KindRecovered:
         return 0 if self.should_be_left_out else self.excluded
 
 
-def people(database: Database, truth: Truth) -> tuple[Person, ...]:
+def people(session: Session, truth: Truth) -> tuple[Person, ...]:
     """Return all who began, in the order of their arrival."""
-    with database.reading() as session:
-        sittings = session.scalars(
-            select(StudySession).order_by(StudySession.id).options(selectinload(StudySession.place))
+    sittings = session.scalars(
+        select(StudySession).order_by(StudySession.id).options(selectinload(StudySession.place))
+    )
+    return tuple(
+        Person(
+            study_session=str(sitting.id),
+            name=sitting.recruiter_participant or "",
+            kind=Rater(
+                population=truth.population,
+                seed=truth.seed,
+                name=rater_name(session, sitting),
+            ).kind,
+            completed=sitting.completed_at is not None,
+            code=sitting.completion_code or "",
         )
-        return tuple(
-            Person(
-                study_session=str(sitting.id),
-                name=sitting.recruiter_participant or "",
-                kind=Rater(
-                    population=truth.population,
-                    seed=truth.seed,
-                    name=rater_name(session, sitting),
-                ).kind,
-                completed=sitting.completed_at is not None,
-                code=sitting.completion_code or "",
-            )
-            for sitting in sittings
-        )
+        for sitting in sittings
+    )
 
 
 def kinds_recovered(

@@ -23,7 +23,7 @@ from studyapp.rehearsal.record import read_truth
 from studyapp.services.monitoring.sittings import Sitting, sittings
 from studyapp.services.served_study import ServedStudy
 from studyapp.stages.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
-from studyapp.stages.answers import Answers, opened, read_answers
+from studyapp.stages.answers import Answers, answers_in, snapshot
 from studyapp.stages.recovery.bookkeeping import Check, checks
 from studyapp.stages.recovery.people import KindRecovered, kinds_recovered, people
 from studyapp.stages.recovery.put_in import known_values
@@ -86,23 +86,22 @@ def recover(folder: StudyFolder) -> Recovery:
     """
     study = folder.study()
     truth = read_truth(folder.rehearsal_truth)
-    answers = read_answers(folder, "rehearsal")
     served = ServedStudy.read(folder.root).opened_for(rehearsal=True)
-    tasks = analysed_tasks(study, answers, rules_of(study, answers))
-    reports = [analysed(study, task, answers) for task in tasks]
     known = known_values(truth)
-    with opened(folder, "rehearsal") as database:
-        if database is None:
+    with snapshot(folder, "rehearsal") as session:
+        if session is None:
             raise InputError(
                 "there was no rehearsal yet",
                 where=folder.rehearsal,
                 remedy="Run 'motionjury rehearse'",
             )
-        everybody = people(database, truth)
-        with database.reading() as session:
-            seen: Sequence[Sitting] = sittings(session, served, Clock().now())
+        answers = answers_in(session, "rehearsal")
+        tasks = analysed_tasks(study, answers, rules_of(study, answers))
+        reports = [analysed(study, task, answers) for task in tasks]
+        everybody = people(session, truth)
+        seen: Sequence[Sitting] = sittings(session, served, Clock().now())
         counted = checks(
-            database,
+            session,
             Ledger(folder.acknowledged).read(),
             everybody,
             seen,

@@ -14,6 +14,7 @@ from motion.files import write_text
 from studyapp.definition.completion_codes import draw_code
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.reading import parse_text, read_text
+from studyapp.services.recruiting.made_there import FILE, read_made_there
 
 KEYS: Final = ("completed", "screened_out", "failed_attention")
 HEADING: Final = re.compile(r"^\[recruitment\.prolific\][^\n]*\n", re.MULTILINE)
@@ -35,12 +36,15 @@ def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
     Raises
     ------
     InputError
-        If the study file is wrong in another way.
+        If the study file is wrong in another way, or the study is on Prolific already, which
+        knows no other codes than those that it was made with.
     """
     text = read_text(folder.definition)
     try:
         written = _prolific(tomllib.loads(text))
         drawn = {key: draw_code() for key in KEYS if again or not written.get(key)}
+        if drawn:
+            _require_unmade(folder)
         text = _replaced(text, {key: drawn[key] for key in drawn if key in written})
         text = _added(text, {key: drawn[key] for key in drawn if key not in written})
     except tomllib.TOMLDecodeError as error:
@@ -51,6 +55,18 @@ def draw_codes(folder: StudyFolder, *, again: bool = False) -> list[str]:
     if drawn:
         write_text(folder.definition, text)
     return list(drawn)
+
+
+def _require_unmade(folder: StudyFolder) -> None:
+    made = read_made_there(folder.root).prolific_study
+    if made is not None:
+        raise InputError(
+            f"the study is on Prolific already ({made}), which knows its present codes alone: who "
+            "comes back with another one would not be paid",
+            where=folder.root / FILE,
+            remedy="Keep the codes. For new ones, delete the draft on Prolific, remove its id from "
+            "this file, draw them, and run 'motionjury recruit STUDY create' again",
+        )
 
 
 def _prolific(document: Mapping[str, Any]) -> Mapping[str, Any]:

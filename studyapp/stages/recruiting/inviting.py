@@ -53,7 +53,7 @@ def invite(folder: StudyFolder, people: Sequence[str], address: str, out: Path) 
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
     writer.writerows([COLUMNS, *written, *zip(wanted, links, strict=True)])
-    write_text(out, table.getvalue())
+    write_text(out, table.getvalue(), private=True)
     return len(wanted)
 
 

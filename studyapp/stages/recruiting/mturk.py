@@ -15,7 +15,7 @@ from studyapp.services.recruiting.payment import (
     Arrived,
     Judged,
     arrived,
-    by_participant,
+    by_submission,
     judge_assignment,
 )
 
@@ -71,16 +71,17 @@ def hits_of(folder: StudyFolder, *, live: bool) -> tuple[str, ...]:
 def judged(folder: StudyFolder, client: MTurkClient, *, live: bool) -> list[JudgedAssignment]:
     """Return every assignment that was handed in, and what is to be done about it."""
     database = Database.open_for_reading(database_url_of(folder.root))
-    people: dict[str, Arrived] = {}
+    people: list[Arrived] = []
     if database is not None:
         try:
-            people = by_participant(arrived(database))
+            people = arrived(database)
         finally:
             database.close()
+    assignments = [each for hit in hits_of(folder, live=live) for each in client.assignments(hit)]
+    known = by_submission(people, [(each.id, each.worker) for each in assignments])
     return [
-        JudgedAssignment(assignment=each, judged=_judged(each, people.get(each.worker)))
-        for hit in hits_of(folder, live=live)
-        for each in client.assignments(hit)
+        JudgedAssignment(assignment=each, judged=_judged(each, known[each.id]))
+        for each in assignments
     ]
 
 
@@ -96,11 +97,7 @@ def _hits_in(made: MadeThere, *, live: bool) -> tuple[str, ...]:
     return made.live_hits if live else made.sandbox_hits
 
 
-def _judged(assignment: Assignment, known: Arrived | None) -> Judged:
+def _judged(assignment: Assignment, known: Arrived) -> Judged:
     if assignment.status != SUBMITTED:
         return Judged(verdict="settled", why=assignment.status.lower())
-    if known is None:
-        return judge_assignment("", assignment.answer, "nobody")
-    if known.session and known.session != assignment.id:
-        return Judged(verdict="look", why="took part under another assignment")
     return judge_assignment(known.code, assignment.answer, known.ours)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any
 
 from motion.errors import InputError
 from motion.listing import listed
@@ -17,13 +17,11 @@ from studyapp.services.recruiting.payment import (
     Judged,
     Ours,
     arrived,
-    by_participant,
+    by_submission,
     judge_submission,
 )
 from studyapp.services.recruiting.prolific_client import ProlificClient, ProlificStudy, Submission
 from studyapp.services.recruiting.prolific_draft import internal_name, prolific_draft
-
-NOBODY: Final[Ours] = "nobody"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,13 +100,14 @@ def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
     identity = study_id(folder)
     codes = folder.study().recruitment.prolific
     database = Database.open_for_reading(database_url_of(folder.root))
-    people: dict[str, Arrived] = {}
+    people: list[Arrived] = []
     if database is not None:
         try:
-            people = by_participant(arrived(database))
+            people = arrived(database)
         finally:
             database.close()
     submissions = client.submissions(identity)
+    known = by_submission(people, [(each.id, each.participant) for each in submissions])
     judged = tuple(
         JudgedSubmission(
             submission=each,
@@ -116,14 +115,16 @@ def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
             judged=judge_submission(each.status, each.code, ours, codes),
         )
         for each in submissions
-        for ours in [people[each.participant].ours if each.participant in people else NOBODY]
+        for ours in [known[each.id].ours]
     )
     there = {each.participant for each in submissions}
     return ProlificStatus(
         study=client.study(identity),
         submissions=judged,
         there_and_here=dict(Counter((each.submission.status, each.ours) for each in judged)),
-        missing_there=tuple(name for name in people if name not in there),
+        missing_there=tuple(
+            dict.fromkeys(each.participant for each in people if each.participant not in there)
+        ),
     )
 
 

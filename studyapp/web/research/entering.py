@@ -17,7 +17,7 @@ from studyapp.services.researchers.links import (
 )
 from studyapp.services.researchers.logging_in import WrongLoginError, log_in
 from studyapp.services.researchers.logins import end_login
-from studyapp.web.research.address import client_address
+from studyapp.web.address import client_address
 from studyapp.web.research.next_page import address_after_login
 from studyapp.web.research.page import page, refusal_page
 from studyapp.web.research.visitor import visitor, visitor_cookie, with_login
@@ -35,10 +35,18 @@ def login() -> ResponseReturnValue:
 def enter() -> ResponseReturnValue:
     """Log in."""
     here = running()
-    name, password, wanted = (request.form.get(key, "") for key in ("name", "password", "next"))
-    address = client_address()
+    name, password, code, wanted = (
+        request.form.get(key, "") for key in ("name", "password", "code", "next")
+    )
     try:
-        token = log_in(here.database, here.clock, name=name, password=password, address=address)
+        token = log_in(
+            here.database,
+            here.clock,
+            name=name,
+            password=password,
+            code=code,
+            address=client_address(),
+        )
     except TooManyAttemptsError as error:
         refused = make_response(page("login", wanted=wanted, name=name, problem=error), 429)
         refused.headers["Retry-After"] = str(error.seconds)
@@ -70,6 +78,7 @@ def use_link(token: str) -> ResponseReturnValue:
     """Join, or choose a new password, and be logged in."""
     here = running()
     name, password, again = (request.form.get(key, "") for key in ("name", "password", "again"))
+    login_token: str | None
     try:
         found = link_of(here.database, token, here.clock.now())
     except UnusableLinkError as error:
@@ -82,6 +91,8 @@ def use_link(token: str) -> ResponseReturnValue:
             login_token = join(here.database, here.clock, token, name=name, password=password)
     except InputError as error:
         return page("link", link=found, token=token, name=name, problem=error), 422
+    if login_token is None:
+        return redirect(url_for("research.login"), 303)
     return _entered(login_token, url_for("research.overview"))
 
 

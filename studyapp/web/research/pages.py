@@ -71,6 +71,19 @@ PAGES: Final = (
     Page("POST", "/log-out", entering.log_out, Right.KEEP_ACCOUNT),
     Page("GET", "/account", own_account.own_account, Right.KEEP_ACCOUNT),
     Page("POST", "/account", own_account.change_own_password, Right.KEEP_ACCOUNT),
+    Page("GET", "/account/second-factor", own_account.second_factor, Right.KEEP_ACCOUNT),
+    Page(
+        "POST",
+        "/account/second-factor",
+        own_account.turn_on_second_factor,
+        Right.KEEP_ACCOUNT,
+    ),
+    Page(
+        "POST",
+        "/account/second-factor/off",
+        own_account.turn_off_second_factor,
+        Right.KEEP_ACCOUNT,
+    ),
     Page("GET", "/", watching.overview, Right.WATCH, rehearsed=True),
     Page("GET", "/study-sessions", watching.study_sessions, Right.WATCH, rehearsed=True),
     Page(
@@ -105,6 +118,8 @@ PAGES: Final = (
         Right.WATCH,
         changes_nothing=True,
     ),
+    Page("POST", "/try", previewing.try_study, Right.WATCH),
+    Page("POST", "/try/erase", previewing.erase_tries, Right.STEER),
     Page("GET", "/newcomers", newcomers.newcomers, Right.STEER),
     Page("POST", "/newcomers/state", newcomers.steer_newcomers, Right.STEER),
     Page("POST", "/newcomers/more", newcomers.want_more, Right.STEER),

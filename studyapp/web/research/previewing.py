@@ -11,11 +11,18 @@ from flask.typing import ResponseReturnValue
 
 from studyapp.design.planned_trial import PlannedTrial
 from studyapp.services.previewing import TOKEN, planned_trials, players, previewed_trial
+from studyapp.services.trying import (
+    count_test_participations,
+    erase_test_participations,
+    make_test_participation,
+)
 from studyapp.web.errors import wants_json
 from studyapp.web.media import send_video
 from studyapp.web.research.page import page
+from studyapp.web.research.visitor import researcher
 from studyapp.web.running import running
 from studyapp.web.trial_page import trial_page
+from studyapp.web.trying import address_to_try
 
 MOST_PLACES = 10_000
 
@@ -27,7 +34,22 @@ def preview() -> ResponseReturnValue:
     arm = arms.index(wanted) if wanted in arms else 0
     readable = place.isascii() and place.isdecimal() and len(place) < len(str(MOST_PLACES))
     number = max(1, int(place)) if readable else 1
-    return page("preview", arms=arms, arm=arm, place=number, trials=_trials(arm, number))
+    tries = count_test_participations(running().folder)
+    trials = _trials(arm, number)
+    return page("preview", arms=arms, arm=arm, place=number, trials=trials, tries=tries)
+
+
+def try_study() -> ResponseReturnValue:
+    """Let the researcher take part as a test."""
+    here = running()
+    token = make_test_participation(here.folder, here.served, here.clock, by=researcher().name)
+    return redirect(address_to_try(token), 303)
+
+
+def erase_tries() -> ResponseReturnValue:
+    """Erase all test participations."""
+    erase_test_participations(running().folder)
+    return redirect(url_for("research.preview"), 303)
 
 
 def previewed_page(arm: int, place: int, position: int) -> ResponseReturnValue:

@@ -38,7 +38,7 @@ def invite_researcher() -> ResponseReturnValue:
         token = invite(here.database, here.clock, role=_role(), by=researcher().name)
     except InputError as error:
         return _page(problem=error), 422
-    return _page(new_link=url_for("research.link", token=token, _external=True))
+    return _page(new_link=_link(token))
 
 
 def offer_password(researcher_id: int) -> ResponseReturnValue:
@@ -50,7 +50,7 @@ def offer_password(researcher_id: int) -> ResponseReturnValue:
         token = offer_new_password(here.database, here.clock, name=name, by=by)
     except InputError as error:
         return _page(problem=error), 422
-    return _page(new_link=url_for("research.link", token=token, _external=True), for_name=name)
+    return _page(new_link=_link(token), for_name=name)
 
 
 def take_link_back(link_id: int) -> ResponseReturnValue:
@@ -78,6 +78,15 @@ def let_researcher_in(researcher_id: int) -> ResponseReturnValue:
     """Let a researcher log in again."""
     here, by = running(), researcher().name
     return _done(lambda: let_in_again(here.database, here.clock, researcher_id, by=by))
+
+
+def _link(token: str) -> str:
+    """Return the address of a link.
+
+    It begins as the researcher said that the study's addresses do; else the browser completes it.
+    What a request calls the host may be anybody's word.
+    """
+    return running().origin + url_for("research.link", token=token)
 
 
 def _done(change: Callable[[], None]) -> ResponseReturnValue:

@@ -68,7 +68,8 @@ def study_sessions(data: Data) -> ResponseReturnValue:
     choice, names, called = _choice(), naming(), request.args.get("called", "")
     number = _number("page") or 1
     with looked_at(data) as database:
-        one = number_called(database, names.key, called) if called else None
+        with database.reading() as session:
+            one = number_called(session, names.key, called) if called else None
         if one is not None:
             return redirect(url_for("research.study_session", data=data, number=one), 303)
         found = chosen(database, here.served, choice, here.clock.now())

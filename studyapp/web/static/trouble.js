@@ -22,7 +22,10 @@ export class Trouble {
     if (video.error) this.fail();
   }
 
+  // The store that sends the videos may be down: then the server sends its own copy.
   fail() {
+    const { ownCopy } = this.video.dataset;
+    if (ownCopy && this.video.getAttribute("src") !== ownCopy) return this.load(ownCopy);
     this.show(say("This video cannot be played."));
   }
 
@@ -39,16 +42,20 @@ export class Trouble {
 
   // Under another address, since a browser may keep what it got under this one.
   reload() {
+    this.reloads += 1;
+    this.video.preload = "auto";
+    this.load(`${this.address}?again=${this.reloads}`);
+    this.hide();
+    (this.video.closest(".player, .stage") ?? document).querySelector(".play").focus();
+  }
+
+  load(address) {
     const { video } = this;
     const place = Math.max(0, (video.ended ? 0 : video.currentTime) - BACK_S);
-    this.reloads += 1;
     video.pause();
-    video.preload = "auto";
-    video.src = `${this.address}?again=${this.reloads}`;
+    video.src = address;
     video.load();
     // Not before there is a picture: jumping earlier leaves it blank in some browsers.
     video.addEventListener("loadeddata", () => { video.currentTime = place; }, { once: true });
-    this.hide();
-    (video.closest(".player, .stage") ?? document).querySelector(".play").focus();
   }
 }

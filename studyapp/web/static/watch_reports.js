@@ -17,6 +17,7 @@ export class WatchReports extends EventTarget {
     this.queue = JSON.parse(recall(this.keptKey) ?? "[]");
     forget(this.keptKey);
     this.sending = null;
+    this.told = { frames: 0, dropped_frames: 0 };
   }
 
   // The intervals that count, as far as can be told before the server has answered.
@@ -73,9 +74,17 @@ export class WatchReports extends EventTarget {
   seal(stretch, number) {
     if (stretch.batch !== undefined) return;
     const quality = this.video.getVideoPlaybackQuality?.();
-    stretch.frames = quality?.totalVideoFrames ?? null;
-    stretch.dropped_frames = quality?.droppedVideoFrames ?? null;
+    this.count(stretch, "frames", quality?.totalVideoFrames);
+    this.count(stretch, "dropped_frames", quality?.droppedVideoFrames);
     stretch.batch = number;
+  }
+
+  // The browser counts from when the video was loaded: what came since the last report is told.
+  count(stretch, name, total) {
+    if (total === undefined) return;
+    const since = total < this.told[name] ? 0 : this.told[name];
+    stretch[name] = (stretch[name] ?? 0) + total - since;
+    this.told[name] = total;
   }
 
   // Send what is unsent; resolves when nothing is.

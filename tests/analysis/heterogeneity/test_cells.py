@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from analysis.heterogeneity.cells import ONE_SEGMENT, cells
+from analysis.clustered_variance import ONE_SEGMENT
+from analysis.heterogeneity.cells import cells
 from analysis.preferences.clustered import clustered_mean
 
 

@@ -15,7 +15,9 @@ LABELS = ("neutral", "anger", "fear")
 
 
 def network(name=names.GESTURE, labels=()):
-    return Network(path=Path("n"), sha256="ab" * 32, name=name, settings={"a": "b"}, labels=labels)
+    return Network(
+        source=Path("n"), sha256="ab" * 32, name=name, settings={"a": "b"}, labels=labels
+    )
 
 
 def clips(count, *, shift=0.0, dimensions=3, seed=0, windows=2, named=None):

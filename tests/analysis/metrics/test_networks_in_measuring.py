@@ -13,14 +13,15 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face import arkit_index
 from motion.formats import write_clip
-from renderer.body_asset import default_body
+from renderer.avatars import default_body
 
 
 class MeanPose:
     """Stands for a trained network: the mean and spread of a few joints' rotations."""
 
     labels = ()
-    channels = "gesture"
+    name = names.GESTURE
+    rule = None
 
     def __init__(self, path):
         self.sha256 = path.read_text()

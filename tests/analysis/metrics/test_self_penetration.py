@@ -14,7 +14,7 @@ from analysis.metrics.self_penetration import (
 from motion.body import read_body
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
-from renderer.body_asset import default_body
+from renderer.avatars import default_body
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 FACES = np.array(

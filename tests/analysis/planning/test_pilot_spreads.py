@@ -11,7 +11,7 @@ from analysis.planning.pilot_spreads import pilot_opinions
 from analysis.results.left_out import leave_out
 from analysis.tables.layouts import LAYOUTS
 from analysis.tables.reading import read_answers
-from analysis.validity.studies import THRESHOLDS, Design, judgements, preferences, ranks, ratings
+from benchmarks.validity.studies import THRESHOLDS, Design, judgements, preferences, ranks, ratings
 from motion.errors import InputError
 
 DESIGN = Design(participants=40, items=25, effect=0.4, participant_sd=0.8, item_sd=0.6)

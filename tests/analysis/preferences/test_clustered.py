@@ -12,6 +12,7 @@ from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
 
 from analysis.clustered_variance import (
     INDEPENDENT,
+    ONE_SEGMENT,
     ONE_WAY_PARTICIPANTS,
     ONE_WAY_SEGMENTS,
     TWO_WAY,
@@ -26,16 +27,27 @@ def means(rows):
     return clustered_mean(table.ravel(), people.ravel(), items.ravel())
 
 
-def by_hand(values, people, items):
-    """Two-way CR1 variance of a mean, written out from Cameron, Gelbach & Miller (2011)."""
-    residuals = values - values.mean()
+def by_matrices(values, people, items):
+    """CR2 and Bell & McCaffrey's degrees of freedom of an intercept, written out as matrices."""
+    count = len(values)
+    design = np.ones((count, 1))
+    hat = design @ design.T / count
+    annihilator = np.eye(count) - hat
 
     def one_way(groups):
-        sums = [residuals[groups == group].sum() for group in np.unique(groups)]
-        return sum(s**2 for s in sums) / len(values) ** 2 * len(sums) / (len(sums) - 1)
+        variance, columns = 0.0, []
+        for group in np.unique(groups):
+            own = np.flatnonzero(groups == group)
+            scale, axes = np.linalg.eigh(np.eye(len(own)) - hat[np.ix_(own, own)])
+            adjusted = axes @ np.diag(scale**-0.5) @ axes.T
+            variance += (adjusted @ (values - values.mean())[own]).sum() ** 2 / count**2
+            columns.append(annihilator[:, own] @ adjusted @ np.ones(len(own)) / count)
+        gram = np.array(columns) @ np.array(columns).T
+        return variance, np.trace(gram) ** 2 / (gram**2).sum()
 
-    cells = people * (items.max() + 1) + items
-    return one_way(people) + one_way(items) - one_way(cells)
+    by_people, by_items = one_way(people), one_way(items)
+    by_cell, _ = one_way(people * (items.max() + 1) + items)
+    return by_people[0] + by_items[0] - by_cell, min(by_people[1], by_items[1])
 
 
 def test_a_table_worked_by_hand():
@@ -52,19 +64,22 @@ def test_an_unbalanced_sample_agrees_with_the_formula():
     generator = np.random.default_rng(5)
     people, items = generator.integers(0, 9, 150), generator.integers(0, 7, 150)
     values = (np.sign((people - 4) + (items - 3) + generator.normal(0, 3, 150)) + 1) / 2
+    people[:60] = 0
     found = clustered_mean(values, people, items)
+    variance, freedom = by_matrices(values, people, items)
     assert found.method == TWO_WAY
-    assert found.standard_error**2 == pytest.approx(by_hand(values, people, items))
-    margin = stats.t(6).ppf(0.975) * found.standard_error
+    assert found.standard_error**2 == pytest.approx(variance)
+    assert found.freedom == pytest.approx(freedom)
+    margin = stats.t(freedom).ppf(0.975) * found.standard_error
     assert found.low == pytest.approx(found.estimate - margin)
     assert found.high == pytest.approx(found.estimate + margin)
 
 
-def test_it_agrees_with_another_implementation():
+def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance():
     generator = np.random.default_rng(6)
-    people, items = generator.integers(0, 12, 300), generator.integers(0, 9, 300)
-    values = (np.sign((people - 6) + (items - 4) + generator.normal(0, 5, 300)) + 1) / 2
-    fit = OLS(values, np.ones((300, 1))).fit()
+    people, items = np.repeat(np.arange(12), 27), np.tile(np.arange(9), 36)
+    values = (np.sign((people - 6) + (items - 4) + generator.normal(0, 5, 324)) + 1) / 2
+    fit = OLS(values, np.ones((324, 1))).fit()
     expected = cov_cluster_2groups(fit, people, items)[0].item()
     assert clustered_mean(values, people, items).standard_error ** 2 == pytest.approx(expected)
 
@@ -97,7 +112,6 @@ def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(rows, me
     ("rows", "reason"),
     [
         ([[1, 0, 0.5]], "one participant"),
-        ([[1], [0], [0.5]], "one segment"),
         ([[1, 1], [1, 1]], "all answers alike"),
         ([[0.5, 0.5], [0.5, 0.5]], "all answers alike"),
     ],
@@ -110,6 +124,37 @@ def test_a_design_too_small_gives_no_interval_but_a_reason(rows, reason):
     assert math.isnan(found.high)
     assert math.isnan(found.p_value)
     assert not found.method
+
+
+def test_of_one_segment_participants_alone_are_the_sample():
+    found = means([[1], [0], [1], [1]])
+    assert found.method == ONE_SEGMENT
+    assert found.p_value == pytest.approx(stats.ttest_1samp([1, 0, 1, 1], 0.5).pvalue)
+
+
+def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_hangs_on_them():
+    generator = np.random.default_rng(8)
+    people = np.concatenate([np.zeros(300, int), generator.integers(1, 30, 210)])
+    values = np.where(people == 0, generator.random(510) < 0.7, generator.random(510) < 0.5)
+    found = clustered_mean(values.astype(float), people, generator.integers(0, 17, 510))
+
+    without = [values[people != one].mean() for one in np.unique(people)]
+    assert found.freedom < 4
+    assert found.remark == (
+        "one participant gave 300 of 510 answers; without any one participant the estimate lies "
+        f"between {min(without):.3g} and {max(without):.3g}"
+    )
+
+
+def test_a_very_busy_participant_no_longer_makes_false_findings():
+    generator = np.random.default_rng(9)
+    people = np.concatenate([np.zeros(300, int), np.arange(210) % 29 + 1])
+    items, found = np.tile(np.arange(17), 30), 0
+    for _ in range(300):
+        tastes, luck = generator.normal(0, 0.6, 30), generator.normal(0, 0.45, 17)
+        latent = tastes[people] + luck[items] + generator.logistic(size=510)
+        found += clustered_mean((latent > 0).astype(float), people, items).p_value < 0.05
+    assert found / 300 < 0.065
 
 
 def test_no_answers_give_no_number_at_all():

@@ -7,8 +7,10 @@ import pandas as pd
 import pytest
 
 from analysis.report.answer import answer
+from analysis.report.flow_section import flow_section
 from analysis.report.flow_words import flow_line
 from analysis.results.flow import Flow
+from analysis.results.pairwise import PairwiseResults
 from tests.analysis.report.made_reports import report_of, subject_of
 from tests.analysis.results.made_tables import (
     TABLES,
@@ -62,17 +64,29 @@ def test_what_is_equivalent_within_the_margin_is_named(tmp_path: Path) -> None:
     assert basis.startswith("Equivalent within 0.2 are twin and ours on emotion.")
 
 
-def test_where_everybody_agrees_the_difference_is_named_though_nothing_can_be_tested(
+def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so(
     tmp_path: Path,
 ) -> None:
     table = pairwise_table(("ours", "other"), participants=6, effects=(0.0, 0.0))
     table["response"] = (table["left"] == "ours").map({True: 1, False: 5})
     report = report_of(table, "pairwise", tmp_path)
 
-    effect = answer(report, subject_of(report))[0]
+    effect, basis, _ = answer(report, subject_of(report))
 
-    assert effect.startswith("No test could be made: ")
-    assert "that of ours to other on emotion (win share 1.00" in effect
+    assert effect.startswith("Participants preferred ours to other on emotion (share of ")
+    assert "1 test is of the share of participants, because the usual test cannot be used" in basis
+
+
+def test_why_the_win_share_decides_is_said_once_however_many_answered_each_question(
+    tmp_path: Path,
+) -> None:
+    table = pairwise_table(questions=("emotion", "rhythm"), participants=8)
+    fewer = table[(table["question"] != "rhythm") | (table["participant"] != "p00")]
+    report = report_of(fewer, "pairwise", tmp_path)
+
+    basis = answer(report, subject_of(report))[1]
+
+    assert basis.count("because the usual test cannot be used") == 1
 
 
 def test_ratings_are_answered_by_mean_differences(tmp_path: Path) -> None:
@@ -83,19 +97,84 @@ def test_ratings_are_answered_by_mean_differences(tmp_path: Path) -> None:
     assert "preferred truth to static on match (mean difference " in effect
 
 
-def test_rankings_are_answered_by_mean_ranks_and_the_ranks_that_are_open(tmp_path: Path) -> None:
+def test_rankings_are_answered_by_differences_of_worths(tmp_path: Path) -> None:
     report = report_of(ranking_table(participants=16, segments=10), "ranking", tmp_path)
 
-    effect = answer(report, subject_of(report))[0]
+    effect, basis, _ = answer(report, subject_of(report))
 
-    assert "placed best, by mean rank, truth on realism (mean rank 1." in effect
-    assert "its rank may be 1" in effect
+    assert "preferred truth to static on realism (difference of worths in logits " in effect
+    assert basis.startswith("One test of all conditions together: on realism (F(2, ")
 
 
 def test_no_condition_is_called_best_where_all_share_one_rank(tmp_path: Path) -> None:
     report = report_of(ranking_table(participants=4).assign(rank=1), "ranking", tmp_path)
 
-    assert "none before the others on realism" in answer(report, subject_of(report))[0]
+    assert answer(report, subject_of(report))[0].startswith(
+        "No test could be made: every ranking ties all that it places"
+    )
+
+
+def test_rankings_of_sets_that_were_never_compared_are_refused_with_both_named(
+    tmp_path: Path,
+) -> None:
+    first = ranking_table(("a", "b"), participants=6)
+    second = ranking_table(("c", "d"), participants=6, seed=2)
+    report = report_of(
+        pd.concat([first, second.assign(participant="q" + second["participant"])]),
+        "ranking",
+        tmp_path,
+    )
+
+    effect = answer(report, subject_of(report))[0]
+
+    assert "never compared with one another, not even through others: a and b | c and d" in effect
+
+
+def test_the_model_decides_with_its_own_estimate_quoted(tmp_path: Path) -> None:
+    table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=20, segments=20)
+    report = report_of(table, "pairwise", tmp_path)
+
+    effect = answer(report, subject_of(report))[0]
+
+    [one] = report.results.comparisons  # type: ignore[union-attr]
+    assert one.decision.by == "clmm"
+    assert f"(log-odds {abs(one.clmm.estimate):.2f}, 95% interval [" in effect
+
+
+def test_of_many_conditions_strengths_decide_and_an_interval_that_does_not_is_explained(
+    tmp_path: Path,
+) -> None:
+    table = pairwise_table(
+        ("a", "b", "c", "d"), effects=(2.0, 0.5, 0.4, 0.0), participants=9, segments=6
+    )
+    report = report_of(table, "pairwise", tmp_path)
+    assert isinstance(report.results, PairwiseResults)
+    first = next(one for one in report.results.contrasts if one.p_holm < 0.05)
+    others = [
+        replace(one, low=-1.0, high=1.0) if one.p_holm >= 0.05 else one
+        for one in report.results.contrasts
+        if one is not first
+    ]
+    open_one = replace(first, p_holm=0.064)
+    seen = replace(report, results=replace(report.results, contrasts=(open_one, *others)))
+
+    assert "(difference of strengths in logits " in answer(report, subject_of(report))[0]
+    assert (
+        "Intervals stand for one test at a time: 1 of them leaves out no difference, although p, "
+        "corrected over 6 tests, does not decide."
+    ) in answer(seen, subject_of(report))[1]
+
+
+def test_a_very_busy_participant_is_warned_of(tmp_path: Path) -> None:
+    table = pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=12, segments=12)
+    busy = pd.concat([table[table["participant"] == "p00"]] * 9)
+    table = pd.concat([table, busy.assign(trial=range(1000, 1000 + len(busy)))])
+    report = report_of(table, "pairwise", tmp_path)
+
+    basis = answer(report, subject_of(report))[1]
+
+    assert "Participants answered very unequally often. " in basis
+    assert "without any one participant the estimate lies between 0." in basis
 
 
 def test_own_speech_is_named_against_anothers(tmp_path: Path) -> None:
@@ -125,6 +204,22 @@ def test_a_study_with_open_places_says_how_many(tmp_path: Path) -> None:
 
     assert "4 of 9 places are filled" in answer(unfinished, subject_of(report))[-1]
     assert "places" not in answer(unfinished, subject_of(report, origin="rehearsal"))[-1]
+
+
+def test_study_sessions_that_ended_unwatched_are_counted_among_the_participants(
+    tmp_path: Path,
+) -> None:
+    report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
+    flow = Flow(
+        arm="", places=9, opened=7, withdrawn=0, earlier=0, unwatched=2, completed=4, answered=4,
+        removed=(), analysed=4,
+    )  # fmt: skip
+
+    words = flow_section(replace(report, flow=(flow,)), subject_of(report)).paragraphs
+
+    assert any(text.startswith("2 study sessions ended before the last trial") for text in words)
+    unflawed = flow_section(report, subject_of(report)).paragraphs
+    assert not any("ended before the last trial" in text for text in unflawed)
 
 
 def test_excluded_participants_are_counted_in_answer_and_flow(tmp_path: Path) -> None:

@@ -141,7 +141,7 @@ def test_results_keep_what_stands_beside_the_protocols_own_keys(tmp_path: Path) 
     assert found["study"] == {"seed": 3}
     assert found["flow"] == [
         {
-            **dict.fromkeys(("places", "opened", "withdrawn", "earlier", "completed")),
+            **dict.fromkeys(("places", "opened", "withdrawn", "earlier", "unwatched", "completed")),
             "arm": "",
             "answered": 4,
             "removed": [],

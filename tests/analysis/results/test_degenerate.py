@@ -18,8 +18,6 @@ OF_STUDIES_ALONE = "flow"
 """Of a table it holds nothing that only a study knows."""
 
 SAID_BESIDE = {
-    "p_holm": "clmm",
-    "win_share_p_holm": "win_share",
     "share": "win_share",
     "set": None,
     "settings": None,

@@ -8,7 +8,7 @@ import pytest
 from analysis.ordinal.mixed_model import RandomEffect, beginning_of
 from analysis.results.net_preference import expected, net_preference
 from analysis.results.sided import SidedAnswers
-from analysis.validity.studies import THRESHOLDS, Design, preferences
+from benchmarks.validity.studies import THRESHOLDS, Design, preferences
 
 DESIGN = Design(participants=15, items=12, effect=0.4, participant_sd=0.6, item_sd=0.45)
 

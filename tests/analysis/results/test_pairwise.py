@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -7,11 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.clustered_variance import ONE_SEGMENT
 from analysis.holm import holm
 from analysis.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
 from analysis.preferences.clustered import clustered_mean
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport, analyse_table
+from motion.errors import InputError
 from tests.analysis.results.made_tables import catch_rows, pairwise_table
 
 
@@ -73,8 +76,8 @@ def test_a_comparison_agrees_with_its_parts(table: pd.DataFrame, found: Pairwise
     assert one.clmm.loglik == pytest.approx(full.log_likelihood, abs=1e-4)
     assert one.clmm.p == pytest.approx(likelihood_ratio(full, reduced)[2], rel=1e-3)
     assert one.as_published.binomial_p < one.clmm.p
-    assert [c.p_holm for c in found.comparisons] == pytest.approx(
-        holm([c.clmm.p for c in found.comparisons])
+    assert [c.decision.p_holm for c in found.comparisons] == pytest.approx(
+        holm([c.decision.p for c in found.comparisons])
     )
 
 
@@ -119,7 +122,9 @@ def test_sets_are_kept_apart_and_corrected_together(tmp_path: Path) -> None:
     assert (first.set, second.set) == ("one", "two")
     assert first.clmm == alone.comparisons[0].clmm
     assert found.bradley_terry["one"]["emotion"] == alone.bradley_terry["emotion"]  # type: ignore[index]
-    assert (first.p_holm, second.p_holm) == pytest.approx(holm([first.clmm.p, second.clmm.p]))
+    assert (first.decision.p_holm, second.decision.p_holm) == pytest.approx(
+        holm([first.decision.p, second.decision.p])
+    )
 
 
 def test_equivalence_is_told_where_a_margin_was_stated(found: PairwiseResults) -> None:
@@ -138,16 +143,141 @@ def test_strengths_add_up_to_zero_and_follow_the_truth(found: PairwiseResults) -
     assert set(fitted.ranks) == set(strengths)  # type: ignore[union-attr]
 
 
-def test_with_few_segments_the_win_share_decides_and_the_model_says_why(tmp_path: Path) -> None:
+def test_with_few_segments_the_win_share_decides_and_it_says_why(tmp_path: Path) -> None:
     few = results(tmp_path, pairwise_table(("x", "y"), effects=(0.6, 0.0), segments=6))
     [one] = few.comparisons
-    assert one.decided_by == "win_share"
-    assert one.deciding_p == one.win_share.p
-    assert one.deciding_p_holm == one.win_share_p_holm
-    assert "12 participants and 6 segments" in one.clmm.remark
+    assert one.decision.by == "win_share"
+    assert (one.decision.estimate, one.decision.low, one.decision.p) == (
+        one.win_share.estimate,
+        one.win_share.low,
+        one.win_share.p,
+    )
+    assert "fewer than 20 participants or segments" in one.decision.why
 
     many = pairwise_table(("x", "y"), effects=(0.6, 0.0), participants=20, segments=20)
     [other] = results(tmp_path, many).comparisons
-    assert other.decided_by == "clmm"
-    assert other.deciding_p_holm == other.p_holm == other.clmm.p
-    assert "too often" not in other.clmm.remark
+    assert (other.decision.by, other.decision.why) == ("clmm", "")
+    assert (other.decision.estimate, other.decision.p) == (other.clmm.estimate, other.clmm.p)
+
+
+def test_one_correction_is_taken_over_what_decides_whichever_test_it_is(tmp_path: Path) -> None:
+    many = pairwise_table(("x", "y"), effects=(0.3, 0.0), participants=20, segments=20)
+    few = many[many["segment"].isin(["s1", "s2", "s3", "s4", "s5"])].assign(question="rhythm")
+    first, second = results(tmp_path, pd.concat([many, few])).comparisons
+
+    assert (first.decision.by, second.decision.by) == ("clmm", "win_share")
+    assert (first.decision.p_holm, second.decision.p_holm) == pytest.approx(
+        holm([first.clmm.p, second.win_share.p])
+    )
+
+
+def test_where_all_prefer_the_same_one_the_sign_test_decides_and_says_why(tmp_path: Path) -> None:
+    table = pairwise_table(("x", "y"), effects=(0.0, 0.0), participants=12, segments=4)
+    table["response"] = (table["left"] == "x").map({True: 1, False: 5})
+    [one] = results(tmp_path, table).comparisons
+
+    assert one.decision.by == "sign"
+    assert one.decision.p == pytest.approx(2 * 0.5**12)
+    assert one.decision.estimate == 1
+    assert "all answers alike" in one.decision.why
+
+
+def test_where_the_model_has_no_estimate_the_win_share_decides(tmp_path: Path) -> None:
+    table = pairwise_table(("x", "y"), effects=(0.0, 0.0), participants=20, segments=20)
+    table["response"] = (table["left"] == "x").map({True: 1, False: 5})
+    table.loc[table.index % 80 == 3, "response"] = 3
+    [one] = results(tmp_path, table).comparisons
+
+    assert math.isnan(one.clmm.p)
+    assert one.decision.by == "win_share"
+    assert one.decision.p < 1e-6
+    assert one.decision.why == one.clmm.reason
+
+
+def test_one_segment_is_tested_over_participants_alone(tmp_path: Path) -> None:
+    table = pairwise_table(("x", "y"), effects=(2.0, 0.0), participants=14, segments=3)
+    [one] = results(tmp_path, table[table["segment"] == "s2"]).comparisons
+
+    assert one.decision.by == "win_share"
+    assert one.decision.p < 0.05
+    assert one.win_share.method == ONE_SEGMENT
+
+
+@pytest.fixture(scope="module")
+def five() -> pd.DataFrame:
+    return pairwise_table(
+        ("a", "b", "c", "d", "e"),
+        participants=10,
+        segments=6,
+        effects=(1.5, 1.0, 0.5, 0.2, 0.0),
+    )
+
+
+def test_of_more_than_three_conditions_strengths_decide(five: pd.DataFrame, tmp_path: Path) -> None:
+    found = results(tmp_path, five)
+
+    assert found.decided_by == "strengths"
+    assert len(found.contrasts) == 10
+    assert [one.p_holm for one in found.contrasts] == pytest.approx(
+        holm([one.p for one in found.contrasts])
+    )
+    fitted = found.bradley_terry["emotion"]
+    assert fitted.omnibus.p < 0.1  # type: ignore[union-attr]
+    one = found.contrasts[0]
+    assert one.difference == pytest.approx(
+        fitted.strengths[one.a] - fitted.strengths[one.b]  # type: ignore[union-attr]
+    )
+
+
+def test_comparisons_with_one_condition_alone_decide_by_themselves(
+    five: pd.DataFrame, tmp_path: Path
+) -> None:
+    star = five[(five["left"] == "a") | (five["right"] == "a")]
+    assert results(tmp_path, star).decided_by == "comparisons"
+
+
+@pytest.mark.parametrize(
+    ("family", "inside"),
+    [
+        ("against=e", {("a", "e"), ("b", "e"), ("c", "e"), ("d", "e")}),
+        ("primary=a,e,emotion", {("a", "e")}),
+    ],
+)
+def test_a_declared_family_alone_decides(
+    family: str, inside: set[tuple[str, str]], five: pd.DataFrame, tmp_path: Path
+) -> None:
+    found = results(tmp_path, five, family=family)
+
+    members = [one for one in found.contrasts if not math.isnan(one.p_holm)]
+    assert {tuple(sorted((one.a, one.b))) for one in members} == inside
+    assert [one.p_holm for one in members] == pytest.approx(holm([one.p for one in members]))
+
+
+@pytest.mark.parametrize(
+    ("family", "words"),
+    [("againstx", "no family"), ("against=zebra", "zebra"), ("primary=a,b,speed", "speed")],
+)
+def test_a_family_that_cannot_be_is_refused(
+    family: str, words: str, five: pd.DataFrame, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=words):
+        results(tmp_path, five, family=family)
+
+
+def test_an_unbeaten_condition_keeps_its_strength_and_is_decided_by_signs(
+    five: pd.DataFrame, tmp_path: Path
+) -> None:
+    table = five.copy()
+    table.loc[table["left"] == "c", "response"] = 1
+    table.loc[table["right"] == "c", "response"] = 5
+    found = results(tmp_path, table)
+    fitted = found.bradley_terry["emotion"]
+
+    assert "c never lost" in fitted.remark  # type: ignore[union-attr]
+    assert fitted.ranks["c"].worst == 1  # type: ignore[union-attr]
+    for one in found.contrasts:
+        swept = "c" in (one.a, one.b)
+        assert one.by == ("sign" if swept else "wald")
+        assert math.isnan(one.low) == swept
+        if swept:
+            assert one.p == pytest.approx(2 * 0.5**10)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pandas as pd
 import pytest
 
 from analysis.holm import holm
+from analysis.results.plain import plain
 from analysis.results.rating import RatingResults
 from analysis.results.report import analyse_table
 from tests.analysis.results.made_tables import rating_table
@@ -45,16 +47,27 @@ def test_it_agrees_with_r(tmp_path: Path) -> None:
         pair = row["contrast"].split(" - ")
         one = next(c for c in found.contrasts if {c.a, c.b} == set(pair))
         sign = 1 if one.a == pair[0] else -1
-        assert one.estimate == pytest.approx(sign * row["estimate"], abs=1e-3)
-        assert one.se == pytest.approx(row["SE"], rel=1e-2)
-        assert one.p == pytest.approx(row["p.value"], rel=2e-2)
+        assert one.log_odds == pytest.approx(sign * row["estimate"], abs=1e-3)
+        assert one.odds_ratio == pytest.approx(math.exp(one.log_odds))
 
 
 def test_one_family_of_tests_holds_all_questions(tmp_path: Path) -> None:
     table = rating_table(("x", "y"), ("match", "style"), participants=8, segments=4)
     first, second = results(tmp_path, table).contrasts
     assert (first.question, second.question) == ("match", "style")
-    assert min(first.p_holm, second.p_holm) == pytest.approx(2 * min(first.p, second.p))
+    first_p, second_p = first.difference, second.difference
+    assert min(first_p.p_holm, second_p.p_holm) == pytest.approx(2 * min(first_p.p, second_p.p))
+
+
+def test_the_model_of_ratings_describes_and_does_not_test(tmp_path: Path) -> None:
+    table = rating_table(("x", "y"), participants=8, segments=4)
+    path = tmp_path / "answers.csv"
+    table.to_csv(path, index=False)
+    written = plain(analyse_table(path, "rating").keys())
+    assert isinstance(written, dict)
+    [contrast] = written["contrasts"]  # type: ignore[misc]
+    assert not {"p", "p_holm", "z", "se", "low"} & set(contrast)  # type: ignore[arg-type]
+    assert not {"p", "wald_p", "se"} & set(written["clmm"]["match"])  # type: ignore[arg-type,call-overload,index]
 
 
 def test_a_slider_of_many_steps_has_means_but_no_ordinal_model(tmp_path: Path) -> None:
@@ -100,3 +113,17 @@ def test_equivalence_is_tested_with_segments_as_a_sample_too(tmp_path: Path) -> 
     assert one.two_way.high - one.two_way.low < contrast.difference.high - contrast.difference.low
     inside = one.two_way.low > -0.4 and one.two_way.high < 0.4
     assert one.two_way.verdict.startswith("equivalent") == inside
+
+
+def test_intervals_are_cut_at_the_ends_of_a_stated_scale_and_nowhere_else(tmp_path: Path) -> None:
+    table = rating_table(("x", "y"), participants=3, segments=3)
+    path = tmp_path / "answers.csv"
+    table.assign(response=[5, 5, 4] * 6).to_csv(path, index=False)
+
+    def highest(scale: tuple[int, int] | None) -> float:
+        found = analyse_table(path, "rating", scale=scale).results
+        assert isinstance(found, RatingResults)
+        return max(one.high for one in found.conditions)
+
+    assert highest((1, 5)) == 5
+    assert 5 < highest((1, 7)) == highest(None) < 7

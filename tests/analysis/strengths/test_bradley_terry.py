@@ -128,7 +128,6 @@ def test_repeating_all_answers_of_everybody_leaves_clustered_errors_alone() -> N
 @pytest.mark.parametrize(
     ("left", "right", "outcome", "reason"),
     [
-        (["a", "b"], ["b", "a"], [1, -1], "a never lost"),
         (["a", "c"], ["b", "d"], [0, 0], "never compared"),
         ([], [], [], "no answers"),
     ],
@@ -177,3 +176,9 @@ def test_one_participant_has_strengths_but_no_clustered_errors_and_says_so(
     assert np.isnan(alone.errors_two_way).all()
     assert np.isnan(alone.tie_error)
     assert not fit(votes).remark
+
+
+def test_an_unseen_difference_has_no_size_where_one_never_lost() -> None:
+    found = rao_kupper(votes_of(["a", "b"], ["b", "a"], [1, -1], ["P", "P"]))
+
+    assert "a never lost" in found.reason

@@ -78,11 +78,11 @@ def test_the_last_choice_of_one_says_nothing() -> None:
     assert plackett_luce(gaps).log_likelihood == pytest.approx(2 * np.log(0.5))
 
 
-def test_a_winner_of_everything_has_no_worth() -> None:
+def test_a_winner_of_everything_has_a_worth_after_a_prior_and_is_named() -> None:
     found = plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "b", 2)]))
 
-    assert "a never lost" in found.reason
-    assert np.isnan(found.worths).all()
+    assert found.swept == "a never lost to any of the others"
+    assert np.isfinite(found.worths).all()
 
 
 def test_a_condition_placed_twice_is_refused() -> None:

@@ -6,7 +6,9 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from analysis.results.ranking import placements_of
 from analysis.tables.answers import AnswerTable
+from analysis.tables.layout import Layout
 from analysis.tables.layouts import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE
 from analysis.tables.reading import MARKED, read_answers
 from motion.errors import InputError
@@ -227,3 +229,66 @@ def test_catch_trials_of_ratings_are_left_out_and_said(tmp_path: Path) -> None:
     found = read_answers(path, RATING_OF_ONE)
     assert len(found.answers) == 1
     assert len(found.notes) == 2
+
+
+def ranked(*rows: tuple[str, str, str, float]) -> pd.DataFrame:
+    """Rankings by one participant: trial, segment, condition, rank."""
+    header = ["trial", "segment", "condition", "rank"]
+    return pd.DataFrame(list(rows), columns=header).assign(participant="anna", question="q")
+
+
+def read_as(layout: Layout, folder: Path, table: pd.DataFrame, **how: Any) -> AnswerTable:
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    return read_answers(path, layout, **how)
+
+
+def test_rankings_of_one_segment_in_several_trials_are_kept_apart(tmp_path: Path) -> None:
+    table = ranked(
+        *(("1", "s1", name, place) for place, name in enumerate("abc", 1)),
+        *(("2", "s1", name, place) for place, name in enumerate("bca", 1)),
+        *((str(place), "s2", name, place) for place, name in enumerate("abc", 1)),
+    )
+    found = placements_of(read_as(RANKING, tmp_path, table).answers)
+
+    # Trials that number single rows of a ranking apart tell nothing.
+    assert found.given.tolist() == [[1, 2, 3], [3, 1, 2], [1, 2, 3]]
+    assert found.averaged().given[0].tolist() == [2, 1.5, 2.5]
+
+
+def test_rankings_that_leave_places_out_are_noted(tmp_path: Path) -> None:
+    table = ranked(("1", "s1", "a", 1), ("1", "s1", "b", 2), ("1", "s1", "c", 4))
+    assert read_as(RANKING, tmp_path, table).notes[0].startswith("1 ranking leaves places out")
+    tied = table.assign(rank=[1, 1, 3])
+    assert read_as(RANKING, tmp_path, tied).notes == ()
+
+
+def test_rows_that_repeat_others_without_a_trial_are_noted(tmp_path: Path) -> None:
+    twice = pd.concat([pairs({}, {"segment": "s2"})] * 2)
+    assert read(tmp_path, twice).notes[0].startswith("2 rows are the same as an earlier one")
+    assert read(tmp_path, twice.assign(trial=range(4))).notes == ()
+
+
+def rated(*scores: int) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "participant": [f"p{number}" for number in range(len(scores))],
+            "segment": "s1",
+            "question": "q",
+            "condition": "ours",
+            "response": scores,
+        }
+    )
+
+
+def test_a_rating_far_above_all_others_is_noted_and_off_a_stated_scale_refused(
+    tmp_path: Path,
+) -> None:
+    table = rated(*[1, 2, 3, 4, 5] * 8, 55)
+    assert (
+        "The highest rating, 55, was given 1 time"
+        in read_as(RATING_OF_ONE, tmp_path, table).notes[0]
+    )
+    with pytest.raises(InputError, match="row 42, column response: 55 is not on the scale"):
+        read_as(RATING_OF_ONE, tmp_path, table, scale=(1, 5))
+    assert read_as(RATING_OF_ONE, tmp_path, table[:-1], scale=(1, 7)).scales == {"q": (1, 7)}

@@ -9,9 +9,9 @@ import numpy as np
 import torch
 
 from generators.diffsheg.config import CONFIGS, DenoiserConfig
-from generators.diffsheg.denoiser import Denoiser
+from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import MotionNetwork, write_network
-from generators.diffsheg.normalisation import Normalisation
+from training.spaces.normalisation import Normalisation
 
 
 def small(dataset: str) -> DenoiserConfig:

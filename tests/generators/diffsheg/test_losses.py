@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
-from generators.diffusion import LINEAR
+from training.diffusion import LINEAR
 
 STEPS = torch.tensor([0, 250, 500])
 
@@ -31,8 +31,8 @@ def test_velocity_and_reconstruction_are_those_of_the_motion_that_follows_from_t
     windows: tuple[torch.Tensor, torch.Tensor, torch.Tensor],
 ) -> None:
     clean, noise, found = windows
-    noisy = LINEAR.noisy(clean, noise, STEPS)
-    estimate = LINEAR.clean(noisy, found, STEPS).double().numpy()
+    noisy = LINEAR.x_t(clean, noise, STEPS)
+    estimate = LINEAR.x0_hat(noisy, found, STEPS).double().numpy()
     true = clean.double().numpy()
     velocity = np.mean((np.diff(true, axis=1) - np.diff(estimate, axis=1)) ** 2)
     missed = np.abs(true - estimate)

@@ -11,9 +11,9 @@ import torch
 from safetensors.torch import save_file
 
 from generators.diffsheg.network_file import load_network, write_network
-from generators.training.weights_file import write_weights
 from motion.errors import InputError
 from tests.generators.diffsheg.small_network import small, small_network, written_network
+from training.weights_file import write_weights
 
 
 @pytest.mark.parametrize("dataset", ["beat", "show"])

@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from generators.diffsheg.sampling_settings import SamplingSettings
-from generators.diffsheg.walk import Sampling, evaluations
+from generators.diffsheg.walk import Sampling, SamplingSettings, evaluations
 from motion.errors import InputError
 
 
@@ -58,5 +57,5 @@ def test_what_cannot_be_sampled_is_refused(settings: dict[str, Any], what: str) 
 
 
 def test_settings_are_checked_without_loading_torch() -> None:
-    code = "import generators.diffsheg.sampling_settings, sys; sys.exit('torch' in sys.modules)"
+    code = "import generators.diffsheg.walk, sys; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -15,13 +15,10 @@ import torch
 from torch import Tensor
 
 from analysis.metrics.seams import Windows, seam_acceleration
-from generators.diffsheg.estimates import Mover
-from generators.diffsheg.foppas import stream
-from generators.diffsheg.sampling_settings import SamplingSettings
-from generators.diffsheg.speech_frames import SpeechFrames
-from generators.diffsheg.walk import Sampling
-from generators.diffsheg.window import Estimate, Window, sample_windows
-from generators.noise_schedule import LINEAR_NOISE
+from generators.diffsheg.sampling import Estimate, Sampler, Window, sample_windows, stream
+from generators.diffsheg.walk import Sampling, SamplingSettings
+from training.hearing.speech_frames import SpeechFrames
+from training.noise_schedule import LINEAR_NOISE
 
 FRAMES, OVERLAP, VALUES, LENGTH = 34, 4, 32, 900
 RELATED_OVER = 0.2
@@ -34,12 +31,12 @@ def covariance() -> np.ndarray:
     return 0.5 * quick + 0.5 * slow + 1e-4 * np.eye(FRAMES)
 
 
-def perfect_network(sampling: Sampling) -> Mover:
+def perfect_network(sampling: Sampling) -> Sampler:
     law = torch.from_numpy(covariance())
 
     @cache
     def answers(place: int, frames: int) -> Tensor:
-        kept = float(LINEAR_NOISE.kept[sampling.timesteps[place]])
+        kept = float(LINEAR_NOISE.alpha_bar[sampling.timesteps[place]])
         noisy = kept * law[:frames, :frames] + (1 - kept) * torch.eye(frames)
         return ((1 - kept) ** 0.5 * torch.linalg.inv(noisy)).float()
 

@@ -20,7 +20,7 @@ from motion.prosody import prosody
 from motion.rest_pose import REST_JOINTS
 from motion.segment import EMOTIONS, Segment
 from motion.skeleton import forward_kinematics, joint_index
-from renderer.body_asset import default_body
+from renderer.avatars import default_body
 
 Speak = Callable[..., SpeechSegment]
 Clips = dict[tuple[str, int], tuple[SpeechSegment, MotionClip]]

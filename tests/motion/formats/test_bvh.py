@@ -42,6 +42,11 @@ def test_skeleton_and_values_are_read(tmp_path: Path) -> None:
         ("0.0333667", 29.97),
         ("0.08", 12.5),
         ("0.067", 15),
+        ("0.033", 30),
+        ("0.0083", 120),
+        ("0.142857", 7),
+        ("0.03", 33.3333),
+        ("0.017", 58.8235),
         ("1", 1),
     ],
 )
@@ -208,6 +213,19 @@ def test_no_cut_off_file_is_taken_for_a_whole_one(
     path = write_bvh(tmp_path_factory.mktemp("bvh") / "cut.bvh", text[:cut])
     with pytest.raises(InputError, match=r"cut\.bvh"):
         read_bvh(path)
+
+
+def test_a_skeleton_of_200000_joints_inside_each_other_is_refused_where_it_gets_too_large(
+    tmp_path: Path,
+) -> None:
+    joints = "".join(f"JOINT j{number}\n{{\nOFFSET 0 1 0\n" for number in range(200_000))
+    path = write_bvh(
+        tmp_path / "deep.bvh", f"HIERARCHY\nROOT r\n{{\nOFFSET 0 0 0\n{joints}MOTION\n"
+    )
+
+    with pytest.raises(InputError, match="more than 2000 joints") as caught:
+        read_bvh(path)
+    assert "line 6002" in caught.value.where
 
 
 def test_missing_file_is_named(tmp_path: Path) -> None:

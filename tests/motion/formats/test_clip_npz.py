@@ -10,7 +10,13 @@ from hypothesis import given
 
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.formats.clip_npz import has_provenance, read_clip, read_frame_rate, write_clip
+from motion.formats.clip_npz import (
+    has_provenance,
+    read_clip,
+    read_frame_rate,
+    tells_fingers_from_mean_hands,
+    write_clip,
+)
 from tests.motion.random_clips import assert_same_clip, clips, random_clip
 
 
@@ -98,6 +104,42 @@ def test_smplh_gets_a_face_at_rest(tmp_path: Path, shape: tuple[int, ...]) -> No
     np.testing.assert_allclose(clip.poses[:, 25:], rows[:, 22:])
 
 
+def test_python_objects_beside_the_motion_are_left_alone(tmp_path: Path) -> None:
+    """MoSh++ keeps the markers of each frame in an array of Python objects."""
+    markers = np.array({"C7": 3}, dtype=object)
+    clip = read_clip(save(tmp_path / "a.npz", markers_latent_vids=markers, num_betas=16))
+    assert np.allclose(clip.poses, 0.1)
+    assert not tells_fingers_from_mean_hands(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize("shape", [(4, 72), (4, 24, 3)])
+def test_smpl_gets_face_and_fingers_at_rest(tmp_path: Path, shape: tuple[int, ...]) -> None:
+    poses = np.arange(4 * 72, dtype=float).reshape(shape) / 1000
+    clip = read_clip(save(tmp_path / "a.npz", poses=poses))
+    np.testing.assert_allclose(clip.poses[:, :22], poses.reshape(4, 24, 3)[:, :22])
+    assert not clip.poses[:, 22:].any()
+
+
+def test_poses_told_in_parts_are_put_together(tmp_path: Path) -> None:
+    whole = np.arange(4 * 165, dtype=float).reshape(4, 165) / 1000
+    parts = np.split(whole, [3, 66, 69, 75], axis=1)
+    names = ("root_orient", "pose_body", "pose_jaw", "pose_eye", "pose_hand")
+    given = dict(zip(names, parts, strict=True))
+    clip = read_clip(save(tmp_path / "a.npz", poses=None, **given))
+    np.testing.assert_allclose(clip.poses.reshape(4, 165), whole)
+    face_left_out = {**given, "pose_jaw": None, "pose_eye": None}
+    clip = read_clip(save(tmp_path / "a.npz", poses=None, **face_left_out))
+    assert not clip.poses[:, 22:25].any()
+    np.testing.assert_allclose(clip.poses[:, 25:].reshape(4, 90), parts[-1])
+
+
+def test_rows_of_motion_x_are_read_from_an_npz_too(tmp_path: Path) -> None:
+    rows = np.zeros((4, 322))
+    rows[:, 309:312] = 1, 2, 3
+    clip = read_clip(save(tmp_path / "a.npz", poses=rows, trans=None))
+    np.testing.assert_array_equal(clip.trans, np.tile([1, 2, 3], (4, 1)))
+
+
 @pytest.mark.parametrize("key", ["expression", "expressions"])
 def test_fewer_expression_coefficients_are_filled_with_zero(tmp_path: Path, key: str) -> None:
     clip = read_clip(save(tmp_path / "a.npz", **{key: np.ones((4, 50))}))
@@ -120,7 +162,11 @@ BAD_POSES[2, 7] = np.nan
     ("arrays", "complaint"),
     [
         ({"poses": None}, "no 'poses' but betas, gender"),
-        ({"poses": np.zeros((4, 72))}, r"poses has shape \(4, 72\)"),
+        ({"poses": np.zeros((4, 75))}, r"poses has shape \(4, 75\)"),
+        (
+            {"poses": None, "root_orient": np.zeros((4, 3)), "pose_body": np.zeros((4, 60))},
+            r"pose_body has shape \(4, 60\)",
+        ),
         ({"poses": np.zeros(165)}, r"poses has shape \(165,\)"),
         ({"poses": np.zeros((0, 165)), "trans": np.zeros((0, 3))}, "no frame"),
         ({"poses": np.array([["a"] * 165])}, "'poses' holds no numbers"),

@@ -44,6 +44,16 @@ def test_calibration_pose_in_the_first_row_is_no_motion(tmp_path: Path) -> None:
     assert "first frame is a pose apart" in motion.notes[0]
 
 
+def test_a_glitch_later_on_does_not_keep_the_calibration_pose(tmp_path: Path) -> None:
+    angles = 20 * np.sin(np.arange(90) / 9)
+    rows = np.stack([columns_of(CHAIN, {"knee": (0, angle, 0)}) for angle in angles])
+    rows[0] = columns_of(CHAIN, {"hip": (170, 0, 0), "knee": (0, 0, 90)})
+    rows[50] = columns_of(CHAIN, {"hip": (170, 0, 0), "knee": (0, 90, 0)})
+    motion = settle_first_frame(chain(tmp_path, rows))
+    np.testing.assert_allclose(motion.calibration, rows[0])
+    np.testing.assert_allclose(motion.values, rows[[1, *range(1, 90)]])
+
+
 def test_quick_start_of_a_motion_is_kept(tmp_path: Path) -> None:
     motion = chain(tmp_path, _bending(hip=(80, 0, 0), knee=(0, 0, 60)))
     assert settle_first_frame(motion) is motion

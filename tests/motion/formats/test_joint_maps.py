@@ -11,10 +11,25 @@ from motion.formats.joint_maps import (
     REQUIRED_JOINTS,
     check_joint_map,
     choose_joint_map,
+    read_joint_map,
 )
 from motion.skeleton import JOINT_NAMES
 
 EXTRA = ("HeadEnd", "LeftToeBaseEnd", "LeftHandMiddle4", "b_l_arm_twist")
+
+
+def test_an_own_map_is_read_from_plain_lines(tmp_path: Path) -> None:
+    path = tmp_path / "joints.toml"
+    path.write_text('pelvis = "Hips"\nleft_wrist = "Hand L"  # as exported\n')
+    assert read_joint_map(path) == {"pelvis": "Hips", "left_wrist": "Hand L"}
+
+
+@pytest.mark.parametrize("text", ["pelvis: Hips", "pelvis = 3", "[joints]\npelvis = 'Hips'"])
+def test_a_file_that_is_no_joint_map_is_named(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "joints.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"joints.toml: the file is no joint map"):
+        read_joint_map(path)
 
 
 @pytest.mark.parametrize("name", JOINT_MAPS)
@@ -59,7 +74,7 @@ def test_unknown_skeleton_is_refused_with_what_is_not_mapped() -> None:
         choose_joint_map([*names, "LeftFourArm", "Tail"])
     assert "'beat', leaves LeftFourArm, Tail unmapped" in str(caught.value)
     assert "finds nothing for left_elbow" in str(caught.value)
-    assert "Give a joint map" in caught.value.remedy
+    assert "--joints FILE" in caught.value.remedy
 
 
 def test_skeleton_with_half_a_leg_is_refused() -> None:

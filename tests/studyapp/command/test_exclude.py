@@ -16,6 +16,7 @@ from studyapp.services.served_study import ServedStudy
 from studyapp.services.stored_answers import stored_answers
 from studyapp.services.versions import open_study
 from studyapp.stages.exporting.tables import pseudonyms
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
@@ -37,7 +38,9 @@ def exclude(*arguments: object) -> Result:
 
 
 def reasons(database: Database) -> list[str]:
-    found: list[str] = stored_answers(database).study_sessions["excluded_because"].tolist()
+    found: list[str] = (
+        read_once(database, stored_answers).study_sessions["excluded_because"].tolist()
+    )
     return found
 
 
@@ -45,7 +48,7 @@ def test_a_participant_is_excluded_and_reinstated_by_number_or_pseudonym(
     tiny_study: Path, database: Database
 ) -> None:
     key = PseudonymKey.read_or_make(StudyFolder(tiny_study).pseudonym_key)
-    name = pseudonyms(database, key)["2"]
+    name = read_once(database, pseudonyms, key)["2"]
 
     done = exclude(tiny_study, "1", "--reason", "asleep")
     assert (done.exit_code, reasons(database)) == (0, ["asleep", ""])

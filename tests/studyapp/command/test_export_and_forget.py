@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -10,11 +11,14 @@ from click.testing import CliRunner, Result
 from motion.errors import InputError
 from studyapp.command.export_command import command as export_command
 from studyapp.command.forget_command import command as forget_command
+from studyapp.models import Event
+from studyapp.services.audit import LINES, log_change
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.export import responses_table
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 PERSON = "5f3c1d9e7a2b4c6d8e0f1a2b"
@@ -99,6 +103,24 @@ def test_erasing_again_changes_nothing_and_says_so(study: Path) -> None:
     assert "Nobody in this study" in again.output
 
 
+def test_erasing_again_clears_the_files_however_much_has_happened_since(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cleared: list[Database] = []
+    monkeypatch.setattr("studyapp.stages.forgetting.leave_nothing", cleared.append)
+    forget(study, PERSON, "--yes")
+    with (
+        closing(Database.open(sqlite_url(study / "responses.db"))) as database,
+        database.writing() as session,
+    ):
+        for _ in range(LINES):
+            log_change(session, SetClock().now(), Event.LOGGED_IN, by="ada")
+
+    forget(study, PERSON, "--yes")
+
+    assert len(cleared) == 2
+
+
 def test_the_pseudonym_of_an_export_finds_the_participant(study: Path) -> None:
     export(study, "--with-recruiter-ids")
     pseudonym = (study / "recruiter_ids.csv").read_text().splitlines()[1].split(",")[0]
@@ -124,5 +146,5 @@ def test_what_was_erased_is_in_no_export(study: Path, tmp_path: Path) -> None:
 
     assert (tmp_path / "recruiter_ids.csv").read_text().count("\n") == 1
     database = Database.open(sqlite_url(study / "responses.db"))
-    assert responses_table(database).empty
+    assert read_once(database, responses_table).empty
     database.close()

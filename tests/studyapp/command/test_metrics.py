@@ -10,6 +10,7 @@ from click.testing import CliRunner, Result
 from motion.clip import MotionClip
 from motion.formats import write_clip
 from studyapp.command.main import group
+from tests.analysis.evaluators.conftest import write_checkpoint
 
 
 def run(*arguments: object) -> Result:
@@ -45,6 +46,24 @@ def test_a_missing_score_is_a_dash_with_its_reason(generated: Path) -> None:
     row = next(line for line in shown.stdout.splitlines() if line.startswith("mean distance"))
     assert "–" in row
     assert "a distance needs two clips" in shown.stderr
+
+
+def test_a_published_evaluator_is_named_by_its_preset_and_printed_twice(
+    generated: Path, tmp_path: Path
+) -> None:
+    poses = np.zeros((90, 55, 3))
+    for folder, swing in (("theirs", 0.5), ("ours", 1.0)):
+        poses[:, 16, 2] = swing * np.sin(np.arange(90) / 5)
+        clip = MotionClip(poses=poses, trans=np.zeros((90, 3)), frame_rate=30)
+        write_clip(tmp_path / folder / "c.npz", clip)
+    file = write_checkpoint(tmp_path, "talkshow")
+    given = ("--generated", generated, "--reference", tmp_path / "theirs", "--preset", "genea")
+    shown = run(*given, "--evaluator", f"talkshow={file}")
+    assert "FGD (TalkSHOW's evaluator)" in shown.stdout
+    assert "FGD by the published rule (TalkSHOW's evaluator)" in shown.stdout
+    assert "do not fill 64 dimensions" in shown.stderr
+    missing = run(*given, "--evaluator", "emage=none.bin")
+    assert missing.exit_code == 1 and "no such file" in missing.stderr
 
 
 def test_positions_are_kept_where_the_cache_is(generated: Path, tmp_path: Path) -> None:

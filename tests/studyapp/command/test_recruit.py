@@ -8,6 +8,7 @@ import re
 import shutil
 import tomllib
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -187,6 +188,40 @@ def test_who_is_paid_is_shown_before_anybody_is(
     assert stand_in.returns == {"submission-bob": ["You did not finish."]}
 
 
+def test_a_second_submission_of_somebody_who_finished_is_not_paid(
+    folder: Path, stand_in: StandIn, clock: SetClock
+) -> None:
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    code = StudyFolder(folder).study().recruitment.prolific.completed
+    study = ServedStudy.read(folder)
+    arrival = Arrival(recruiter_participant="ann", recruiter_session="submission-ann")
+    with closing(Database.open(database_url_of(folder))) as database:
+        open_study(database, study, clock)
+        token = enrol(database, study, arrival, clock)
+        Participant(database, study, clock, token).begin().take_all()
+    stand_in.add_submission("ann", "APPROVED", code)
+    stand_in.add_submission("ann", "AWAITING REVIEW", code, id="submission-again")
+
+    shown = said(folder, "approve", "--yes")
+
+    assert "took part under another submission" in shown
+    assert [each["status"] for each in stand_in.submissions] == ["APPROVED", "AWAITING REVIEW"]
+
+
+def test_codes_are_not_drawn_anew_once_prolific_knows_them(folder: Path, stand_in: StandIn) -> None:
+    path = folder / "study.toml"
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    text = path.read_text("utf-8")
+
+    refused = run(folder, "codes", "--again")
+
+    assert refused.exit_code != 0
+    assert "on Prolific already" in str(refused.exception) + refused.output
+    assert path.read_text("utf-8") == text
+    assert "already" in said(folder, "codes")
+    assert stand_in.studies
+
+
 def test_without_a_token_nothing_is_asked(
     folder: Path, stand_in: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -205,7 +240,9 @@ def test_a_command_of_another_channel_says_so(folder: Path) -> None:
     assert "'prolific', and this command is for 'invitations'" in refused.output
 
 
-def test_each_person_on_a_list_is_invited_once(tiny_study: Path, tmp_path: Path) -> None:
+def test_each_person_on_a_list_is_invited_once_and_only_its_owner_reads_the_table(
+    tiny_study: Path, tmp_path: Path
+) -> None:
     path = tiny_study / "study.toml"
     path.write_text(path.read_text("utf-8") + '[recruitment]\nchannel = "invitations"\n', "utf-8")
     people = tmp_path / "people.csv"
@@ -216,6 +253,7 @@ def test_each_person_on_a_list_is_invited_once(tiny_study: Path, tmp_path: Path)
     assert "Added 0 links" in said(tiny_study, "invite", "--list", str(people), *address)
     assert "Added 3 links" in said(tiny_study, "invite", "--count", "3", *address)
 
+    assert (tiny_study / "invitations.csv").stat().st_mode & 0o777 == 0o600
     with (tiny_study / "invitations.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["for"] for row in rows][:3] == ["ann@x.org", "bob@x.org", "invitation 3"]

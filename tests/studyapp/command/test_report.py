@@ -9,7 +9,12 @@ from click.testing import CliRunner
 
 from motion.errors import InputError
 from studyapp.command.report_command import command
-from tests.analysis.results.made_tables import catch_rows, ranking_table
+from tests.analysis.results.made_tables import (
+    catch_rows,
+    pairwise_table,
+    ranking_table,
+    rating_table,
+)
 
 
 def run(*arguments: str) -> str:
@@ -62,6 +67,47 @@ def test_rules_of_the_command_line_are_applied_last_and_marked_exploratory(tmp_p
     ]
     assert all(one["exploratory"] for one in found["rules"])
     assert found["rules"][1]["remark"] == "cannot be applied: how long answers took is not known"
+
+
+@pytest.mark.parametrize(
+    ("family", "inside"), [("against=ours", 2), ("primary=ours,other", 1), ("all", 3)]
+)
+def test_the_command_line_can_name_the_family_of_tests(
+    family: str, inside: int, tmp_path: Path
+) -> None:
+    table, out = tmp_path / "answers.csv", tmp_path / "out"
+    pairwise_table(participants=6, segments=4).to_csv(table, index=False)
+    run(
+        *("--responses", str(table), "--protocol", "pairwise", "--out", str(out)),
+        *("--family", family),
+    )
+    found = json.loads((out / "results.json").read_text("utf-8"))
+    corrected = [one["decision"]["p_holm"] for one in found["comparisons"]]
+    assert sum(p is not None for p in corrected) == inside
+
+
+@pytest.mark.parametrize(
+    ("protocol", "arguments", "said"),
+    [
+        ("pairwise", ("--family", "against=nobody"), "names nobody"),
+        ("pairwise", ("--scale", "1-5"), "is no scale of a pairwise table"),
+        ("rating", ("--scale", "5"), "is no scale of a rating table"),
+        ("rating", ("--scale", "2-5"), "on the scale from 2 to 5"),
+    ],
+)
+def test_a_family_or_scale_that_does_not_fit_is_refused(
+    protocol: str, arguments: tuple[str, str], said: str, tmp_path: Path
+) -> None:
+    table, out = tmp_path / "answers.csv", tmp_path / "out"
+    made = pairwise_table if protocol == "pairwise" else rating_table
+    made(participants=4, segments=3).to_csv(table, index=False)
+    with pytest.raises(InputError, match=said):
+        CliRunner().invoke(
+            command,
+            ["--responses", str(table), "--protocol", protocol, "--out", str(out), *arguments],
+            catch_exceptions=False,
+        )
+    assert not out.exists()
 
 
 def test_a_word_that_is_no_rule_is_refused(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pyotp
 import pytest
 from click.testing import CliRunner
 
@@ -13,6 +14,7 @@ from studyapp.services.database import Database, database_url_of
 from studyapp.services.researchers.links import choose_password, first_owner_link, join
 from studyapp.services.researchers.logging_in import log_in
 from studyapp.services.researchers.membership import accounts
+from studyapp.services.researchers.second_factor import new_secret, turn_on
 from tests.studyapp.researchers_at_hand import PASSWORD
 
 pytestmark = pytest.mark.usefixtures("cheap_passwords")
@@ -43,6 +45,21 @@ def test_somebody_is_invited_listed_and_given_a_new_password(tiny_study: Path) -
     token = token_of(output, "https://study.example.org/jury/")
     choose_password(database, Clock(), token, password="seven quiet bicycles")  # noqa: S106
     log_in(database, Clock(), name="Ada", password="seven quiet bicycles", address="")  # noqa: S106
+    database.close()
+
+
+def test_who_lost_the_device_logs_in_without_a_code_again(tiny_study: Path) -> None:
+    token = token_of(run(tiny_study, "invite", "--role", "owner"))
+    database = Database.open(database_url_of(tiny_study))
+    join(database, Clock(), token, name="Ada", password=PASSWORD)
+    secret, (ada,) = new_secret(), accounts(database)
+    code = pyotp.TOTP(secret).now()
+    turn_on(database, Clock(), ada.id, secret=secret, code=code, password=PASSWORD, address="")
+    assert "(owner, second factor)" in run(tiny_study, "list")
+
+    assert "password alone" in run(tiny_study, "reset-second-factor", "ada")
+
+    log_in(database, Clock(), name="Ada", password=PASSWORD, address="")
     database.close()
 
 

@@ -46,6 +46,16 @@ def test_without_a_proxy_links_begin_where_the_server_listens(
     assert "at http://127.0.0.1:8000/one/ (" in done.output
 
 
+def test_trying_prints_a_link_for_one_test(
+    tiny_study: Path, started: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+
+    done = CliRunner().invoke(group, ["serve", str(tiny_study), "--prefix", "/one", "--try"])
+
+    assert "as a test at http://127.0.0.1:8000/one/try/?invitation=" in done.output
+
+
 @pytest.mark.parametrize(
     ("address", "said"),
     [

@@ -10,10 +10,10 @@ import torch
 from click.testing import CliRunner, Result
 
 from analysis.metrics.networks import load_evaluator
-from generators.diffsheg.shared_threads import torch_threads
 from motion.formats import write_clip
 from studyapp.command.main import group
 from tests.analysis.metrics.networks.swinging import SWINGS, swinging
+from training.threads import torch_threads
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from generators.diffsheg.shared_threads import torch_threads
 from generators.registry import generator_names, trainable_names, trainable_of
 from motion.errors import InputError
 from motion.formats import read_clip
 from studyapp.command.main import group
+from training.threads import torch_threads
 
 
 @pytest.fixture(scope="module", autouse=True)

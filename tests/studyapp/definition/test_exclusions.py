@@ -157,7 +157,7 @@ def test_a_word_that_is_no_rule_is_refused_with_the_right_one(text: str, said: s
 def test_rules_are_no_part_of_the_design_and_their_changes_are_noted(read: Read) -> None:
     segments = (Segment(name="a", wav="a.wav", start=0, end=5, speaker="a", emotion="happiness"),)
     plain, stricter = read(), read([{"rule": "catch", "more_than": 0}])
-    assert design_digest(plain, segments) == design_digest(stricter, segments)
+    assert design_digest(plain, segments, {}) == design_digest(stricter, segments, {})
     assert operation_changes(operation_part(plain), operation_part(stricter)) == (
         "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']",
     )

@@ -24,5 +24,5 @@ def test_whether_a_condition_is_generative_is_no_part_of_the_design(
     marked = parse_study(data, where=path)
     assert marked.conditions["mismatched"].generative is stated
     assert marked.conditions["rule_based"].generative is None
-    assert design_digest(marked, segments) == design_digest(plain, segments)
+    assert design_digest(marked, segments, {}) == design_digest(plain, segments, {})
     assert operation_part(marked) == operation_part(plain)

@@ -56,7 +56,7 @@ def test_recruiting_otherwise_is_no_other_study_and_codes_are_noted_nowhere() ->
     plain, segments = make_study(), make_segments(["happiness"] * 4)
     recruited = make_study(recruitment={"channel": "prolific", "prolific": CODES})
 
-    assert design_digest(plain, segments) == design_digest(recruited, segments)
+    assert design_digest(plain, segments, {}) == design_digest(recruited, segments, {})
     noted = str(operation_part(recruited))
     assert "prolific" in noted
     assert not any(code in noted for code in CODES.values())

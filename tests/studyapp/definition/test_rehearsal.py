@@ -71,5 +71,5 @@ def test_what_cannot_be_simulated_is_named(keys: str, named: str) -> None:
 def test_whom_a_rehearsal_simulates_is_no_part_of_the_design_and_may_change_any_time() -> None:
     segments = make_segments(["anger", "fear"])
     other = make_study(rehearsal={"careless": 0.5, "strength": {"static": 3}})
-    assert design_digest(other, segments) == design_digest(make_study(), segments)
+    assert design_digest(other, segments, {}) == design_digest(make_study(), segments, {})
     assert operation_part(other) == operation_part(make_study())

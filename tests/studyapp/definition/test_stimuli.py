@@ -33,3 +33,32 @@ def test_a_damaged_record_is_named_with_its_remedy(tmp_path: Path, content: str)
     path.write_text(content)
     with pytest.raises(InputError, match=r"stimuli.json: .* Delete it"):
         read_stimuli(path)
+
+
+@pytest.mark.parametrize(
+    "file",
+    ["../secret.mp4", "videos/../../secret.mp4", "/etc/hostname", "videos/link.mp4", "a\0.mp4"],
+)
+def test_a_video_outside_the_study_is_refused_however_it_is_named(
+    tmp_path: Path, file: str
+) -> None:
+    study = tmp_path / "study"
+    (study / "videos").mkdir(parents=True)
+    (tmp_path / "secret.mp4").touch()
+    (study / "videos" / "link.mp4").symlink_to(tmp_path / "secret.mp4")
+    write_stimuli(
+        study / "stimuli.json", Stimuli(pairs=(PAIR, PAIR.model_copy(update={"file": file})))
+    )
+
+    with pytest.raises(InputError, match="outside the study's folder"):
+        read_stimuli(study / "stimuli.json")
+
+
+def test_the_videos_may_lie_on_another_disk(tmp_path: Path) -> None:
+    study = tmp_path / "study"
+    study.mkdir()
+    (tmp_path / "disk").mkdir()
+    (study / "videos").symlink_to(tmp_path / "disk")
+    write_stimuli(study / "stimuli.json", Stimuli(pairs=(PAIR,)))
+
+    assert read_stimuli(study / "stimuli.json").pairs == (PAIR,)

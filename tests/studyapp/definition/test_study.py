@@ -12,6 +12,7 @@ from studyapp.definition.creation import new_study
 from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.reading import read_study
 from studyapp.definition.study import Video
+from studyapp.definition.versioning import design_digest
 
 
 @pytest.fixture
@@ -159,6 +160,19 @@ def test_sources_in_a_circle_are_refused(study_file: Path) -> None:
         read_study(study_file)
 
 
+@pytest.mark.parametrize(
+    ("family", "said"),
+    [("by question", ""), ("against=nobody", "names nobody"), ("the main ones", "no family")],
+)
+def test_a_study_states_the_family_of_its_tests(family: str, said: str, study_file: Path) -> None:
+    changed(study_file, family=family)
+    if said:
+        with pytest.raises(InputError, match=said):
+            read_study(study_file)
+    else:
+        assert read_study(study_file).family == family
+
+
 def test_the_avatars_to_choose_from_are_those_the_renderer_has(study_file: Path) -> None:
     choices = get_args(Video.model_fields["avatar"].annotation)
     assert set(choices) == set(AVATARS)
@@ -171,3 +185,19 @@ def test_a_question_cannot_have_the_name_of_the_pages_own_field(study_file: Path
 
     with pytest.raises(InputError, match="no question can be named 'trial'"):
         read_study(study_file)
+
+
+def test_one_published_evaluator_is_named_as_a_table_and_several_as_a_list(
+    study_file: Path,
+) -> None:
+    plain = read_study(study_file)
+    one = {"preset": "emage", "file": "AESKConv_240_100.bin"}
+    two = [one, {"preset": "beat", "file": "ae_300.bin", "statistics": "beat"}]
+    assert plain.evaluator == ()
+    for given, count in ((one, 1), (two, 2)):
+        study = read_study(changed(study_file, evaluator=given))
+        assert [each.preset for each in study.evaluator] == ["emage", "beat"][:count]
+        # What is measured is no part of what participants see.
+        assert design_digest(study, (), {}) == design_digest(plain, (), {})
+    with pytest.raises(InputError, match="preset"):
+        read_study(changed(study_file, evaluator={"preset": "genea", "file": "x"}))

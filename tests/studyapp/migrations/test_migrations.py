@@ -21,7 +21,7 @@ def test_the_newest_schema_is_that_of_the_models(database: Database) -> None:
 
 
 @pytest.mark.parametrize("empty_url", KINDS, indirect=True)
-def test_every_step_goes_up_and_down_again(empty_url: str) -> None:
+def test_every_migration_goes_up_and_down_again(empty_url: str) -> None:
     engine = create_engine(empty_url)
     with engine.begin() as connection:
         config = migration_config(connection)

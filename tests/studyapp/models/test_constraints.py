@@ -20,7 +20,7 @@ from studyapp.models import (
     Trial,
     TrialStimulus,
     Video,
-    WatchBatch,
+    WatchRecord,
 )
 from studyapp.services.database import Database
 
@@ -86,12 +86,25 @@ def store(session: Session, rows: list[Base]) -> None:
         session.flush()
 
 
-def reports(*batches: int) -> list[Base]:
+def watch_record(video_id: int) -> WatchRecord:
+    return WatchRecord(
+        video_id=video_id,
+        intervals=[],
+        played_seconds=0.0,
+        rate=1.0,
+        hidden_seconds=0.0,
+        silent_seconds=0.0,
+        stalls=0,
+        stalled_seconds=0.0,
+        latest=[],
+        reported_at=NOW,
+    )
+
+
+def watch_records(count: int) -> list[Base]:
     played = trial()
-    played.videos[0].watch_batches = [
-        WatchBatch(batch=batch, intervals=[], received_at=NOW) for batch in batches
-    ]
-    return [study_session("two", trials=[played])]
+    played.videos[0].id = 7
+    return [study_session("two", trials=[played]), *(watch_record(7) for _ in range(count))]
 
 
 @pytest.mark.parametrize(
@@ -130,7 +143,7 @@ def reports(*batches: int) -> list[Base]:
             lambda: [study_session("a", trials=[trial(instructed=1)])],
             id="an instructed answer of a trial that is no attention check",
         ),
-        pytest.param(lambda: reports(0, 0), id="a watch batch twice"),
+        pytest.param(lambda: watch_records(2), id="two watch records of a video"),
         pytest.param(
             lambda: [
                 study_session(

@@ -49,7 +49,7 @@ def in_a_browser(folder: StudyFolder) -> None:
             }
             assert len(stored) == answers[name]
             assert stored.items() <= told.answers.items()
-            assert all(video.watch_batches for trial in sitting.trials for video in trial.videos)
+            assert all(video.watch_record for trial in sitting.trials for video in trial.videos)
 
 
 class TestInChromium:

@@ -33,6 +33,7 @@ from studyapp.rehearsal.sight import SeenTrial
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.export import responses_table
 from tests.studyapp.made_study import pair_plan
+from tests.studyapp.read_once import read_once
 
 ANSWER = ["rater", "position", "question", "left_condition", "right_condition", "value"]
 
@@ -40,7 +41,7 @@ ANSWER = ["rater", "position", "question", "left_condition", "right_condition", 
 def answers(folder: StudyFolder) -> pd.DataFrame:
     """Every stored answer, and which rater gave it."""
     with closing(Database.open(sqlite_url(folder.rehearsal))) as database:
-        table = responses_table(database)
+        table = read_once(database, responses_table)
         with database.reading() as session:
             raters = {
                 str(sitting.id): rater_name(session, sitting)

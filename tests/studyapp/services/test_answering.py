@@ -3,17 +3,19 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import select, update
 
 from studyapp.definition.completion_codes import CODE_LENGTH, CODE_LETTERS
-from studyapp.models import Response, StudySession
+from studyapp.models import Response, StudySession, Video
 from studyapp.services.answering import skip_unplayable
+from studyapp.services.finishing import FEWEST_LEFT_OUT
 from studyapp.services.refusal import (
     ConflictError,
     NotTheirsError,
     UnacceptableError,
     UnknownAddressError,
 )
+from studyapp.services.watch_evidence import Playback
 from tests.studyapp.taking_part_steps import ANSWERS, Participant
 
 
@@ -160,20 +162,75 @@ def test_an_unplayable_video_is_noted_and_left_without_an_answer(
     participant: Participant,
 ) -> None:
     first = participant.trial().token
-
-    for _ in range(2):
-        skip_unplayable(
-            participant.database,
-            participant.served,
-            participant.token,
-            first,
-            participant.clock,
-        )
+    participant.leave_out()
+    skip_unplayable(
+        participant.database, participant.served, participant.token, first, participant.clock
+    )
 
     assert stored(participant) == []
     assert participant.trial().position == 2
     with pytest.raises(ConflictError):
         participant.answer(first)
+
+
+@pytest.mark.parametrize(
+    ("sent", "media_error", "stalled", "shown"),
+    [
+        (True, "4", 0.0, True),
+        (True, "", 5.0, True),
+        (True, "", 1.0, False),
+        (True, "1", 0.0, False),
+        (False, "4", 5.0, False),
+    ],
+)
+def test_a_video_is_left_out_only_where_something_shows_that_it_failed(
+    participant: Participant, *, sent: bool, media_error: str, stalled: float, shown: bool
+) -> None:
+    first = participant.trial()
+    participant.clock.advance(seconds=10)
+    participant.watch((0.0, 0.5), playback=Playback(stalls=1, stalled_seconds=stalled))
+    if not sent:
+        with participant.database.writing() as session:
+            session.execute(update(Video).values(sent_at=None))
+
+    def leave_out() -> None:
+        skip_unplayable(
+            participant.database,
+            participant.served,
+            participant.token,
+            first.token,
+            participant.clock,
+            media_error=media_error,
+        )
+
+    if shown:
+        leave_out()
+        assert participant.trial().position == 2
+    else:
+        with pytest.raises(UnacceptableError, match="Nothing shows yet"):
+            leave_out()
+        assert participant.trial().position == 1
+
+
+def test_who_leaves_out_too_many_ends_without_a_code_and_frees_the_place(
+    participant: Participant,
+) -> None:
+    for _ in range(FEWEST_LEFT_OUT):
+        participant.leave_out()
+        assert participant.look().state == "started"
+    participant.leave_out()
+
+    situation = participant.look()
+    assert (situation.state, situation.completion_code) == ("unwatched", None)
+    with participant.database.reading() as session:
+        (known,) = session.scalars(select(StudySession))
+        assert known.outcome == "unwatched"
+        assert known.place is None
+        last = known.trials[FEWEST_LEFT_OUT]
+        assert not last.settled
+    assert participant.look().state == "unwatched"
+    with pytest.raises(ConflictError, match="Too many videos"):
+        participant.answer(last.token)
 
 
 def test_many_requests_at_once_store_one_answer(participant: Participant) -> None:

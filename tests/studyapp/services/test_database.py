@@ -1,18 +1,33 @@
 from __future__ import annotations
 
+import fcntl
+import os
+import shutil
+import signal
+import socket
 import sqlite3
+import stat
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 from sqlalchemy import create_engine, select, text
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DBAPIError, OperationalError
 
 from motion.errors import InputError
-from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql
 from studyapp.models import Place
-from studyapp.services.database import Database, Turn, database_url_of, sqlite_url, take_turn
+from studyapp.services.database import (
+    Database,
+    Turn,
+    database_url_of,
+    sqlite_file,
+    sqlite_url,
+    take_turn,
+)
+from studyapp.services.postgresql import taking_time
+from studyapp.services.waiting_line import keeper_of
+from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 POSTGRESQL = pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
@@ -20,6 +35,15 @@ POSTGRESQL = pytest.mark.parametrize("database_url", ["postgresql"], indirect=Tr
 
 def place(number: int) -> Place:
     return Place(arm="a-b", design="d", number=number)
+
+
+@POSTGRESQL
+def test_statements_that_are_asked_often_stay_prepared(database: Database) -> None:
+    for _ in range(6):
+        with database.reading() as session:
+            session.scalars(select(Place.number)).all()
+            prepared = session.scalars(text("SELECT statement FROM pg_prepared_statements")).all()
+    assert any("places" in statement for statement in prepared)
 
 
 @SQLITE
@@ -124,21 +148,26 @@ def test_several_processes_may_make_the_newest_schema_at_once(
     postgresql.drop_database("to_be_migrated")
 
 
-def test_a_database_of_a_newer_schema_is_refused_and_stays_as_it_is(tmp_path: Path) -> None:
-    path = tmp_path / "newer.db"
+@pytest.mark.parametrize("schema", ["0009", "9999"])
+def test_a_database_of_another_schema_is_refused_and_stays_as_it_is(
+    tmp_path: Path, schema: str
+) -> None:
+    path = tmp_path / "other.db"
     Database.open(sqlite_url(path)).close()
     with sqlite3.connect(path) as connection:
-        connection.execute("UPDATE alembic_version SET version_num = '9999'")
+        connection.execute("UPDATE alembic_version SET version_num = ?", (schema,))
     connection.close()
 
     for opening in (Database.open, Database.open_for_reading):
-        with pytest.raises(InputError, match=r"newer\.db.*schema \(9999\).*Update Motion Jury"):
+        with pytest.raises(
+            InputError, match=rf"other\.db.*schema {schema}\).*Use the version that made it"
+        ):
             opening(sqlite_url(path))
 
     with sqlite3.connect(path) as connection:
         versions = connection.execute("SELECT version_num FROM alembic_version").fetchall()
     connection.close()
-    assert versions == [("9999",)]
+    assert versions == [(schema,)]
 
 
 def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
@@ -253,7 +282,7 @@ def test_reading_brings_an_older_schema_to_nothing_newer(
     before = files(tmp_path)
     monkeypatch.setattr("studyapp.services.database._head", lambda: "9999")
 
-    with pytest.raises(InputError, match=r"older\.db.*schema \d{4}.*motionjury serve"):
+    with pytest.raises(InputError, match=r"older\.db.*schema first.*motionjury serve"):
         Database.open_for_reading(sqlite_url(path))
     assert files(tmp_path) == before
 
@@ -296,6 +325,32 @@ def test_a_rehearsal_never_answers_into_the_real_database(
     assert url == (expected if ":" in expected else sqlite_url(tmp_path / expected))
 
 
+@pytest.mark.parametrize("name", ["which?", "a%41", "two words", "a#b", "a?mode=ro&b"])
+def test_answers_and_rehearsals_lie_apart_in_a_folder_of_any_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, empty_sqlite: Path, name: str
+) -> None:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    folder = tmp_path / name
+    folder.mkdir()
+    expected = {folder / "responses.db", folder / "rehearsal.db"}
+    for file in expected:
+        shutil.copyfile(empty_sqlite, file)
+
+    for rehearsal in (False, True):
+        url = database_url_of(folder, rehearsal=rehearsal)
+        database = Database.open(url)
+        with database.writing() as session:
+            opened = session.scalar(
+                text("SELECT file FROM pragma_database_list WHERE name = 'main'")
+            )
+        database.close()
+        assert sqlite_file(url) == Path(opened)
+        expected.remove(Path(opened))
+
+    assert not expected
+    assert list(tmp_path.iterdir()) == [folder]
+
+
 def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
     database = Database.open(sqlite_url(tmp_path / "line.db"))
     inside, held = threading.Event(), threading.Event()
@@ -316,7 +371,7 @@ def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
         waiting = []
         for number in range(2):
             waiting.append(pool.submit(write, number))
-            while waiters(tmp_path / "line.db-line") <= number:
+            while len(keeper_of(f"{tmp_path / 'line.db-line'}", os.getpid()).waiting) <= number:
                 assert not first.done()
         held.set()
         for done in (first, *waiting):
@@ -324,15 +379,6 @@ def test_writers_of_a_file_go_in_the_order_they_came(tmp_path: Path) -> None:
     database.close()
 
     assert order == [0, 1]
-
-
-def waiters(file: Path) -> int:
-    """Return how many wait for the system's lock on `file`."""
-    number = file.stat().st_ino if file.exists() else 0
-    return sum(
-        "->" in line and f":{number} " in line
-        for line in Path("/proc/locks").read_text().splitlines()
-    )
 
 
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
@@ -347,7 +393,97 @@ def test_a_connection_that_has_rested_while_its_server_went_away_is_replaced(
     with other.looking_up() as connection:
         assert connection.execute(end, {"pid": resting}).scalar_one()
     other.close()
-    monkeypatch.setattr("studyapp.services.database.REST_SECONDS", 0.0)
+    monkeypatch.setattr("studyapp.services.postgresql.REST_SECONDS", 0.0)
 
     with database.looking_up() as connection:
         assert connection.execute(ask).scalar_one() != resting
+
+
+@POSTGRESQL
+def test_a_frozen_server_is_given_up_and_its_connection_replaced(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studyapp.services.postgresql.REST_SECONDS", 0.0)
+    monkeypatch.setattr("studyapp.services.postgresql.ALIVE_SECONDS", 0.2)
+    ask = text("SELECT pg_backend_pid()")
+    with database.looking_up() as connection:
+        frozen = connection.execute(ask).scalar_one()
+        driver = connection.connection.driver_connection
+        os.kill(frozen, signal.SIGSTOP)
+        try:
+            driver.patience = 0.2  # type: ignore[union-attr]
+            with pytest.raises(OperationalError, match="does not answer"):
+                connection.execute(ask)
+            connection.invalidate()
+        finally:
+            os.kill(frozen, signal.SIGCONT)
+
+    with database.looking_up() as connection:
+        resting = connection.execute(ask).scalar_one()
+    os.kill(resting, signal.SIGSTOP)
+    try:
+        with database.looking_up() as connection:
+            assert connection.execute(ask).scalar_one() not in (frozen, resting)
+    finally:
+        os.kill(resting, signal.SIGCONT)
+
+
+@POSTGRESQL
+def test_every_statement_has_an_end_unless_it_takes_time(database: Database) -> None:
+    limit = text("SHOW statement_timeout")
+    with database.writing() as session:
+        assert session.scalar(limit) == "30s"
+        with taking_time(session.connection()):
+            assert session.scalar(limit) == "0"
+    with database.looking_up() as connection:
+        assert connection.scalar(limit) == "30s"
+    reading = Database.open_for_reading(str(database.engine.url.render_as_string(False)))
+    assert reading is not None
+    with reading.reading() as session:
+        assert session.scalar(limit) == "10min"
+    reading.close()
+
+
+def test_a_server_that_takes_connections_and_says_nothing_is_given_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("studyapp.services.postgresql.CONNECT_SECONDS", 1)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        url = f"postgresql://ada@127.0.0.1:{silent.getsockname()[1]}/study"
+
+        with pytest.raises(InputError, match="timeout"):
+            Database.open(url)
+
+
+def test_only_its_owner_may_read_a_database_and_all_beside_it(tmp_path: Path) -> None:
+    file = tmp_path / "responses.db"
+    (tmp_path / "responses.db-line").touch(mode=0o666)
+    before = os.umask(0)
+    try:
+        database = Database.open(sqlite_url(file))
+        with database.writing() as session:
+            session.execute(text("SELECT 1"))
+        modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in tmp_path.iterdir()}
+        database.close()
+    finally:
+        os.umask(before)
+
+    names = [f"responses.db{ending}" for ending in ("", "-line", "-shm", "-wal")]
+    assert modes == dict.fromkeys(names, 0o600)
+
+
+def test_whoever_holds_the_line_without_end_keeps_others_waiting_for_a_while_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    database = Database.open(sqlite_url(tmp_path / "responses.db"))
+    with (tmp_path / "responses.db-line").open("w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        monkeypatch.setattr("studyapp.services.waiting_line.LINE_SECONDS", 0.1)
+        for _ in range(2):
+            with pytest.raises(InputError, match="db-line: another process keeps"):
+                database.try_writing()
+    # Who gave up left nothing locked behind.
+    monkeypatch.undo()
+    for _ in range(3):
+        database.try_writing()
+    database.close()

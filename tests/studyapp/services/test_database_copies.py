@@ -7,25 +7,23 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from alembic import command
 from sqlalchemy import create_engine, select, text
 
 from motion.errors import InputError
-from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql
-from studyapp.models import Base, StudySession, WatchBatch
-from studyapp.services.database import Database, migration_config, sqlite_url
+from studyapp.models import Base, StudySession, WatchRecord
+from studyapp.services.database import Database, sqlite_url
 from studyapp.services.database_copies import (
     fill_from_copy,
     flaws_of_copy,
     require_empty,
     rows_of_copy,
-    schema_of_copy,
     write_copy,
 )
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.withdrawing import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 """For what is the same on both databases."""
@@ -103,7 +101,7 @@ def test_nothing_is_stored_where_filling_fails(
     write_copy(database_url, tmp_path / "copy.db")
     with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
         # PostgreSQL has no such number, and this table is among the last to be filled.
-        copy.execute("UPDATE watch_batches SET batch = 4611686018427387904 WHERE batch = 1")
+        copy.execute("UPDATE watch_records SET stalls = 4611686018427387904")
         copy.commit()
 
     with pytest.raises(InputError, match=r"cannot be filled: .*nothing was stored"):
@@ -157,26 +155,6 @@ def test_what_was_deleted_leaves_no_bytes_in_a_copy(
     assert [path.name for path in tmp_path.glob("copy*")] == ["copy.db"]
 
 
-@pytest.mark.parametrize("empty_url", ["sqlite", "postgresql"], indirect=True)
-def test_a_database_of_an_older_version_is_copied_as_it_is(empty_url: str, tmp_path: Path) -> None:
-    engine = create_engine(empty_url)
-    with engine.begin() as connection:
-        command.upgrade(migration_config(connection), "0004")
-        connection.execute(
-            text("INSERT INTO audit_lines (at, event, detail) VALUES (:at, 'x', 'y')"),
-            {"at": "2026-05-04 00:00:00.000000"},
-        )
-    engine.dispose()
-
-    write_copy(empty_url, tmp_path / "copy.db")
-
-    assert schema_of_copy(tmp_path / "copy.db") == "0004"
-    assert rows_of_copy(tmp_path / "copy.db")["audit_lines"] == 1
-    upgraded = Database.open(sqlite_url(tmp_path / "copy.db"))
-    assert len(rows_of(upgraded)["audit_lines"]) == 1
-    upgraded.close()
-
-
 def test_where_there_is_no_database_nothing_is_made(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="DATABASE_URL"):
         write_copy(sqlite_url(tmp_path / "responses.db"), tmp_path / "copy.db")
@@ -216,8 +194,7 @@ def test_lists_and_moments_keep_their_kind(
     database = Database.open_for_reading(sqlite_url(tmp_path / "copy.db"))
     assert database is not None
     with database.reading() as session:
-        batch = session.scalars(select(WatchBatch)).first()
-        assert batch is not None
-        assert batch.intervals == [[0.0, 0.7], [0.75, 1.3]]
+        watched = session.scalars(select(WatchRecord.intervals)).all()
+        assert [[0.0, 2.0]] in watched
         assert session.scalars(select(StudySession.consented_at)).first() == clock.moments[0]
     database.close()

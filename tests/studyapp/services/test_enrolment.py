@@ -3,20 +3,29 @@ from __future__ import annotations
 import threading
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from sqlalchemy import select
 
-from studyapp.models import Place, StudySession
+from studyapp.models import Newcomer, Place, StudySession
 from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.places import take_allocation_turn
-from studyapp.services.refusal import StudyFullError
+from studyapp.services.enrolment import Arrival, enrol, require_welcome
+from studyapp.services.places import take_allocation_turn, take_open_place
+from studyapp.services.refusal import (
+    ConflictError,
+    CrowdedAddressError,
+    StudyFullError,
+    UnprovenError,
+)
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from studyapp.services.withdrawing import withdraw
 from tests.studyapp.added_condition import add_condition
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.three_arms import three_arms
 
 
 def held(opened: Database) -> list[int]:
@@ -46,8 +55,13 @@ def test_a_participant_gets_a_place_and_all_trials(
         (Arrival(visit="one"), Arrival(visit="one")),
         (
             Arrival(recruiter_participant="p", recruiter_study="s", recruiter_session="1"),
-            Arrival(recruiter_participant="p", recruiter_study="s", recruiter_session="2"),
+            Arrival(recruiter_participant="p", recruiter_study="t", recruiter_session="1"),
         ),
+        (
+            Arrival(recruiter_participant="p", visit="one"),
+            Arrival(recruiter_participant="p", visit="one"),
+        ),
+        (Arrival(recruiter_participant="p"), Arrival(recruiter_participant="p", is_signed=True)),
     ],
 )
 def test_who_comes_again_goes_on_where_they_were(
@@ -64,7 +78,6 @@ def test_who_comes_again_goes_on_where_they_were(
     [
         Arrival(visit="two"),
         Arrival(recruiter_participant="q", recruiter_study="s"),
-        Arrival(recruiter_participant="p", recruiter_study="another"),
     ],
 )
 def test_others_are_not_taken_for_them(
@@ -73,6 +86,59 @@ def test_others_are_not_taken_for_them(
     known = enrol(opened, served, Arrival(recruiter_participant="p", recruiter_study="s"), clock)
 
     assert enrol(opened, served, arrival, clock) != known
+
+
+def test_who_has_nothing_but_a_name_waits_until_nobody_else_goes_on(
+    participant: Participant,
+) -> None:
+    database, served, clock = participant.database, participant.served, participant.clock
+    token = enrol(database, served, Arrival(recruiter_participant="p"), clock)
+    somebody = Arrival(recruiter_participant="p", recruiter_session="another")
+
+    with pytest.raises(UnprovenError, match="another browser"):
+        enrol(database, served, somebody, clock)
+    clock.advance(minutes=46)
+
+    assert enrol(database, served, somebody, clock) == token
+    with pytest.raises(ConflictError, match="only knew the participant's name"):
+        withdraw(database, token, clock)
+
+
+def test_nobody_is_told_the_code_of_who_finished_under_a_name(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    named = Arrival(recruiter_participant="p")
+    done = Participant(opened, served, clock)
+    done.token = enrol(opened, served, named, clock)
+    done.begin().take_all()
+    clock.advance(days=1)
+
+    with pytest.raises(UnprovenError, match="already taken part"):
+        enrol(opened, served, named, clock)
+    assert enrol(opened, served, replace(named, token=done.token), clock) == done.token
+
+
+def test_one_network_address_takes_so_many_places_an_hour(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    recruitment = served.study.recruitment.model_copy(update={"newcomers_per_address": 2})
+    limited = replace(served, study=served.study.model_copy(update={"recruitment": recruitment}))
+
+    def arrive(number: int, address: str | None) -> str:
+        return enrol(opened, limited, Arrival(visit=f"visit {number}", address=address), clock)
+
+    tokens = [arrive(number, "192.0.2.1") for number in range(2)]
+    late = Arrival(visit="visit 2", address="192.0.2.1")
+    with pytest.raises(CrowdedAddressError):
+        require_welcome(opened, limited, late, clock)
+    with pytest.raises(CrowdedAddressError):
+        arrive(2, "192.0.2.1")
+    assert arrive(1, "192.0.2.1") == tokens[1]
+    arrive(3, "192.0.2.2")
+    clock.advance(minutes=61)
+    arrive(2, "192.0.2.1")
+    with opened.reading() as session:
+        assert len(session.scalars(select(Newcomer)).all()) == 1
 
 
 def test_an_arrival_says_who_it_is() -> None:
@@ -131,6 +197,46 @@ def test_many_arrivals_at_once_leave_connections_to_those_who_answer(
 
     assert len(tokens) == 3
     assert len(held(database)) == 4
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_newcomers_are_placed_side_by_side_and_evenly(database: Database, clock: SetClock) -> None:
+    served = three_arms(2)
+    open_study(database, served, clock)
+    wanted = dict.fromkeys(served.arms, 2)
+
+    with ExitStack() as at_once:
+        taken = [
+            take_open_place(at_once.enter_context(database.writing()), wanted) for _ in range(6)
+        ]
+
+    assert [sorted(place.arm for place in three) for three in (taken[:3], taken[3:])] == [
+        sorted(arm for arm, _ in served.arms)
+    ] * 2
+    assert [place.number for place in taken] == [0, 0, 0, 1, 1, 1]
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_nobody_is_told_that_the_study_is_full_before_the_last_place_is_really_given(
+    database: Database, clock: SetClock
+) -> None:
+    served = three_arms(1)
+    open_study(database, served, clock)
+    arrivals = [Arrival(visit=f"visit {number}") for number in range(3)]
+
+    with ThreadPoolExecutor(1) as pool:
+        with database.writing() as failing:
+            place = take_open_place(failing, dict.fromkeys(served.arms, 1))
+            for arrival in arrivals[:2]:
+                enrol(database, served, arrival, clock)
+            last = pool.submit(enrol, database, served, arrivals[2], clock)
+            with pytest.raises(TimeoutError):
+                last.result(timeout=0.2)
+            failing.rollback()
+        assert last.result(timeout=60)
+
+    assert place is not None
+    assert len(held(database)) == 3
 
 
 def test_finished_participants_keep_their_places(

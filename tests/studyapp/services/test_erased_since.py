@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import select, update
 
 from motion.errors import InputError
-from studyapp.models import AuditLine, Response, ScreenOut, StudySession
+from studyapp.models import AuditLine, Event, Response, ScreenOut, StudySession
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.database_copies import write_copy
 from studyapp.services.enrolment import Arrival, enrol
@@ -83,11 +83,21 @@ def test_who_was_forgotten_withdrew_or_was_screened_out_is_erased_again(
     assert answers_by_person(restored) == {PEOPLE[0]: 2, None: 0, PEOPLE[2]: 0}
     with restored.reading() as session:
         assert session.scalars(select(ScreenOut)).all() == []
-        assert [line.event for line in session.scalars(select(AuditLine))] == [
-            "participant forgotten"
-        ]
+        assert [line.event for line in session.scalars(select(AuditLine))] == [Event.FORGOTTEN]
     # The place is free again, as it is in the later state.
     assert Participant(restored, people[PEOPLE[0]].served, clock).enrol("newcomer").token
+
+
+def test_who_was_forgotten_is_erased_again_however_the_log_words_it(
+    people: dict[str, Participant], restored: Database, clock: SetClock
+) -> None:
+    later = people[PEOPLE[0]].database
+    clock.advance(minutes=1)
+    forget(later, PEOPLE[1], KEY, clock)
+    with later.writing() as session:
+        session.execute(update(AuditLine).values(detail="Teilnahme 2 wurde gelöscht"))
+
+    assert erase_again(restored, later, KEY, clock).forgotten == 1
 
 
 def test_who_was_forgotten_before_the_backup_is_left_as_they_are(

@@ -22,6 +22,7 @@ from studyapp.services.taking_part import ShownTrial
 from studyapp.services.versions import open_study
 from studyapp.services.watching import record_watched
 from tests.finished_study import PROTOCOLS
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 Arrive = Callable[[str], Participant]
@@ -44,6 +45,7 @@ def watch_all(participant: Participant) -> ShownTrial:
     shown = participant.trial()
     participant.clock.advance(seconds=3 * len(shown.videos))
     for video in shown.videos:
+        participant.fetch(video.token)
         record_watched(
             participant.database,
             participant.served,
@@ -80,7 +82,7 @@ def take_all(participant: Participant) -> None:
 
 
 def exported(participant: Participant) -> pd.DataFrame:
-    return responses_table(participant.database)
+    return read_once(participant.database, responses_table)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,10 @@ from studyapp.models import Place, StudySession, Trial
 from studyapp.services.database import Database
 from studyapp.services.export import responses_table
 from studyapp.services.served_study import ServedStudy
+from studyapp.services.stored_answers import stored_answers
 from studyapp.services.versions import open_study
+from studyapp.stages.answer_table import study_answers
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
@@ -30,11 +33,14 @@ def arrive(
     return Participant(database, served, clock).enrol().begin()
 
 
-def finish(participant: Participant, *, careless: str = "") -> None:
-    """Answer everything well, but for the trial of the kind `careless`."""
+def finish(participant: Participant, *, careless: str = "", left_out: str = "") -> None:
+    """Answer everything well, but for the trials of the kinds `careless` and `left_out`."""
     while (shown := participant.look().trial) is not None:
         with participant.database.reading() as session:
             trial = session.scalars(select(Trial).where(Trial.token == shown.token)).one()
+        if trial.kind == left_out:
+            participant.leave_out()
+            continue
         good = trial.instructed or (1 if trial.expected == 2 else -1)
         value = str(-good if trial.kind == careless else good)
         participant.take_trial({"rhythm": value, "emotion": value})
@@ -57,12 +63,27 @@ def test_who_fails_opens_the_place_again_and_keeps_code_and_answers(
     assert participant.look().state == "completed"
     assert participant.look().completion_code
     assert holders(database) == 0
-    assert len(responses_table(database)) == 14
+    assert len(read_once(database, responses_table)) == 14
     Participant(database, participant.served, clock).enrol("next")
     with database.reading() as session:
         numbers = [known.number for known in session.scalars(select(StudySession))]
     assert numbers == [0, 0]
     assert participant.look().state == "completed"
+
+
+@pytest.mark.parametrize("kind", ["catch", "attention"])
+def test_to_leave_out_a_check_is_to_fail_it(
+    tiny_study: Path, database: Database, clock: SetClock, kind: str
+) -> None:
+    participant = arrive(tiny_study, database, clock, replace=True)
+
+    finish(participant, left_out=kind)
+
+    assert participant.look().state == "completed"
+    assert holders(database) == 0
+    stored = read_once(database, stored_answers)
+    (known,) = study_answers(participant.served.study, stored).known.values()
+    assert getattr(known, f"failed_{kind}") == 1
 
 
 @pytest.mark.parametrize(

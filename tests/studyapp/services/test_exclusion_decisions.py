@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import select, update
 
 from motion.errors import InputError
 from studyapp.models import AuditLine, ExclusionDecision
@@ -21,6 +21,7 @@ from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find
 from studyapp.services.stored_answers import stored_answers
 from studyapp.services.withdrawing import withdraw
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
@@ -68,7 +69,7 @@ def test_the_newest_decision_holds_and_none_is_lost(
     assert lines[0] == ("participant excluded", "study session 3", "second")
     assert lines[1] == ("participant reinstated", "study session 3", "awake")
     assert len(lines) == 6
-    kept = stored_answers(opened).study_sessions
+    kept = read_once(opened, stored_answers).study_sessions
     assert kept["excluded_because"].tolist() == ["fell asleep", "", "second"]
     assert kept["excluded_after_look"].tolist() == [False, False, False]
 
@@ -87,7 +88,7 @@ def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
     clock.advance(seconds=1)
     exclude(opened, clock, 3)
 
-    after_look = stored_answers(opened).study_sessions["excluded_after_look"]
+    after_look = read_once(opened, stored_answers).study_sessions["excluded_after_look"]
     assert after_look.tolist() == [False, False, True]
 
 
@@ -98,7 +99,7 @@ def test_who_is_excluded_goes_on_and_keeps_the_place(
     exclude(participant.database, clock, 1)
 
     assert participant.take_all()
-    sessions = stored_answers(participant.database).study_sessions
+    sessions = read_once(participant.database, stored_answers).study_sessions
     assert sessions[["completed", "placed"]].to_numpy().tolist() == [[True, True]]
 
 
@@ -138,6 +139,8 @@ def test_of_who_leaves_nothing_stays_of_why_they_were_excluded(
     Participant(database, served, clock).enrol("other").begin()
     exclude(database, clock, 1, "wrote that she is ill")
     exclude(database, clock, 2, "plays at double speed")
+    with database.writing() as session:
+        session.execute(update(AuditLine).values(detail="worded in another way"))
 
     if leaves == "withdrawn":
         withdraw(database, participant.token, clock)

@@ -13,6 +13,7 @@ from studyapp.services.form_answers import answer_form
 from studyapp.services.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 FORM = """
@@ -106,7 +107,7 @@ def test_questions_come_before_the_trials_and_after_them(asking: Participant) ->
     assert (asking.look().form, asking.look().completion_code) == ("closing", None)
     tell(asking, "closing", {"comment": "Good."})
     assert asking.look().completion_code
-    table = form_answers_table(asking.database)
+    table = read_once(asking.database, form_answers_table)
     assert table["question"].tolist() == ["adult", "age", "work", "comment"]
     assert stored(asking) == [
         ("eligibility", "adult", "yes"),

@@ -13,6 +13,7 @@ from studyapp.services.forgetting import forget
 from studyapp.services.looks import StudyState, looks, note_look
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.stored_answers import stored_answers
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import SetClock
 
 BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
@@ -34,7 +35,7 @@ def test_a_look_is_in_both_logs_and_researchers_are_numbered_for_others(
     newest = logged_changes(opened)[0]
     assert (newest.event, newest.researcher) == ("results looked at", "Ada")
     assert newest.detail == "12 of 25 participants had finished"
-    passed_on = stored_answers(opened).looks
+    passed_on = read_once(opened, stored_answers).looks
     numbered = ["researcher 1", "command line", "researcher 2", "researcher 1"]
     assert passed_on["by"].tolist() == numbered
     assert set(passed_on["day"]) == {"2026-05-04"}

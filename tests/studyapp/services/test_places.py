@@ -15,6 +15,7 @@ from studyapp.services.refusal import StudyFullError
 from studyapp.services.sitting import find
 from studyapp.services.versions import open_study
 from studyapp.services.watching import record_watched
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.three_arms import three_arms
 
@@ -56,6 +57,7 @@ def test_a_report_of_what_was_played_gets_a_lost_place_back_and_is_stored(
     participant: Participant,
 ) -> None:
     token = participant.trial().videos[0].token
+    participant.fetch(token)
     participant.clock.advance(minutes=46)
     with participant.database.writing() as session:
         release_stale(session, participant.served, participant.clock.now())
@@ -154,7 +156,7 @@ def test_a_replacement_keeps_the_counts_and_the_export_shows_both(
     assert set(held(database).values()) == {1}
     with pytest.raises(StudyFullError):
         arrive(database, clock, 1, 1)
-    flow = study_sessions_table(database)
+    flow = read_once(database, study_sessions_table)
     assert flow["state"].tolist() == ["completed"] * 4
     assert flow["answered"].tolist() == [3] * 4
     assert flow["arm"][0] == flow["arm"][3]
@@ -172,6 +174,6 @@ def test_a_place_given_on_leaves_the_answers_as_those_of_somebody_unfinished(
 
     arrive(database, clock, 1, 1)
 
-    flow = study_sessions_table(database)
+    flow = read_once(database, study_sessions_table)
     assert flow["state"].tolist() == ["lapsed", "completed", "completed", "instructed"]
     assert flow["answered"].tolist() == [1, 3, 3, 0]

@@ -23,6 +23,7 @@ from studyapp.services.served_study import ServedStudy
 from studyapp.services.sound_check import check_sound, digits_to_speak, leave_unheard
 from studyapp.services.versions import open_study
 from studyapp.services.withdrawing import withdraw
+from tests.studyapp.read_once import read_once
 from tests.studyapp.services.test_form_answers import ABOUT, ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
@@ -143,14 +144,19 @@ def test_who_left_unheard_and_comes_again_begins_anew_as_one_study_session(
     for _ in range(3):
         hear(listener, wrong(digits(listener)))
     leave_unheard(listener.database, listener.served, left, listener.clock)
-    assert enrolled(listener.database, Arrival(visit="visit")) is None
+    assert (
+        enrolled(listener.database, listener.served, Arrival(visit="visit"), listener.clock) is None
+    )
 
     listener.enrol()
 
     assert listener.token != left
     assert listener.look().sound_tries == 0
-    assert enrolled(listener.database, Arrival(visit="visit")) == listener.token
-    assert len(study_sessions_table(listener.database)) == 1
+    assert (
+        enrolled(listener.database, listener.served, Arrival(visit="visit"), listener.clock)
+        == listener.token
+    )
+    assert len(read_once(listener.database, study_sessions_table)) == 1
     with pytest.raises(UnknownAddressError):
         replace(listener, token=left).look()
 
@@ -170,7 +176,7 @@ def test_the_recruiters_name_of_who_left_unheard_may_be_used_again(
     token = enrol(database, listener.served, again, clock)
 
     assert token != listener.token
-    assert len(study_sessions_table(database)) == (1 if recruiter == "left" else 2)
+    assert len(read_once(database, study_sessions_table)) == (1 if recruiter == "left" else 2)
 
 
 def test_who_left_unheard_is_told_so_still_when_the_study_is_full_meanwhile(
@@ -195,7 +201,9 @@ def test_who_withdraws_otherwise_at_the_sound_check_does_not_begin_anew(
     withdraw(listener.database, listener.token, listener.clock)
     left = listener.token
 
-    assert enrolled(listener.database, Arrival(visit="visit")) == left
+    assert (
+        enrolled(listener.database, listener.served, Arrival(visit="visit"), listener.clock) == left
+    )
     assert listener.enrol().token == left
 
 

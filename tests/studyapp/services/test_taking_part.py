@@ -11,6 +11,7 @@ from studyapp.services.refusal import ConflictError, UnknownAddressError
 from studyapp.services.showing import content_of
 from studyapp.services.taking_part import look
 from studyapp.services.withdrawing import withdraw
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 
 
@@ -70,7 +71,7 @@ def test_who_comes_back_to_a_place_given_on_is_not_asked_to_go_on(
     participant.clock.advance(minutes=46)
     fill(participant, 2)
     assert participant.look().state == "lapsed"
-    assert len(responses_table(participant.database)) == 2
+    assert len(read_once(participant.database, responses_table)) == 2
 
 
 def test_withdrawing_ends_it_and_opens_the_place(participant: Participant) -> None:

@@ -15,8 +15,10 @@ from studyapp.services.database import Database
 from studyapp.services.refusal import ConflictError, StudyFullError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.stated_study import stated_study
-from studyapp.services.versions import open_study
-from tests.studyapp.added_condition import add_condition
+from studyapp.services.versions import must_be_new_version, open_study
+from studyapp.services.watching_export import watching_table
+from tests.studyapp.added_condition import add_condition, make_videos_anew
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 Change = Callable[..., ServedStudy]
@@ -121,7 +123,7 @@ def test_a_new_version_keeps_earlier_answers_apart(
         places = session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all()
         assert len({place.design for place in places}) == 2
     assert numbers == [1, 2]
-    assert audit(participant.database) == [("new version", "version 2")]
+    assert audit(participant.database) == [("new_version", "version 2")]
 
 
 def test_a_new_version_that_nobody_has_seen_may_change_too(
@@ -135,6 +137,55 @@ def test_a_new_version_that_nobody_has_seen_may_change_too(
 
     known = [(version.number, version.design) for version in versions(participant.database)]
     assert known == [(1, participant.served.design), (2, third.design)]
+
+
+def test_a_design_that_replaces_a_mistake_which_was_undone_is_asked_about(
+    participant: Participant, change: Change
+) -> None:
+    by_mistake = change("rhythm of the speech", "beat of the speech")
+    open_study(participant.database, by_mistake, participant.clock, new_version=True)
+    undone = change("beat of the speech", "rhythm of the speech")
+    open_study(participant.database, undone, participant.clock)
+    Participant(participant.database, undone, participant.clock).enrol("another")
+
+    another = change("rhythm of the speech", "pulse of the speech")
+    assert must_be_new_version(participant.database, another.design)
+    with pytest.raises(InputError, match=r"design has changed.*--new-version"):
+        open_study(participant.database, another, participant.clock)
+    assert participant.look().state == "started"
+
+
+def test_who_is_unfinished_keeps_the_place_where_a_mistaken_new_version_is_undone(
+    participant: Participant, change: Change
+) -> None:
+    participant.take_trial()
+    by_mistake = change("rhythm of the speech", "beat of the speech")
+    open_study(participant.database, by_mistake, participant.clock, new_version=True)
+    undone = change("beat of the speech", "rhythm of the speech")
+    open_study(participant.database, undone, participant.clock)
+
+    Participant(participant.database, undone, participant.clock).enrol("another")
+
+    assert participant.trial().position == 2
+
+
+def test_going_back_is_asked_about_once_somebody_has_come_to_the_new_version(
+    participant: Participant, change: Change
+) -> None:
+    database, clock = participant.database, participant.clock
+    second = change("rhythm of the speech", "beat of the speech")
+    open_study(database, second, clock, new_version=True)
+    later = Participant(database, second, clock).enrol("later")
+    first = change("beat of the speech", "rhythm of the speech")
+
+    assert must_be_new_version(database, first.design)
+    with pytest.raises(InputError, match=r"design has changed.*--new-version"):
+        open_study(database, first, clock)
+    assert later.look().state == "instructed"
+
+    open_study(database, first, clock, new_version=True)
+    open_study(database, first, clock)
+    assert [version.in_force for version in versions(database)] == [True, False]
 
 
 def test_who_is_in_the_middle_of_what_has_changed_cannot_go_on(
@@ -168,6 +219,23 @@ def test_an_added_condition_leaves_the_other_comparisons_as_they_are(
     assert arms == ["rule_based-mismatched"] * 2 + ["rule_based-static"] * 2
 
 
+def test_stimuli_that_are_made_from_something_else_are_another_design(
+    participant: Participant, tiny_study: Path
+) -> None:
+    participant.take_all()
+    make_videos_anew(tiny_study)
+    changed = ServedStudy.read(tiny_study)
+
+    with pytest.raises(InputError, match=r"design has changed.*--new-version"):
+        open_study(participant.database, changed, participant.clock)
+
+    open_study(participant.database, changed, participant.clock, new_version=True)
+    Participant(participant.database, changed, participant.clock).enrol("later").begin().trial()
+    seen = read_once(participant.database, watching_table).groupby("version")["made_from"].agg(set)
+    assert all(key.endswith("anew") for key in seen[2])
+    assert seen[1] and not seen[1] & seen[2]
+
+
 def test_operation_may_change_and_leaves_a_line(participant: Participant, change: Change) -> None:
     changed = change("participants_per_comparison = 4", "participants_per_comparison = 6")
     change('contact = "gestures@example.org"', 'contact = "lab@example.org"')
@@ -178,7 +246,7 @@ def test_operation_may_change_and_leaves_a_line(participant: Participant, change
     assert len(versions(participant.database)) == 1
     assert audit(participant.database) == [
         (
-            "operation changed",
+            "operation_changed",
             "page.contact: 'gestures@example.org' -> 'lab@example.org'; "
             "page.minutes: 10 -> 12; participants_per_comparison: 4 -> 6",
         )
@@ -186,24 +254,6 @@ def test_operation_may_change_and_leaves_a_line(participant: Participant, change
     with participant.database.reading() as session:
         assert len(session.scalars(select(Place)).all()) == 6
     assert participant.trial().position == 1
-
-
-def test_data_from_before_designs_were_noted_count_for_the_present_one(
-    participant: Participant,
-) -> None:
-    database, served = participant.database, participant.served
-    participant.take_trial()
-    with database.writing() as session:
-        session.execute(update(StudyVersion).values(design="", definition="", operation={}))
-        session.execute(update(StudySession).values(arm_design=""))
-        session.execute(update(Place).values(design=""))
-
-    open_study(database, served, participant.clock)
-
-    assert [version.design for version in versions(database)] == [served.design]
-    assert participant.trial().position == 2
-    with database.reading() as session:
-        assert len(session.scalars(select(Place)).all()) == 4
 
 
 def test_a_closed_study_lets_nobody_in_and_everybody_finish(
@@ -225,7 +275,7 @@ def test_rules_that_change_before_the_first_participant_are_those_that_were_stat
 
     open_study(opened, served, clock)
 
-    stated = stated_study(opened, 1)
+    stated = read_once(opened, stated_study, 1)
     assert stated is not None
     assert [each.written() for each in stated.settled_exclusions] == ["catch>0"]
 
@@ -237,11 +287,11 @@ def test_rules_that_change_later_need_no_new_version_but_leave_the_stated_ones_a
 
     open_study(participant.database, served, participant.clock)
 
-    stated = stated_study(participant.database, 1)
+    stated = read_once(participant.database, stated_study, 1)
     assert stated is not None
     assert [each.written() for each in stated.settled_exclusions] == ["incomplete", "catch>1"]
     assert audit(participant.database) == [
-        ("operation changed", "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']")
+        ("operation_changed", "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']")
     ]
     assert len(versions(participant.database)) == 1
 
@@ -252,5 +302,5 @@ def test_nothing_is_known_of_a_version_that_cannot_be_read(
     with participant.database.writing() as session:
         session.execute(update(StudyVersion).values(definition="protocol = 'of earlier times'"))
 
-    assert stated_study(participant.database, 1) is None
-    assert stated_study(participant.database, 2) is None
+    assert read_once(participant.database, stated_study, 1) is None
+    assert read_once(participant.database, stated_study, 2) is None

@@ -21,9 +21,11 @@ def tally(participant: Participant, served: ServedStudy) -> dict[tuple[str, str]
 
 
 def adaptive(participant: Participant) -> ServedStudy:
-    """Return the study as one that follows votes."""
+    """Return the study as one that follows votes, with the arms that its participants are in."""
     study = participant.served.study.model_copy(update={"comparisons": "adaptive"})
-    return replace(participant.served, study=study)
+    served = replace(participant.served, study=study)
+    vars(served)["arms"] = participant.served.arms
+    return served
 
 
 def test_analysed_answers_to_the_first_question_count(participant: Participant) -> None:
@@ -72,6 +74,16 @@ def test_who_is_excluded_by_hand_does_not_vote_until_reinstated(participant: Par
     assert tally(participant, served) == {}
     decide(excluded=False)
     assert tally(participant, served) == voted != {}
+
+
+def test_who_was_asked_by_an_earlier_design_does_not_vote(participant: Participant) -> None:
+    participant.take_all()
+    served = adaptive(participant)
+    assert tally(participant, served) != {}
+
+    vars(served)["arms"] = {(name, "another"): arm for (name, _), arm in served.arms.items()}
+
+    assert tally(participant, served) == {}
 
 
 def test_other_studies_look_at_no_votes(participant: Participant) -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from sqlalchemy import select
 
-from studyapp.models import WatchBatch
+from studyapp.models import Trial, WatchRecord
 from studyapp.services.refusal import (
     ConflictError,
     NotTheirsError,
@@ -11,7 +11,7 @@ from studyapp.services.refusal import (
     TooMuchWatchedError,
     UnacceptableError,
 )
-from studyapp.services.watch_evidence import Playback, Watched
+from studyapp.services.watch_evidence import MOST_INTERVALS, REMEMBERED, Playback, Watched
 from studyapp.services.watching import record_watched
 from studyapp.services.withdrawing import withdraw
 from tests.studyapp.taking_part_steps import Participant
@@ -48,8 +48,8 @@ def test_what_was_played_fast_hidden_or_silent_is_kept_but_does_not_count(
     with pytest.raises(UnacceptableError, match="About 2 s"):
         participant.answer(first)
     with participant.database.reading() as session:
-        (batch,) = session.scalars(select(WatchBatch))
-        assert batch.intervals == [[0.0, 2.0]]
+        (record,) = session.scalars(select(WatchRecord))
+        assert (record.intervals, record.played_seconds) == ([], 2.0)
     assert participant.watch((0.0, 2.0), batch=1) == 0
 
 
@@ -79,17 +79,19 @@ def test_no_more_can_be_hidden_silent_or_stalled_than_time_has_passed(
         participant.watch((0.0, 1.0), playback=playback)
 
 
-def test_stalls_and_pictures_are_stored_as_they_were_measured(participant: Participant) -> None:
+def test_stalls_and_pictures_are_added_up_as_they_were_measured(participant: Participant) -> None:
     participant.look()
     participant.clock.advance(seconds=20)
-    measured = Playback(stalls=2, stalled_seconds=7.5, frames=50, dropped_frames=3)
 
-    participant.watch((0.0, 1.0), playback=measured)
+    participant.watch((0.0, 1.0), playback=Playback(stalls=2, stalled_seconds=7.5, frames=50))
+    participant.watch((1.0, 2.0), batch=1)
+    measured = Playback(stalls=1, stalled_seconds=0.5, frames=20, dropped_frames=3)
+    participant.watch((0.0, 1.0), batch=2, playback=measured)
 
     with participant.database.reading() as session:
-        (batch,) = session.scalars(select(WatchBatch))
-        assert (batch.stalls, batch.stalled_seconds) == (2, 7.5)
-        assert (batch.frames, batch.dropped_frames) == (50, 3)
+        (record,) = session.scalars(select(WatchRecord))
+        assert (record.stalls, record.stalled_seconds) == (3, 8.0)
+        assert (record.frames, record.dropped_frames) == (70, 3)
 
 
 def test_playing_the_same_part_twice_is_no_more_than_once(participant: Participant) -> None:
@@ -119,6 +121,27 @@ def test_many_small_reports_cannot_outrun_the_clock_either(participant: Particip
         participant.watch((1.0, 2.0), batch=1)
 
 
+def test_honest_reports_and_answers_are_taken_after_the_clock_went_back_an_hour(
+    participant: Participant,
+) -> None:
+    trial = participant.trial()
+    participant.clock.advance(seconds=5)
+    participant.clock.advance(hours=-1)
+
+    assert participant.watch((0.0, 2.0)) == 0
+    participant.answer(trial.token)
+
+    with participant.database.reading() as session:
+        first, second = session.scalars(select(Trial).order_by(Trial.position).limit(2))
+        assert first.answered_at is not None
+        assert first.seconds is None
+    second_trial = participant.trial()
+    participant.clock.advance(seconds=1)
+    with pytest.raises(TooMuchWatchedError):
+        participant.watch((0.0, 2.5), (0.0, 2.0), playback=Playback(hidden_seconds=5.0))
+    assert second_trial.position == second.position
+
+
 def test_the_same_report_sent_twice_is_stored_once(participant: Participant) -> None:
     participant.look()
     participant.clock.advance(seconds=5)
@@ -139,6 +162,54 @@ def test_another_report_under_the_same_number_is_not_stored_and_the_answer_shows
     assert report_again(participant, (0.0, 1.0)).stored
     assert participant.trial().videos[0].watched.intervals == ((0.0, 1.0),)
     assert participant.trial().videos[0].watched.next_batch == 1
+
+
+def test_a_report_among_the_latest_is_known_again_and_an_older_number_is_used_up(
+    participant: Participant,
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=100)
+    participant.watch((0.0, 1.0))
+    assert report_again(participant, (0.0, 1.0)).stored
+
+    for batch in range(1, REMEMBERED + 1):
+        participant.watch((0.0, 1.0), batch=batch)
+
+    assert not report_again(participant, (0.0, 1.0)).stored
+    with participant.database.reading() as session:
+        (record,) = session.scalars(select(WatchRecord))
+        assert record.played_seconds == REMEMBERED + 1
+
+
+def test_a_report_reads_and_stores_no_more_however_many_came_before(
+    participant: Participant,
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=1000)
+    spans = [(start / 100, start / 100 + 0.004) for start in range(100)]
+
+    def stored_after(batches: range) -> tuple[int, int]:
+        for batch in batches:
+            participant.watch(*spans, batch=100 + batch)
+        with participant.database.reading() as session:
+            (record,) = session.scalars(select(WatchRecord))
+            return len(record.intervals), len(record.latest)
+
+    assert stored_after(range(REMEMBERED)) == stored_after(range(REMEMBERED, 2 * REMEMBERED))
+
+
+def test_a_video_in_too_many_parts_has_to_be_played_from_its_start(
+    participant: Participant,
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=1000)
+    spans = [(start / 200, start / 200 + 0.001) for start in range(MOST_INTERVALS + 1)]
+    participant.watch(*spans[:-1])
+
+    with pytest.raises(UnacceptableError, match="too many small parts"):
+        participant.watch(spans[-1], batch=1)
+
+    assert participant.watch((0.0, 2.0), batch=1) == 0
 
 
 def test_what_lies_outside_the_video_does_not_count(participant: Participant) -> None:
@@ -196,4 +267,4 @@ def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) ->
             clock=participant.clock,
         )
     with participant.database.reading() as session:
-        assert session.scalars(select(WatchBatch)).all() == []
+        assert session.scalars(select(WatchRecord)).all() == []

@@ -1,11 +1,15 @@
 from __future__ import annotations
 
-import pytest
+from collections.abc import Callable
 
-from studyapp.services.answering import skip_unplayable
-from studyapp.services.refusal import ConflictError
+import pandas as pd
+import pytest
+from sqlalchemy.orm import Session
+
+from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.refusals import note_refusal
 from studyapp.services.watch_evidence import Playback
+from studyapp.services.watching import record_watched
 from studyapp.services.watching_export import (
     REFUSAL_COLUMNS,
     WATCHING_COLUMNS,
@@ -13,23 +17,24 @@ from studyapp.services.watching_export import (
     watching_table,
 )
 from studyapp.services.withdrawing import withdraw
+from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 
 
 def test_an_empty_study_exports_the_columns(participant: Participant) -> None:
-    assert list(watching_table(participant.database).columns) == list(WATCHING_COLUMNS)
-    assert watching_table(participant.database).empty
-    assert list(refusals_table(participant.database).columns) == list(REFUSAL_COLUMNS)
+    assert list(read_once(participant.database, watching_table).columns) == list(WATCHING_COLUMNS)
+    assert read_once(participant.database, watching_table).empty
+    assert list(read_once(participant.database, refusals_table).columns) == list(REFUSAL_COLUMNS)
 
 
 def test_a_video_is_one_row_with_all_that_was_measured(participant: Participant) -> None:
     participant.look()
     participant.clock.advance(seconds=30)
     participant.watch((0.0, 1.0), playback=Playback(stalls=1, stalled_seconds=2.0, frames=20))
-    participant.watch((0.0, 2.0), batch=1, playback=Playback(rate=2.0, frames=40))
-    participant.watch((0.5, 1.5), batch=2, playback=Playback(frames=60, dropped_frames=6))
+    participant.watch((0.0, 2.0), batch=1, playback=Playback(rate=2.0, frames=20))
+    participant.watch((0.5, 1.5), batch=2, playback=Playback(frames=20, dropped_frames=6))
 
-    (row,) = watching_table(participant.database).to_dict("records")
+    (row,) = read_once(participant.database, watching_table).to_dict("records")
 
     assert row["watched"] == 0.75
     assert row["times_played"] == 2.0
@@ -47,47 +52,63 @@ def test_a_browser_that_counts_no_pictures_leaves_their_columns_empty(
     participant.clock.advance(seconds=30)
     participant.watch((0.0, 1.0))
 
-    (row,) = watching_table(participant.database).to_dict("records")
+    (row,) = read_once(participant.database, watching_table).to_dict("records")
 
     assert (row["frames"], row["dropped_share"]) == ("", "")
 
 
 def test_a_video_that_does_not_play_is_named(participant: Participant) -> None:
-    first = participant.trial()
-    skip_unplayable(
-        participant.database,
-        participant.served,
-        participant.token,
-        first.token,
-        participant.clock,
-        first.videos[0].token,
-    )
+    participant.leave_out()
     participant.look()
 
-    table = watching_table(participant.database)
+    table = read_once(participant.database, watching_table)
 
     assert table["position"].tolist() == [1, 2]
     assert table["unplayable_at"].tolist() == [participant.clock.now().isoformat(), ""]
 
 
+def test_what_was_never_sent_was_not_watched_whatever_its_browser_reports(
+    participant: Participant,
+) -> None:
+    trial = participant.trial()
+    participant.clock.advance(seconds=30)
+    known = record_watched(
+        participant.database,
+        participant.served,
+        participant.token,
+        trial.videos[0].token,
+        batch=0,
+        intervals=[(0.0, 2.0)],
+        clock=participant.clock,
+    )
+    assert (known.intervals, known.missing) == ((), pytest.approx(1.9))
+    with pytest.raises(UnacceptableError, match="About 2 s"):
+        participant.answer(trial.token)
+
+    (row,) = read_once(participant.database, watching_table).to_dict("records")
+
+    assert (row["sent_at"], row["watched"], row["times_played"]) == ("", 0.0, 1.0)
+
+
 @pytest.mark.parametrize("table", [watching_table, refusals_table])
-def test_who_withdrew_is_not_exported(participant: Participant, table: object) -> None:
+def test_who_withdrew_is_not_exported(
+    participant: Participant, table: Callable[[Session], pd.DataFrame]
+) -> None:
     participant.take_trial()
     refusal = ConflictError("No.", "Try again.")
     note_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
-    assert callable(table)
-    assert not table(participant.database).empty
+    assert not read_once(participant.database, table).empty
 
     withdraw(participant.database, participant.token, participant.clock)
 
-    assert table(participant.database).empty
+    assert read_once(participant.database, table).empty
 
 
 def test_a_refusal_is_exported_without_token(participant: Participant) -> None:
     refusal = ConflictError("No.", "Try again.")
     note_refusal(participant.database, participant.token, "answers", refusal, participant.clock)
 
-    table = refusals_table(participant.database)
+    table = read_once(participant.database, refusals_table)
 
     assert table["kind"].tolist() == ["stale-page"]
     assert table["study_session"].tolist() == ["1"]

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from studyapp.models import (
     Trial,
     TrialStimulus,
     Video,
-    WatchBatch,
+    WatchRecord,
 )
 from studyapp.models.base import Base
 from studyapp.services.database import Database
@@ -23,6 +24,7 @@ from studyapp.services.refusal import ConflictError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.services.withdrawing import promise_made, withdraw
+from tests.studyapp.read_once import read_once
 from tests.studyapp.services.test_form_answers import ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
@@ -30,7 +32,7 @@ ABOUT_THEM: tuple[type[Base], ...] = (
     Trial,
     TrialStimulus,
     Video,
-    WatchBatch,
+    WatchRecord,
     Response,
     FormAnswer,
     RefusalLine,
@@ -92,7 +94,7 @@ def test_where_deletion_was_promised_nothing_they_did_is_left(
         assert (left.recruiter_participant, left.recruiter_session) == ("p1", "")
         assert (left.conditions, left.number, left.started_at) == ([], None, None)
     assert other.trial().position == 2
-    assert len(responses_table(database)) == 2
+    assert len(read_once(database, responses_table)) == 2
 
 
 def test_who_withdrew_is_not_enrolled_again(
@@ -101,10 +103,11 @@ def test_who_withdrew_is_not_enrolled_again(
     participant = begun(tiny_study, database, clock)
     take_back(participant)
 
-    again = enrol(database, participant.served, recruited({}), clock)
+    known = replace(recruited({}), token=participant.token)
+    again = enrol(database, participant.served, known, clock)
 
     assert again == participant.token
-    assert study_sessions_table(database)["state"].tolist() == ["withdrawn"]
+    assert read_once(database, study_sessions_table)["state"].tolist() == ["withdrawn"]
 
 
 def test_what_they_said_about_themselves_is_deleted_too(
@@ -126,15 +129,15 @@ def test_where_keeping_was_promised_all_is_kept_and_nothing_analysed(
     )
     participant.begin().take_trial()
     before = counts(database)
-    assert len(responses_table(database)) == 2
+    assert len(read_once(database, responses_table)) == 2
 
     take_back(participant)
 
     assert counts(database) == before
-    assert responses_table(database).empty
-    assert form_answers_table(database).empty
-    assert len(responses_table(database, withdrawn=True)) == 2
-    assert len(form_answers_table(database, withdrawn=True)) == 1
+    assert read_once(database, responses_table).empty
+    assert read_once(database, form_answers_table).empty
+    assert len(read_once(database, responses_table, withdrawn=True)) == 2
+    assert len(read_once(database, form_answers_table, withdrawn=True)) == 1
     assert participant.look().presentations == 6
 
 
@@ -155,12 +158,12 @@ def test_what_was_promised_at_the_start_holds_when_the_study_promises_otherwise_
 
 def test_withdrawing_twice_changes_nothing(participant: Participant) -> None:
     take_back(participant)
-    withdrawn = study_sessions_table(participant.database)
+    withdrawn = read_once(participant.database, study_sessions_table)
     participant.clock.advance(minutes=5)
 
     take_back(participant)
 
-    assert study_sessions_table(participant.database).equals(withdrawn)
+    assert read_once(participant.database, study_sessions_table).equals(withdrawn)
 
 
 def test_the_place_of_who_withdrew_is_open_again(participant: Participant) -> None:

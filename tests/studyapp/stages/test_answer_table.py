@@ -9,6 +9,7 @@ from studyapp.services.stored_answers import StoredAnswers, stored_answers
 from studyapp.stages.answer_table import MIDDLE, StudyAnswers, empty_answers, study_answers
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
 from tests.studyapp.answered_study import answer_study
+from tests.studyapp.read_once import read_once
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, StudyFolder]:
 def read(folder: StudyFolder) -> tuple[StoredAnswers, StudyAnswers]:
     database = Database.open_for_reading(sqlite_url(folder.responses))
     assert database is not None
-    stored = stored_answers(database)
+    stored = read_once(database, stored_answers)
     database.close()
     return stored, study_answers(folder.study(), stored)
 
@@ -41,7 +42,7 @@ def test_the_same_answers_stand_in_the_table_and_in_the_export(
     _, given = read(folder)
     database = Database.open_for_reading(sqlite_url(folder.responses))
     assert database is not None
-    exported = responses_table(database)
+    exported = read_once(database, responses_table)
     database.close()
 
     count = sum(len(table) for table in given.tables.values())

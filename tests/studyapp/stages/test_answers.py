@@ -4,15 +4,18 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from click.testing import CliRunner
 from sqlalchemy import select
 
+from motion.errors import InputError
+from studyapp.command.main import group
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import StudySession
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.services.withdrawing import withdraw
-from studyapp.stages.answers import answers_to_report, read_answers
+from studyapp.stages.answers import answers_to_report, read_answers, read_rehearsal
 from studyapp.stages.exporting.writing import export
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
@@ -51,6 +54,16 @@ def test_looking_for_answers_makes_no_database_elsewhere(
 
     assert read_answers(folder, "participants").origin == "none"
     assert not elsewhere.exists()
+
+
+def test_the_rehearsal_is_reported_on_request_beside_real_answers(folder: StudyFolder) -> None:
+    with pytest.raises(InputError, match="nothing has been rehearsed"):
+        read_rehearsal(folder)
+    answer_once(folder, folder.rehearsal)
+    answer_once(folder, folder.responses)
+
+    assert read_rehearsal(folder).origin == "rehearsal"
+    assert "--rehearsal" in CliRunner().invoke(group, ["report", "--help"]).output
 
 
 def test_real_answers_come_before_those_of_a_rehearsal(folder: StudyFolder) -> None:

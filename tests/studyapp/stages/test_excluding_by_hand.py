@@ -134,9 +134,8 @@ def test_the_export_says_of_each_answer_that_a_researcher_decided(
     assert values["exclusion_rule"]["researcher"] == "excluded by a researcher"
     assert "by hand" in values["exclusion_kind"]
     log = pd.read_csv(tmp_path / "answers_log.csv")
-    assert log["event"].iloc[-1] == "answers exported"
-    assert log[["event", "detail", "reason"]].iloc[-2].tolist() == [
-        "participant excluded",
+    assert log[["event", "detail", "reason"]].iloc[-1].tolist() == [
+        "participant_excluded",
         "study session 2",
         f"'{REASON}",
     ]

@@ -3,11 +3,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import tomlkit
 
 from motion.errors import InputError
 from motion.formats import read_clip
+from motion.placement import place
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.generation import generate
 from studyapp.stages.recordings import Take, import_take
@@ -53,6 +55,15 @@ def test_mismatched_motion_belongs_to_another_segment(study: StudyFolder) -> Non
         own = read_clip(study.clip("rule_based", segment.name))
         other = read_clip(study.clip("mismatched", segment.name))
         assert (own.poses != other.poses).any()
+
+
+def test_generated_motion_is_placed_like_imported_motion(study: StudyFolder) -> None:
+    generate(study)
+    for path in generated_files(study):
+        clip = read_clip(path)
+        placed, _ = place(clip)
+        np.testing.assert_allclose(clip.poses, placed.poses, atol=1e-5)
+        np.testing.assert_allclose(clip.trans, placed.trans, atol=1e-5)
 
 
 def test_catch_motion_starts_from_the_ground_truth(study: StudyFolder) -> None:

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 import tomlkit
 
-from generators.diffsheg.hubert import stand_in
-from generators.diffsheg.sampling_settings import SamplingSettings
+from generators.diffsheg.walk import SamplingSettings
 from generators.registry import load_generator
 from motion.errors import InputError
 from motion.formats import read_clip
@@ -19,6 +18,7 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.stages.generation import generate, model_of
 from studyapp.stages.recordings import Take, import_take
 from tests.generators.diffsheg.small_network import written_network
+from training.hearing.hubert import stand_in
 
 
 @pytest.fixture
@@ -135,7 +135,7 @@ def test_how_far_a_clip_is_is_shown_while_it_is_made(study: StudyFolder) -> None
 def test_long_speech_is_said_to_be_heard_in_parts(
     study: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("generators.diffsheg.listening.LONGEST_WHOLE", 1.0)
+    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_WHOLE", 1.0)
     remarks = generate(study).remarks
     names = ", ".join(segment.name for segment in study.segments())
     assert remarks[0] == (f"Stands in for something real: learned: {stand_in().description}")

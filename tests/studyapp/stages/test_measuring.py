@@ -10,6 +10,7 @@ from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.measuring import measure_folders, measure_study
 from studyapp.stages.recordings import Take, import_take
+from tests.analysis.evaluators.conftest import write_checkpoint
 
 QUICK = {"presets": ("genea", "s2ue"), "processes": 1}
 
@@ -43,6 +44,34 @@ def test_a_study_is_measured_beside_its_ground_truth_and_keeps_its_positions(
     assert ("ground_truth", "mean absolute error (MAJE, s2ue)") not in found
     assert found["ground_truth", "jerk (genea)"].clips == 3
     assert list(folder.joint_positions.iterdir())
+
+
+def test_a_study_is_measured_with_the_published_evaluator_that_it_names(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take(speech=9.0, motion=9.0, segment=3.0))
+    other = next(name for name in folder.study().conditions if name != "ground_truth")
+    shutil.copytree(folder.root / "motion" / "ground_truth", folder.root / "motion" / other)
+    text = folder.definition.read_text("utf-8")
+    named = 'evaluator = { preset = "ted", file = "ted.bin" }\n'
+    folder.definition.write_text(named + text, "utf-8")
+    with pytest.raises(InputError, match="no such file"):
+        measure_study(folder, **QUICK)
+    write_checkpoint(folder.root, "ted")
+    scores = {
+        score.name: score
+        for score in measure_study(folder, **QUICK).conditions
+        if score.condition == other and "TED's evaluator" in score.name
+    }
+    ours, theirs = (
+        scores[name]
+        for name in ("FGD (TED's evaluator)", "FGD by the published rule (TED's evaluator)")
+    )
+    assert ours.value == pytest.approx(theirs.value, abs=1e-6)
+    assert "fewer than 2 x 32 dimensions" in ours.remark
+    assert "do not fill 32 dimensions" in theirs.remark
+    assert "matrix square root" in theirs.settings["covariance"]
+    assert "every 10 frames" in ours.settings["window"]
 
 
 def test_a_study_without_motion_says_how_to_get_some(

@@ -99,6 +99,25 @@ def test_motion_made_elsewhere_joins_by_its_file_name(
     assert read_clip(folder.clip("our_model", "take_02")).duration == pytest.approx(2.0)
 
 
+def test_a_motion_is_placed_alike_cut_here_or_before(
+    folder: StudyFolder, take: MakeTake, tmp_path: Path
+) -> None:
+    """Where somebody stands and looks would tell which way a condition came in."""
+    poses = np.zeros((180, 165))
+    poses[:, 1] = np.linspace(0, 1, 180)
+    trans = np.linspace((0, 0, 0), (1, 0.2, 2), 180)
+    walk, piece = tmp_path / "walk.npz", tmp_path / "take_01.npz"
+    np.savez(walk, poses=poses, trans=trans, mocap_frame_rate=30)
+    np.savez(piece, poses=poses[:60], trans=trans[:60], mocap_frame_rate=30)
+
+    import_take(folder, replace(take(), motion=walk))
+    import_clips(folder, [piece], condition="ours", frame_rate=None)
+
+    here, before = (read_clip(folder.clip(name, "take_01")) for name in ("ground_truth", "ours"))
+    np.testing.assert_allclose(here.poses, before.poses, atol=1e-5)
+    np.testing.assert_allclose(here.trans, before.trans, atol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("seconds", "name", "said"),
     [(2.2, "take_01", "differ by 0.1 s"), (2.0, "take_99", "no segment is called 'take_99'")],
@@ -187,6 +206,26 @@ def test_the_same_take_may_be_brought_in_again(folder: StudyFolder, take: MakeTa
     segments, _ = import_take(folder, take())
 
     assert import_take(folder, take()) == (segments, [])
+
+
+def test_another_motion_of_the_same_condition_and_speech_is_refused(
+    folder: StudyFolder, take: MakeTake, tmp_path: Path
+) -> None:
+    import_take(folder, take())
+    stored = folder.clip("ground_truth", "take_01")
+    before = stored.read_bytes()
+    poses, trans = np.zeros((180, 165)), np.zeros((180, 3))
+    poses[:, 50] = np.linspace(0, 1, 180)
+    whole, piece = tmp_path / "whole.npz", tmp_path / "take_01.npz"
+    np.savez(whole, poses=poses, trans=trans, mocap_frame_rate=30)
+    np.savez(piece, poses=poses[:60], trans=trans[:60], mocap_frame_rate=30)
+
+    with pytest.raises(InputError, match="has another motion for segment take_01 already"):
+        import_take(folder, replace(take(), motion=whole))
+    with pytest.raises(InputError, match="has another motion for segment take_01 already"):
+        import_clips(folder, [piece], condition="ground_truth", frame_rate=None)
+
+    assert stored.read_bytes() == before
 
 
 def test_a_segment_length_that_is_no_number_is_refused(folder: StudyFolder, take: MakeTake) -> None:

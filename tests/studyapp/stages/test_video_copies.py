@@ -21,7 +21,9 @@ from studyapp.stages.checking.finished_video_checks import finished_video_findin
 from studyapp.stages.checking.material import Material
 from studyapp.stages.checking.shown_video_checks import shown_video_findings
 from studyapp.stages.checking.sound_checks import sound_findings
+from studyapp.stages.contact_sheet import write_contact_sheet
 from studyapp.stages.rendering import render
+from studyapp.stages.video_copies import copy_videos
 from tests.encoded import Told, write_video
 from tests.finished_study import write_finished_study
 
@@ -105,6 +107,31 @@ def test_a_changed_original_is_told_and_copied_anew(study: Callable[..., StudyFo
     ]
     assert render(folder, processes=1).made == 1
     assert errors(folder) == []
+
+
+def test_copies_that_a_newer_release_makes_anew_are_no_other_design(
+    study: Callable[..., StudyFolder], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = study("mismatch")
+    before = ServedStudy.read(folder.root).design
+    monkeypatch.setattr("studyapp.stages.video_copies.COPY_VERSION", "newer")
+
+    assert render(folder, processes=1).made > 0
+    assert ServedStudy.read(folder.root).design == before
+
+
+def test_a_misspelt_original_is_told_with_the_file_that_may_be_meant(
+    study: Callable[..., StudyFolder],
+) -> None:
+    folder = study()
+    file = folder.videos / "theirs" / "two.mp4"
+    file.rename(file.with_name("Two.mp4"))
+
+    assert copy_videos(folder).failures == (
+        "videos/theirs/two.mp4 is missing (is it videos/theirs/Two.mp4?)",
+    )
+    sheet = write_contact_sheet(folder, threads=1).read_text("utf-8")
+    assert "there is no video: bring it" in sheet
 
 
 def test_copies_that_nothing_shows_any_more_are_removed(study: Callable[..., StudyFolder]) -> None:

@@ -9,10 +9,10 @@ from dataclasses import replace
 from typing import Any, Final
 
 from studyapp.definition.study import Study
-from studyapp.web.catalogues.extraction import found_texts
 from studyapp.web.language import Language, language_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_templates import SPOKEN_ATTRIBUTES
+from tools.message_catalogues import found_texts
 
 PLAYER: Final = re.compile(r"\b[A-F]\b")
 

@@ -53,6 +53,7 @@ def test_no_page_or_header_tells_a_condition_segment_or_kind(app: Flask, clock: 
         seen.append(everything(answer))
         page = PageReader(answer.text)
         clock.advance(seconds=4)
+        visitor.client.get(page.value("#pair", "src"), buffered=True)
         watched = page.value("#pair", "data-watched-url")
         seen.append(everything(visitor.client.post(watched, json=WATCHED)))
         data = {"trial": page.trial, **ANSWERS}

@@ -16,6 +16,7 @@ from studyapp.models import Place, ScreenOut, StudySession
 from studyapp.services.recruiting.invitations import make_invitations
 from studyapp.services.steering import steer
 from studyapp.web.app import create_app
+from studyapp.web.returning import cookie_name
 from studyapp.web.running import attach, running
 from tests.studyapp.services.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
@@ -145,12 +146,62 @@ def test_another_study_in_the_address_makes_no_other_participant(
     app = opened(PROLIFIC)
     first = Visitor(app, clock).enrol(BY_PROLIFIC)
 
-    again = Visitor(app, clock).enrol(BY_PROLIFIC.replace("s1", "s2").replace("x1", "x2"))
+    again = Visitor(app, clock)
+    again.client = first.client
+    again.enrol(BY_PROLIFIC.replace("p1", "P1").replace("s1", "s2").replace("x1", "x2"))
 
     assert again.address == first.address
     with app.app_context(), running().database.reading() as session:
         known = session.scalars(select(StudySession)).one()
         assert (known.recruiter_study, known.recruiter_session) == ("s2", "x2")
+
+
+def test_knowing_somebodys_prolific_name_does_not_give_their_study_session(
+    opened: Opened, clock: SetClock
+) -> None:
+    app = opened(PROLIFIC)
+    owner = Visitor(app, clock).enrol(BY_PROLIFIC)
+    stranger = app.test_client()
+    page = PageReader(stranger.get("/?PROLIFIC_PID=p1").text)
+
+    answer = sent(stranger, page)
+
+    assert answer.status_code == 403
+    assert "another browser" in answer.text
+    assert owner.address not in answer.text
+    # In a new browser, the link of the same submission shows who it is.
+    assert Visitor(app, clock).enrol(BY_PROLIFIC).address == owner.address
+    cookie = owner.client.get_cookie(cookie_name("tiny"))
+    assert cookie is not None
+    assert cookie.http_only
+    assert cookie.same_site == "Lax"
+
+
+def test_where_links_are_signed_no_other_name_counts(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def believed(signed: str, host: str) -> dict[str, str] | None:
+        assert host == "study.example.org"
+        return {"PROLIFIC_PID": "P1", "SESSION_ID": "x1"} if signed == "signed" else None
+
+    monkeypatch.setattr("studyapp.web.sent_by.signed_names", believed)
+    app = opened(PROLIFIC + 'signed_for = "study.example.org"\n')
+    client = app.test_client()
+
+    page = PageReader(client.get("/?prolific_token=signed&PROLIFIC_PID=victim").text)
+    first = sent(client, page)
+
+    assert first.status_code == 303
+    for made_up in (f"/{BY_PROLIFIC}", f"/{BY_PROLIFIC}&prolific_token=made-up"):
+        assert client.get(made_up).status_code == 403
+    stranger = app.test_client()
+    assert stranger.post("/", data={"PROLIFIC_PID": "p1", "SESSION_ID": "x1"}).status_code == 403
+    # A new browser, another submission: the signature shows who it is.
+    again = PageReader(stranger.get("/?prolific_token=signed").text)
+    assert sent(stranger, again).location == first.location
+    with app.app_context(), running().database.reading() as session:
+        known = session.scalars(select(StudySession)).one()
+        assert known.recruiter_participant == "p1"
 
 
 def test_nobody_is_let_in_whom_prolific_did_not_name(opened: Opened) -> None:
@@ -202,7 +253,7 @@ def test_who_is_screened_out_gets_the_code_and_cannot_answer_otherwise(opened: O
         assert shown_code(PageReader(again.text)) == CODES["screened_out"]
     with app.app_context(), running().database.reading() as session:
         stored = session.scalars(select(ScreenOut)).one()
-        assert (stored.participant, stored.recruiter_study) == ("p1", "")
+        assert stored.participant == "p1"
         assert session.scalars(select(StudySession)).all() == []
         assert session.scalars(select(Place).where(Place.study_session_id.is_not(None))).all() == []
 
@@ -261,13 +312,19 @@ def test_a_worker_comes_back_by_another_assignment_of_the_study(
     first = Visitor(app, clock).enrol(BY_MTURK)
     other = BY_MTURK.replace("hitId=h1", "hitId=h2").replace("assignmentId=a1", "assignmentId=a2")
 
-    again = Visitor(app, clock).enrol(other)
+    clock.advance(minutes=46)
+
+    again = Visitor(app, clock).enrol(other.replace("w1", "W1"))
 
     assert again.address == first.address
     page = last_page(again)
     assert page.value("#leave [name=assignmentId]", "value") == "a2"
-    third = Visitor(app, clock).enrol(other.replace("a2", "a3"))
-    assert third.page().value("#leave [name=assignmentId]", "value") == "a2"
+    third = Visitor(app, clock)
+    third.client = again.client
+    assert (
+        third.enrol(other.replace("a2", "a3")).page().value("#leave [name=assignmentId]", "value")
+        == "a2"
+    )
 
 
 def test_only_mechanical_turk_may_show_the_study_in_a_frame(opened: Opened) -> None:

@@ -202,7 +202,10 @@ def test_who_has_begun_finds_the_way_back_though_nobody_new_is_let_in(
     client, visit = asking.test_client(), "v" * 32
     said = {"form:adult": "yes", "form:read": "yes"}
     by_name, by_window = {"PROLIFIC_PID": "p1"}, {"visit": visit}
-    begun = [client.post("/", data=who | said).location for who in (by_name, by_window)]
+    begun = [
+        browser.post("/", data=who | said).location
+        for browser, who in ((client, by_name), (asking.test_client(), by_window))
+    ]
     with suppress(StudyFullError):
         happens(asking)
 

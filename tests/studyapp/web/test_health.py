@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import resource
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from flask import Flask
 from sqlalchemy import create_engine
 
@@ -20,6 +25,41 @@ def test_a_server_that_is_well_says_so_and_nothing_else(app: Flask) -> None:
     assert "Set-Cookie" not in answer.headers
 
 
+@contextmanager
+def full_disk() -> Iterator[None]:
+    """Let no file grow, nor be written beyond its first bytes."""
+    assert signal.getsignal(signal.SIGXFSZ) is signal.SIG_IGN
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_where_nothing_can_be_written_it_is_not_well(
+    app: Flask, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studyapp.web.health.KNOWN_SECONDS", 0.0)
+    client = app.test_client()
+    assert client.get("/healthz").status_code == 200
+
+    with full_disk():
+        full = client.get("/healthz")
+    again = client.get("/healthz")
+
+    assert (full.status_code, again.status_code) == (503, 200)
+
+
+def test_asking_often_writes_once(app: Flask, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Database] = []
+    monkeypatch.setattr(Database, "try_writing", lambda database: asked.append(database))
+
+    answers = [app.test_client().get("/healthz").status_code for _ in range(5)]
+
+    assert (answers, len(asked)) == ([200] * 5, 1)
+
+
 def test_without_its_database_it_is_not_well(app: Flask, tmp_path: Path) -> None:
     away = Database(create_engine(f"sqlite:///{tmp_path / 'nowhere' / 'responses.db'}"))
     with app.app_context():
@@ -27,4 +67,4 @@ def test_without_its_database_it_is_not_well(app: Flask, tmp_path: Path) -> None
 
     answer = app.test_client().get("/healthz")
 
-    assert (answer.status_code, answer.text) == (503, "The database is away.\n")
+    assert (answer.status_code, answer.text) == (503, "Answers cannot be stored.\n")

@@ -10,9 +10,11 @@ from sqlalchemy import select
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 
-from studyapp.models import Video
+from studyapp.definition.stimuli import read_stimuli, write_stimuli
+from studyapp.models import StudySession, Video
 from studyapp.web.running import attach, running
 from studyapp.worker import StudyWorker
+from tests.studyapp.added_condition import make_videos_anew
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import Visitor
 
@@ -154,3 +156,25 @@ def test_a_worker_says_nothing_of_the_request_that_failed(failure: Exception) ->
     assert answer.startswith(b"HTTP/1.1 500")
     assert type(failure).__name__ in worker.log.said
     assert "secret" not in worker.log.said
+
+
+def test_nobody_is_shown_a_video_that_is_rendered_anew_while_it_is_served(
+    app: Flask, address: str, clock: SetClock, tiny_study: Path
+) -> None:
+    before = read_stimuli(tiny_study / "stimuli.json")
+    make_videos_anew(tiny_study)
+
+    taking_part = address_of_participant(app)
+    for asked in (address, "/", taking_part):
+        answer = app.test_client().get(asked)
+        assert answer.status_code == 409
+        assert "has just been changed" in answer.text
+
+    write_stimuli(tiny_study / "stimuli.json", before)
+    for asked in (address, "/", taking_part):
+        assert app.test_client().get(asked, buffered=True).status_code == 200
+
+
+def address_of_participant(app: Flask) -> str:
+    with app.app_context(), running().database.reading() as session:
+        return f"/take/{session.scalars(select(StudySession.token)).one()}"

@@ -119,6 +119,16 @@ def test_a_video_is_loaded_from_the_store_by_byte_ranges(
     assert store.gets()[0][0].startswith(f"/{BUCKET}/my-study/")
 
 
+def test_a_page_may_ask_for_the_server_s_own_copy_as_the_store_may_be_down(
+    from_store: Flask, clock: SetClock
+) -> None:
+    address = first_video(from_store, clock)
+
+    headers = {"Range": "bytes=4-7"}
+    with from_store.test_client().get(f"{address}?own=1", headers=headers) as answer:
+        assert (answer.status_code, answer.data) == (206, b"ftyp")
+
+
 def test_what_is_shown_again_cannot_be_told_from_what_is_new(
     from_store: Flask, clock: SetClock
 ) -> None:

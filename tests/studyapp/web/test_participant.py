@@ -63,12 +63,14 @@ def test_a_start_pressed_twice_takes_one_place(app: Flask) -> None:
     assert first == second
 
 
-def test_the_recruiters_participant_comes_back_to_the_same_place_in_a_newer_sitting(
+def test_the_recruiters_participant_comes_back_in_a_newer_submission_after_a_long_silence(
     app: Flask, clock: SetClock
 ) -> None:
     query = "?PROLIFIC_PID=p1&STUDY_ID=s1&SESSION_ID=x1"
 
     first = Visitor(app, clock).enrol(query)
+    with app.app_context():
+        clock.advance(minutes=running().study.lease_minutes + 1)
     again = Visitor(app, clock).enrol(query.replace("x1", "x2"))
 
     assert first.address == again.address
@@ -246,7 +248,9 @@ def test_a_rehearsals_clock_may_run_faster(tiny_study: Path) -> None:
     app = create_app(tiny_study, rehearsal_speed=1e6)
     client = app.test_client()
     visitor = Visitor(app, SetClock()).enrol().begin()
-    address = visitor.page().value("#pair", "data-watched-url")
+    page = visitor.page()
+    client.get(page.value("#pair", "src"), buffered=True)
+    address = page.value("#pair", "data-watched-url")
 
     assert client.post(address, json=WATCHED).json["missing"] == 0
     assert (tiny_study / "rehearsal.db").exists()
@@ -268,10 +272,15 @@ def test_a_refresh_shows_the_same_trial_with_what_was_watched(visitor: Visitor) 
 
 def test_an_unplayable_video_is_left_behind(app: Flask, visitor: Visitor) -> None:
     page = visitor.page()
-    form = page.one("form#unplayable")
+    action = str(page.one("form#unplayable")["action"])
+    data = {"trial": page.trial, "error": "4"}
 
-    answer = visitor.client.post(str(form["action"]), data={"trial": page.trial})
+    refused = visitor.client.post(action, data=data)
+    visitor.client.get(page.value("#pair", "src"), buffered=True)
+    answer = visitor.client.post(action, data=data)
 
+    assert refused.status_code == 422
+    assert "Nothing shows yet" in PageReader(refused.text).one("#problem").get_text()
     assert answer.status_code == 303
     assert "Trial 2 of 6" in visitor.page().text
     assert stored(app) == 0

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from flask import Flask
 from sqlalchemy import select
 
 from studyapp.models import RefusalLine
-from studyapp.web.running import running
-from tests.studyapp.taking_part_steps import SetClock
+from studyapp.services.database import Database
+from studyapp.web.running import attach, running
+from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.visitor import WATCHED, Visitor
 
 TOO_MUCH = "More of the video was reported as played than time has passed."
@@ -58,3 +61,25 @@ def test_what_is_accepted_notes_nothing(app: Flask, visitor: Visitor) -> None:
     visitor.post(visitor.page())
 
     assert noted(app) == []
+
+
+@pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
+def test_the_character_nul_is_refused_wherever_it_stands(
+    app: Flask, opened: Database, participant: Participant
+) -> None:
+    with app.app_context():
+        attach(app, replace(running(), database=opened))
+    client = app.test_client()
+    page = f"/take/{participant.token}"
+    nowhere = ("/take/%00", "/media/%00.mp4", "/take/%00/withdraw", "/?PROLIFIC_PID=a%00b")
+
+    statuses = {address: client.get(address).status_code for address in nowhere}
+    forms = [
+        client.post(f"{page}/answers", data={"trial": "a\0b"}).status_code,
+        client.post(f"{page}/answers", data={"tri\0al": "a"}).status_code,
+        client.post(f"{page}/form/closing", data={"form:remarks": "well\0done"}).status_code,
+        client.post("/", data={"visit": "\0" * 32, "form:age": "\0"}).status_code,
+    ]
+
+    assert statuses == dict.fromkeys(nowhere, 404)
+    assert forms == [400] * 4

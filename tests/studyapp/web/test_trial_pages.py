@@ -154,8 +154,11 @@ def test_every_video_must_have_been_played(arrive: Arrive) -> None:
     visitor = arrive("mismatch")
     page = visitor.page()
     visitor.clock.advance(seconds=3)
-    first = str(page.soup.select("video")[0]["data-watched-url"])
-    visitor.client.post(first, json={"batch": 0, "intervals": [[0.0, 2.0]]})
+    first = page.soup.select("video")[0]
+    visitor.client.get(str(first["src"]), buffered=True)
+    visitor.client.post(
+        str(first["data-watched-url"]), json={"batch": 0, "intervals": [[0.0, 2.0]]}
+    )
 
     status, refused = send(visitor, page, first_answers(page))
 
@@ -178,7 +181,9 @@ def test_of_several_videos_the_one_that_does_not_play_is_named(
         buttons = page.soup.select(f".trouble li:has([data-reloads={video}]) [form=unplayable]")
         assert [b["value"] for b in faults] == [b["value"] for b in buttons]
     token = str(faults[0]["value"])
-    answer = visitor.client.post(action, data={"trial": page.trial, "video": token})
+    visitor.client.get(str(page.soup.select("video")[-1]["src"]), buffered=True)
+    data = {"trial": page.trial, "video": token, "error": "4"}
+    answer = visitor.client.post(action, data=data)
 
     assert answer.status_code == 303
     assert trial_at(visitor, 1).unplayable_at is not None

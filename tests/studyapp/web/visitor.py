@@ -41,6 +41,7 @@ class Visitor:
         """Play every video of the present trial to its end, one after the other."""
         for video in self.page().soup.select("video"):
             self.clock.advance(seconds=3)
+            self.client.get(str(video["src"]), buffered=True)
             address = str(video["data-watched-url"])
             assert self.client.post(address, json=WATCHED).status_code == 200
 

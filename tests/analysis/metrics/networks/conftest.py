@@ -9,12 +9,12 @@ import pytest
 from analysis.metrics.networks import Evaluator, load_evaluator
 from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
 from analysis.metrics.networks.training import train_evaluator
-from generators.diffsheg.shared_threads import torch_threads
-from generators.training.run_folder import RunFolder
 from motion.body import read_body
 from motion.face_landmarks import FaceLandmarks
-from renderer.body_asset import default_body
+from renderer.avatars import default_body
 from tests.analysis.metrics.networks.swinging import sources
+from training.run_folder import RunFolder
+from training.threads import torch_threads
 
 
 @pytest.fixture(scope="package", autouse=True)

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from analysis.metrics.networks import Evaluator, load_evaluator
-from generators.training.weights_file import read_weights, write_weights
 from motion.errors import InputError
 from motion.freeze import freeze
 from motion.resample import resample
 from tests.analysis.metrics.networks.swinging import SWINGS, swinging
+from training.weights_file import read_weights, write_weights
 
 
 def test_each_window_of_a_clip_has_an_embedding(emotion: Evaluator, gesture: Evaluator) -> None:
@@ -118,7 +118,7 @@ def changed(facts: dict[str, Any], *keys: str, value: object) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("keys", "value", "said"),
     [
-        (("format",), 2, "format 2, not 1"),
+        (("format",), 1, "format 1, not 2"),
         (("kind",), "dance", "unknown kind, 'dance'"),
         (("kind",), "motion", "sizes is unusable"),
         (("channels",), "gesture", "does not look at 'gesture'"),

@@ -9,9 +9,11 @@ import torch
 from analysis.metrics.networks.autoencoder_network import AutoencoderConfig
 from analysis.metrics.networks.examples import split
 from analysis.metrics.networks.reconstruction_task import ReconstructionTask
-from generators.training.config import TrainingConfig
-from generators.training.loop import train
-from generators.training.run_folder import RunFolder
+from training.config import TrainingConfig
+from training.group import Group
+from training.learner import Learner
+from training.loop import train
+from training.run_folder import RunFolder
 
 CONFIG = AutoencoderConfig(window=12, stride=4, features=8)
 
@@ -65,3 +67,17 @@ def test_the_loss_is_the_error_of_values_and_of_their_changes(task: Reconstructi
     torch.testing.assert_close(losses["error"], off.abs().mean())
     torch.testing.assert_close(losses["change"], (off[:, 1:] - off[:, :-1]).abs().mean())
     torch.testing.assert_close(losses["loss"], losses["error"] + losses["change"])
+
+
+def test_a_step_in_parts_comes_to_the_autoencoder_of_one_part(task: ReconstructionTask) -> None:
+    held_out = []
+    for accumulate in (1, 4):
+        torch.manual_seed(0)
+        training = TrainingConfig(
+            steps=3, batch_size=32, learning_rate=1e-3, optimizer="adam", accumulate=accumulate
+        )
+        learner = Learner(task, training, Group("cpu"))
+        losses = [learner.learn(step)["loss"] for step in range(3)]
+        with torch.no_grad():
+            held_out.append((*losses, task.validation(learner.network.eval())["loss"]))
+    assert held_out[1] == pytest.approx(held_out[0], rel=1e-4)

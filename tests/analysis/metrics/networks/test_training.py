@@ -9,10 +9,10 @@ import pytest
 from analysis.metrics.networks import load_evaluator
 from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
 from analysis.metrics.networks.training import train_evaluator
-from generators.training.run_folder import RunFolder
 from motion.errors import InputError
 from tests.analysis.metrics.networks.conftest import trained
 from tests.analysis.metrics.networks.swinging import source, sources, swinging
+from training.run_folder import RunFolder
 
 
 def request(kind: str = "motion", channels: str = "gesture", **options: object) -> EvaluatorRequest:

@@ -204,7 +204,7 @@ def test_labels_are_given_by_chance(protocol: str) -> None:
 @pytest.mark.parametrize("protocol", sorted(KEYS))
 def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str) -> None:
     def digest(**changes: Any) -> str:
-        return design_digest(make(protocol, **changes), SEGMENTS)
+        return design_digest(make(protocol, **changes), SEGMENTS, {})
 
     same = digest()
     page = {"consent": "You agree.", "contact": "lab@example.org", "payment": "5 EUR"}
@@ -217,7 +217,7 @@ def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str
         digest(attention={"trials": 1}),
         digest(watching={"coverage": 0.5}),
         digest(page={"consent": "You really agree."}),
-        design_digest(make(protocol), SEGMENTS[:-1]),
+        design_digest(make(protocol), SEGMENTS[:-1], {}),
     ]
     assert same not in changed
     assert len(set(changed)) == len(changed)
@@ -228,10 +228,10 @@ def test_an_arm_is_the_same_whatever_other_comparisons_there_are() -> None:
     before = make("pairwise", conditions=few, catch={"against": "ours"})
     after = make("pairwise", catch={"against": "ours"})
 
-    arms = {arm.name: arm_digest(after, arm, SEGMENTS) for arm in after.arms}
+    arms = {arm.name: arm_digest(after, arm, SEGMENTS, {}) for arm in after.arms}
 
     (arm,) = before.arms
-    assert arms[arm.name] == arm_digest(before, arm, SEGMENTS)
+    assert arms[arm.name] == arm_digest(before, arm, SEGMENTS, {})
     assert len(set(arms.values())) == 3
 
 
@@ -243,7 +243,7 @@ def test_a_papers_name_is_its_protocols(alias: str, protocol: str) -> None:
     study = parse_study(keys, where="test")
 
     assert type(study) is PROTOCOLS[protocol]
-    assert design_digest(study, SEGMENTS) == design_digest(named, SEGMENTS)
+    assert design_digest(study, SEGMENTS, {}) == design_digest(named, SEGMENTS, {})
 
 
 @settings(max_examples=20)

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select, update
 
-from studyapp.models import StudySession, Trial, WatchBatch
+from studyapp.models import StudySession, Trial, WatchRecord
 from studyapp.services.database import Database, sqlite_url
+from studyapp.services.finishing import FEWEST_LEFT_OUT
 from studyapp.services.monitoring.choosing import Choice, chosen
 from studyapp.services.monitoring.one_sitting import one_sitting
 from studyapp.services.monitoring.overview import Overview, overview
@@ -37,6 +38,7 @@ def people(database: Database, served: ServedStudy, clock: SetClock) -> None:
     last = Participant(database, served, clock).enrol("visit 3").begin()
     token = last.trial().videos[0].token
     clock.advance(seconds=5)
+    last.fetch(token)
     report = Playback(stalls=2, stalled_seconds=1.5, frames=30, dropped_frames=3)
     record_watched(
         database,
@@ -179,12 +181,32 @@ def test_opposite_answers_look_the_same(separate: Callable[[str, str], Overview]
 
 
 @SQLITE
+def test_who_left_out_too_many_videos_is_named_with_how_many(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    first, second = (Participant(opened, served, clock).enrol(name).begin() for name in "ab")
+    second.leave_out()
+    while first.look().state == "started":
+        first.leave_out()
+
+    found = overview(opened, served, clock.now())
+
+    assert (found.unwatched, found.lapsed, found.places.active) == (1, 0, 1)
+    assert [(each.id, each.standing, each.left_out) for each in found.leaving_out] == [
+        (1, "unwatched", FEWEST_LEFT_OUT + 1),
+        (2, "active", 1),
+    ]
+
+
+@SQLITE
 def test_one_study_session_tells_its_events_in_order(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
     people(opened, served, clock)
     with opened.writing() as session:
-        session.execute(update(WatchBatch).where(WatchBatch.id == 1).values(rate=2.0))
+        session.execute(
+            update(WatchRecord).where(WatchRecord.id == 1).values(rate=2.0, intervals=[])
+        )
 
     first, withdrawn = (one_sitting(opened, served, n, clock.now()) for n in (1, 2))
     last = one_sitting(opened, served, 4, clock.now())
@@ -193,9 +215,10 @@ def test_one_study_session_tells_its_events_in_order(
     assert [event.at for event in first.events] == sorted(event.at for event in first.events)
     assert first.events[0].what == "Agreed to take part"
     assert first.events[-1].what == "Finished, and got a completion code"
-    played = next(event for event in first.events if event.what.startswith("Played"))
+    played = next(event for event in first.events if event.what.startswith("Had played"))
     assert played.what == (
-        "Played 0.0–2.0 s of the video, at 2 times the speed, does not count as watched"
+        "Had played 2.0 s of the video, 0.0 s of its 2.0 s count as watched, "
+        "at up to 2 times the speed"
     )
     assert played.trouble
     assert [trial.watched for trial in first.trials][:2] == [0.0, 1.0]

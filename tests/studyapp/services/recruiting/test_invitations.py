@@ -32,18 +32,19 @@ def test_an_invitation_is_one_study_session_however_often_it_is_used(
 ) -> None:
     token, _other = make_invitations(opened, 2, clock)
     holder = Arrival(visit=invited(opened, token))
-    assert enrolled(opened, holder) is None
+    assert enrolled(opened, served, holder, clock) is None
 
     first = enrol(opened, served, holder, clock)
 
-    assert enrol(opened, served, holder, clock) == enrolled(opened, holder) == first
+    assert enrol(opened, served, holder, clock) == first
+    assert enrolled(opened, served, holder, clock) == first
     found = invitation_counts(opened)
     assert (found.made, found.begun, found.completed) == (2, 1, 0)
     Participant(opened, served, clock, first).begin().take_all()
     assert invitation_counts(opened).completed == 1
 
 
-def test_who_was_screened_out_stays_so_in_that_study_alone(
+def test_who_was_screened_out_stays_so_whatever_the_recruiter_calls_the_study(
     opened: Database, clock: SetClock
 ) -> None:
     someone = Arrival(recruiter_participant="p1", recruiter_study="s1")
@@ -51,16 +52,5 @@ def test_who_was_screened_out_stays_so_in_that_study_alone(
         note_screen_out(opened, someone, clock)
 
     assert was_screened_out(opened, someone)
+    assert was_screened_out(opened, Arrival(recruiter_participant="p1", recruiter_study="s2"))
     assert not was_screened_out(opened, Arrival(recruiter_participant="p2", recruiter_study="s1"))
-    assert not was_screened_out(opened, Arrival(recruiter_participant="p1", recruiter_study="s2"))
-
-
-def test_a_worker_is_screened_out_of_every_hit_of_the_study(
-    opened: Database, clock: SetClock
-) -> None:
-    def worker(hit: str) -> Arrival:
-        return Arrival(recruiter_participant="w1", recruiter_study=hit, once_for_all=True)
-
-    note_screen_out(opened, worker("h1"), clock)
-
-    assert was_screened_out(opened, worker("h2"))

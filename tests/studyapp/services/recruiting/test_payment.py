@@ -9,10 +9,11 @@ from studyapp.definition.recruitment import Prolific, Recruitment
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.recruiting.payment import (
+    Arrived,
     Ours,
     Verdict,
     arrived,
-    by_participant,
+    by_submission,
     judge_assignment,
     judge_submission,
 )
@@ -28,6 +29,7 @@ WAITING = "AWAITING REVIEW"
 @pytest.mark.parametrize(
     ("status", "code", "ours", "verdict", "why"),
     [
+        ("AWAITING REVIEW", "NOCODE", "unwatched", "look", "too many videos"),
         (WAITING, "KX7QM2PWTR", "completed", "pay", "finished"),
         (WAITING, "NOCODE", "completed", "pay", "finished, and entered no code"),
         (WAITING, "WU3FGRE8KA", "completed", "pay", "finished, and entered another code"),
@@ -37,6 +39,7 @@ WAITING = "AWAITING REVIEW"
         (WAITING, "KX7QM2PWTR", "nobody", "look", "never began here"),
         (WAITING, "HB4NVJ9ZCD", "screened_out", "look", "was screened out"),
         (WAITING, "NOCODE", "withdrawn", "look", "withdrew"),
+        (WAITING, "KX7QM2PWTR", "elsewhere", "look", "took part under another submission"),
         ("AWAITING_REVIEW", "KX7QM2PWTR", "completed", "pay", "finished"),
         ("TIMED-OUT", None, "completed", "look", "after Prolific's time was over"),
         ("TIMED-OUT", None, "unfinished", "settled", "timed-out"),
@@ -79,6 +82,17 @@ def test_pay_needs_as_many_failed_checks_as_the_rule_says(
     assert Recruitment(unpaid_failed_checks=rule).outcome(failed) == outcome
 
 
+def test_who_came_without_a_submissions_name_is_paid_for_the_only_one() -> None:
+    person = [Arrived(participant="ann", session="", ours="completed")]
+
+    def states(*submissions: str) -> list[Ours]:
+        found = by_submission(person, [(each, "ann") for each in submissions])
+        return [each.ours for each in found.values()]
+
+    assert states("one") == ["completed"]
+    assert states("one", "two") == ["elsewhere", "elsewhere"]
+
+
 def test_everybody_sent_by_name_is_known_with_where_they_stand(
     opened: Database, served: ServedStudy, clock: SetClock
 ) -> None:
@@ -95,14 +109,18 @@ def test_everybody_sent_by_name_is_known_with_where_they_stand(
         note_screen_out(opened, Arrival(recruiter_participant=name), Clock())
     enrol(opened, served, Arrival(visit="of-nobody"), clock)
 
-    known = by_participant(arrived(opened))
+    names = ("finished", "under way", "left", "turned away", "never came")
+    known = by_submission(
+        arrived(opened), [*((f"{name}-sitting", name) for name in names), ("again", "finished")]
+    )
 
-    assert {name: each.ours for name, each in known.items()} == {
-        "finished": "completed",
-        "under way": "unfinished",
-        "left": "withdrawn",
-        "turned away": "screened_out",
+    assert {submission: each.ours for submission, each in known.items()} == {
+        "finished-sitting": "completed",
+        "under way-sitting": "unfinished",
+        "left-sitting": "withdrawn",
+        "turned away-sitting": "screened_out",
+        "never came-sitting": "nobody",
+        "again": "elsewhere",
     }
-    assert known["finished"].session == "finished-sitting"
-    assert known["finished"].code
-    assert known["left"].session == ""
+    assert known["finished-sitting"].code
+    assert known["left-sitting"].session == ""

@@ -49,6 +49,11 @@ def test_prolific_is_told_to_name_the_participant_in_the_address() -> None:
     assert sent["device_compatibility"] == ["desktop"]
 
 
+def test_prolific_signs_who_comes_only_where_it_is_asked_to() -> None:
+    assert draft(signed_for="study.example.org")["is_external_study_url_secure"] is True
+    assert "is_external_study_url_secure" not in draft()
+
+
 def test_two_studies_of_one_name_are_told_apart_by_their_codes() -> None:
     names = {draft()["internal_name"], draft(completed="ZR5WQ8HXKM")["internal_name"]}
 

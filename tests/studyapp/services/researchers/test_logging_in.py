@@ -94,12 +94,38 @@ def test_after_too_many_attempts_not_even_the_right_password_helps_for_a_while(
             enter(database, clock, "ada", "wrong")
 
     with pytest.raises(TooManyAttemptsError, match="15 minutes") as caught:
-        enter(database, clock, "Ada", address="192.0.2.9")
+        enter(database, clock, "Ada")
     clock.advance(seconds=caught.value.seconds - 1)
     with pytest.raises(TooManyAttemptsError):
         enter(database, clock, "Ada")
     clock.advance(seconds=1)
     enter(database, clock, "Ada")
+
+
+def test_after_the_clock_went_back_an_hour_nobody_is_locked_out_for_longer(
+    database: Database, clock: SetClock
+) -> None:
+    joined(database, clock, "Ada")
+    for _ in range(MOST_OF_NAME):
+        with pytest.raises(WrongLoginError):
+            enter(database, clock, "ada", "wrong")
+    clock.advance(hours=-1)
+
+    enter(database, clock, "Ada")
+
+
+def test_wrong_passwords_from_elsewhere_lock_nobody_out(
+    database: Database, clock: SetClock
+) -> None:
+    joined(database, clock, "Ada")
+    for _ in range(MOST_OF_NAME):
+        with pytest.raises(WrongLoginError):
+            enter(database, clock, "ada", "wrong", address="192.0.2.9")
+
+    enter(database, clock, "Ada")
+
+    with pytest.raises(TooManyAttemptsError):
+        enter(database, clock, "Ada", address="192.0.2.9")
 
 
 def test_names_that_nobody_has_are_counted_too(database: Database, clock: SetClock) -> None:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import os
 import shutil
+import sqlite3
 import stat
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from alembic import command
-from sqlalchemy import create_engine, select
+from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import AuditLine, StudySession
-from studyapp.services.database import Database, migration_config, sqlite_url
+from studyapp.services.database import Database, sqlite_url
 from studyapp.services.database_copies import require_empty
 from studyapp.services.forgetting import forget
 from studyapp.services.pseudonyms import PseudonymKey
@@ -28,6 +28,7 @@ from studyapp.stages.backing_up.backing import Backup, back_up
 from studyapp.stages.backing_up.checking import check_archive
 from studyapp.stages.backing_up.restoring import restore
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 PEOPLE = ("visit-of-one", "visit-of-two")
 
@@ -103,7 +104,7 @@ def test_everything_comes_back_and_participants_go_on(study: Study, new: StudyFo
     with database.reading() as session:
         (line,) = session.scalars(select(AuditLine))
         assert (line.event, line.detail) == (
-            "restored from a backup",
+            "restored",
             f"as it was on {made.manifest.made_at:%Y-%m-%d %H:%M:%S} UTC",
         )
     database.close()
@@ -332,26 +333,42 @@ def test_postgresql_stays_empty_where_the_files_cannot_take_their_place(
     postgresql.drop_database("unfilled")
 
 
-def test_a_backup_of_an_older_version_is_brought_up_to_date(
-    tiny_study: Path,
-    new: StudyFolder,
-    tmp_path: Path,
-    clock: SetClock,
-    monkeypatch: pytest.MonkeyPatch,
+def test_a_backup_that_names_files_outside_the_study_is_refused(
+    study: Study, new: StudyFolder
 ) -> None:
-    monkeypatch.delenv("DATABASE_URL", raising=False)
-    old = create_engine(sqlite_url(tiny_study / "responses.db"))
-    with old.begin() as connection:
-        command.upgrade(migration_config(connection), "0004")
-    old.dispose()
+    listed = study.folder.stimuli.read_text("utf-8")
+    study.folder.stimuli.write_text(listed.replace("videos/pairs/000", "../secret"), "utf-8")
+    made = study.back_up()
 
-    made = back_up(StudyFolder(tiny_study), tmp_path / "old.tar", clock)
-    restore(made.path, new, clock)
+    with pytest.raises(InputError, match=r"'\.\./secret\.mp4' lies outside"):
+        restore(made.path, new, study.clock)
+    assert not new.root.exists()
 
-    assert made.manifest.schema_name == "0004"
-    database = Database.open_for_reading(sqlite_url(new.responses))
-    assert database is not None
-    database.close()
+
+@pytest.mark.parametrize(
+    "smuggled",
+    [
+        "CREATE TRIGGER t AFTER INSERT ON responses BEGIN DELETE FROM responses; END",
+        "CREATE VIEW v AS SELECT * FROM response",
+    ],
+)
+def test_a_backup_whose_database_does_something_by_itself_is_refused(
+    study: Study, new: StudyFolder, smuggled: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    copy = backing.write_copy
+
+    def with_more(url: str, file: Path) -> None:
+        copy(url, file)
+        with closing(sqlite3.connect(file)) as connection:
+            connection.execute(smuggled)
+
+    monkeypatch.setattr(backing, "write_copy", with_more)
+    monkeypatch.setattr(backing, "check_archive", lambda *_: None)
+    made = study.back_up()
+
+    with pytest.raises(InputError, match="which no study has"):
+        restore(made.path, new, study.clock)
+    assert not new.root.exists()
 
 
 def test_media_are_found_behind_links_and_no_circle_is_followed(

@@ -18,6 +18,7 @@ from studyapp.design.stimulus import Stimulus
 from studyapp.stages.checking.catch_checks import catch_picture_findings
 from studyapp.stages.checking.finished_video_checks import finished_video_findings
 from studyapp.stages.checking.material import Material
+from studyapp.stages.checking.preflight import check, finished_videos
 from studyapp.stages.checking.shown_video_checks import shown_video_findings
 from studyapp.stages.checking.sound_checks import silent_share, sound_findings
 from studyapp.stages.media_probe import plays_at_once, written_in
@@ -49,6 +50,24 @@ def names(folder: StudyFolder) -> dict[str, str]:
         *catch_picture_findings(material),
     ]
     return {each.name: each.what for each in found}
+
+
+def test_a_misspelt_video_is_an_error_that_names_it_and_a_gap_in_the_table(
+    folder: Callable[[str], StudyFolder],
+) -> None:
+    study = folder("rating")
+    first, second, *_ = study.study().conditions
+    file = study.videos / second / "two.mp4"
+    file.rename(file.with_name("Two.mp4"))
+
+    missing = [each for each in check(study) if each.name == "video-missing"]
+
+    assert [each.where for each in missing] == [f"videos/{second}/two.mp4"]
+    assert f"Rename videos/{second}/Two.mp4" in missing[0].remedy
+    heading, row, _ = finished_videos(study)
+    assert heading.split()[:3] == ["segment", first, second]
+    assert row.split()[:3] == ["two", "yes", "MISSING"]
+    assert len(finished_videos(study, everything=True)) == len(study.segments_of(study.study())) + 2
 
 
 def rewritten(

@@ -15,7 +15,6 @@ import psycopg
 import pytest
 
 from motion.errors import InputError
-from studyapp.bench.throwaway_postgresql import ThrowawayPostgresql
 from studyapp.stages.deploying.deployment import (
     DATABASES,
     PROXIES,
@@ -26,6 +25,7 @@ from studyapp.stages.deploying.deployment import (
 )
 from studyapp.stages.deploying.files import NAMES, deployed_file, deployed_files
 from studyapp.stages.deploying.writing import write_deployment
+from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 HOSTILE = PurePosixPath("/srv/50% {x};# of it/%n/my-study")
 """A folder whose name means something in every kind of file."""

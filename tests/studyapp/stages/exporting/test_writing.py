@@ -11,6 +11,7 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.models import Event
 from studyapp.services.audit import log_change
 from studyapp.services.database import Database, sqlite_url
 from studyapp.stages.exporting.answer_columns import ANSWERS
@@ -216,7 +217,7 @@ def test_what_a_spreadsheet_would_run_is_text(answered: Answered, tmp_path: Path
     folder = answered("pairwise")
     database = Database.open(sqlite_url(folder.responses))
     with database.writing() as session:
-        log_change(session, SetClock().now(), "excluded", by="@ada", reason="+1")
+        log_change(session, SetClock().now(), Event.EXCLUDED, by="@ada", reason="+1")
     database.close()
 
     export(folder, tmp_path / "answers.csv", formats=("csv", "parquet"))

@@ -85,7 +85,7 @@ def test_a_study_session_is_paid_once_however_often_it_is_handed_in(
     study, database = ServedStudy.read(root), Database.open(database_url_of(root))
     try:
         open_study(database, study, clock)
-        arrival = Arrival(recruiter_participant="w1", recruiter_session="a1", once_for_all=True)
+        arrival = Arrival(recruiter_participant="w1", recruiter_session="a1")
         token = enrol(database, study, arrival, clock)
         Participant(database, study, clock, token).begin().take_all()
     finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
+from dataclasses import replace
 
 import pytest
 from flask import Flask
@@ -11,8 +12,9 @@ from flask import Flask
 from studyapp.services.database import Database
 from studyapp.services.researchers.attempts import MOST_OF_NAME
 from studyapp.services.researchers.links import first_owner_link
-from studyapp.web.research.address import client_address
+from studyapp.web.address import client_address
 from studyapp.web.research.cookie import cookie_name
+from studyapp.web.running import attach, running
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
@@ -252,3 +254,18 @@ def test_a_changed_password_is_asked_for_from_then_on(app: Flask, log_in: LogIn)
     assert elsewhere.client.get("/research/").status_code == 303
     assert ResearchBrowser(app).log_in("Mary").status_code == 403
     assert ResearchBrowser(app).log_in("Mary", new).status_code == 303
+
+
+@pytest.mark.parametrize("origin", ["https://study.example.org", ""])
+def test_what_a_request_calls_the_host_stands_in_no_link(
+    app: Flask, log_in: LogIn, origin: str
+) -> None:
+    owner = log_in("owner")
+    with app.app_context():
+        attach(app, replace(running(), origin=origin))
+    owner.client.environ_base["HTTP_HOST"] = "evil.example.com"
+
+    page = owner.post("/research/researchers/invite", role="viewer").text
+
+    assert "evil" not in page
+    assert re.search(rf'href="{origin}/research/join/[\w-]+"', page)

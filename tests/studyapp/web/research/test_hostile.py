@@ -146,7 +146,7 @@ def test_other_methods_do_nothing(log_in: LogIn) -> None:
 
 
 def test_a_name_that_no_database_can_store_is_only_wrong(browser: ResearchBrowser) -> None:
-    for name in ("\x00", "a\ud800", "x" * 5000, "' OR 1=1 --"):
+    for name in ("a\ud800", "x" * 5000, "' OR 1=1 --"):
         sent = name.encode("utf-8", "surrogatepass")
         answer = browser.client.post(
             "/research/log-in",

@@ -1,0 +1,143 @@
+"""What each published network is shown of a motion clip, frame by frame."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from motion.clip import MotionClip
+from motion.formats.bvh import BvhMotion
+from motion.formats.joint_maps import choose_joint_map
+from motion.formats.retarget import rest_corrections
+from motion.formats.ted_npz import BONES
+from motion.hands import FINGERS, RELAXED_HANDS
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
+from training.spaces.beat_skeleton import BEAT_SKELETON, TOLD_JOINTS
+
+FloatArray = NDArray[np.float64]
+
+MEAN_DIRECTIONS: Final = np.array(
+    [
+        0.0154009, -0.9690125, -0.0884354, -0.0022264, -0.8655276, 0.4342174,
+        -0.0035145, -0.8755367, -0.4121039, -0.9236511, 0.3061306, -0.0012415,
+        -0.5155854, 0.8129665, 0.0871897, 0.2348464, 0.1846561, 0.8091402,
+        0.9271948, 0.2960011, -0.013189, 0.5233978, 0.8092403, 0.0725451,
+        -0.2037076, 0.1924306, 0.8196916,
+    ]
+)  # fmt: skip
+"""``mean_dir_vec`` of TED Gesture (Yoon et al. 2020), shape (27,)."""
+
+_TO_TED: Final = np.array([-1.0, -1.0, 1.0])
+"""TED Gesture's axes: x to the person's right, y down, z forward."""
+
+_HEAD_BONES: Final = (0.18 / 0.36, 0.14 / 0.36)
+"""Neck to nose and nose to crown in TED Gesture, in lengths of an upper arm."""
+
+_SHOW_ORDER: Final = (
+    *(joint_index(name) for name in ("jaw", "left_eye", "right_eye")),
+    *range(joint_index("right_wrist") + 1),
+    *range(FINGERS.start, FINGERS.stop),
+)
+"""SMPL-X joints in the order of SHOW's files."""
+
+_NOT_SHOWN: Final = (0, 1, 2, 3, 4, 5, 7, 8, 10, 11, 15, 16)
+"""Places in `_SHOW_ORDER` that TalkSHOW's published code leaves out: jaw, eyes, pelvis, hips,
+knees, ankles; and neck and left collar, in whose stead both feet are seen."""
+
+TALKSHOW_JOINTS: Final = tuple(
+    joint for place, joint in enumerate(_SHOW_ORDER) if place not in _NOT_SHOWN
+)
+"""The 43 SMPL-X joints that TalkSHOW's network sees, in its order."""
+
+
+def emage_frames(clip: MotionClip) -> FloatArray:
+    """Return the rotations of all 55 joints, the first two rows of each matrix, (T, 330)."""
+    matrices = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_matrix()
+    return np.asarray(matrices[:, :2].reshape(len(clip), 6 * JOINT_COUNT))
+
+
+def talkshow_frames(clip: MotionClip) -> FloatArray:
+    """Return the axis-angles that TalkSHOW's published code picks, (T, 129).
+
+    Fingers are relative to SMPL-X's mean hands there; relaxed hands stand for these.
+    """
+    poses = clip.poses.astype(float)
+    poses[:, FINGERS] -= RELAXED_HANDS
+    return np.asarray(poses[:, list(TALKSHOW_JOINTS)].reshape(len(clip), -1))
+
+
+def ted_frames(clip: MotionClip) -> FloatArray:
+    """Return the directions of nine bones of the upper body less their mean, (T, 27)."""
+    joints = ted_joints(clip)
+    parents, children = np.array(BONES).T
+    bones = joints[:, children] - joints[:, parents]
+    directions = bones / np.linalg.norm(bones, axis=2, keepdims=True)
+    return np.asarray(directions.reshape(len(clip), -1) - MEAN_DIRECTIONS)
+
+
+def ted_joints(clip: MotionClip) -> FloatArray:
+    """Return TED Gesture's ten joints on the body, shape (T, 10, 3), in its axes and in metres.
+
+    Spine, neck, nose, crown, then shoulder, elbow and wrist of the left and of the right. SMPL-X
+    has no joint for nose and crown: on an unturned head they lie as in the data set's mean pose.
+    """
+    positions, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    head = joint_index("head")
+    arm = REST_JOINTS[joint_index("left_shoulder")] - REST_JOINTS[joint_index("left_elbow")]
+    bones = np.outer(_HEAD_BONES, np.ones(3)) * np.linalg.norm(arm)
+    of_neck = np.cumsum(bones * MEAN_DIRECTIONS.reshape(-1, 3)[1:3] * _TO_TED, axis=0)
+    at_rest = REST_JOINTS[joint_index("neck")] + of_neck - REST_JOINTS[head]
+    nose, crown = (positions[:, head] + turns[:, head] @ offset for offset in at_rest)
+    limbs = [
+        positions[:, joint_index(f"{side}_{part}")]
+        for side in ("left", "right")
+        for part in ("shoulder", "elbow", "wrist")
+    ]
+    trunk = [positions[:, joint_index(name)] for name in ("spine2", "neck")]
+    return np.asarray(np.stack([*trunk, nose, crown, *limbs], axis=1) * _TO_TED)
+
+
+def beat_frames(clip: MotionClip) -> FloatArray:
+    """Return local Euler angles of BEAT's 47 joints, about x, y, z, in degrees, (T, 141).
+
+    The reverse of how BEAT's recordings are brought to our body: spine and neck bend in their
+    lowest joints. What SMPL-X has no joint for, the roots of three fingers, is not a number.
+    """
+    world = _beat_world(clip)
+    parents = {joint.name: joint.parent for joint in BEAT_SKELETON}
+    names = [joint.name for joint in BEAT_SKELETON]
+    angles = np.full((len(clip), len(TOLD_JOINTS), 3), np.nan)
+    for place, name in enumerate(TOLD_JOINTS):
+        if name not in world:
+            continue
+        above = names[parents[name]]
+        while above not in world:
+            above = names[parents[above]]
+        local = world[above].inv() * world[name]
+        # Where several angles mean the same rotation, any will do.
+        angles[:, place] = local.as_euler("XYZ", degrees=True, suppress_warnings=True)
+    return angles.reshape(len(clip), -1)
+
+
+def _beat_world(clip: MotionClip) -> dict[str, Rotation]:
+    """Return how each joint of BEAT's skeleton is turned in the world, where SMPL-X tells."""
+    rest = BvhMotion(joints=BEAT_SKELETON, values=np.zeros((1, 0)), frame_rate=clip.frame_rate)
+    _, joint_map = choose_joint_map(rest.joint_names)
+    places = rest.rest_positions
+    corrections = rest_corrections(
+        {joint: places[rest.joint_names.index(name)] for joint, name in joint_map.items()},
+        {joint: REST_JOINTS[joint_index(joint)] for joint in joint_map},
+    )
+    _, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    world = {
+        name: Rotation.from_matrix(turns[:, joint_index(joint)]) * corrections[joint].inv()
+        for joint, name in joint_map.items()
+    }
+    # BEAT's own joints between these do not turn: what they would do is done by the lowest.
+    world["Spine"] = world["Spine3"]
+    world["Neck1"] = world["Head"]
+    return world

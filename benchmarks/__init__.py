@@ -1,0 +1,1 @@
+"""Measurements of speed and validity; no package and no test imports them."""

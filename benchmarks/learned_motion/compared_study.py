@@ -1,0 +1,94 @@
+"""The study folder whose conditions are compared: the corpus' test takes and who moves to them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+import tomlkit
+
+from benchmarks.learned_motion.recordings import FRAME_RATE, write_recordings
+from motion.audio import read_audio
+from motion.files import write_text
+from motion.segment import Segment
+from motion.segments_table import write_segments
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import GROUND_TRUTH
+from training.data.take import Take
+
+MISMATCHED: Final = "mismatched"
+RULE_BASED: Final = "rule_based"
+UNTRAINED: Final = "untrained"
+
+
+def trained_name(seed: int) -> str:
+    """Return the condition of the network that was trained with `seed`."""
+    return f"trained_{seed}"
+
+
+def write_study(
+    root: Path, takes: Sequence[Take], networks: Mapping[str, Path], *, seed: int
+) -> StudyFolder:
+    """Write the study; motion that is there already stays.
+
+    Parameters
+    ----------
+    root : Path
+        Its folder.
+    takes : sequence of Take
+        Whose speech is moved to.
+    networks : mapping of condition to path
+        DiffSHEG's files.
+    seed : int
+        Of all generators.
+    """
+    folder = StudyFolder(root)
+    folder.speech.mkdir(parents=True, exist_ok=True)
+    segments = []
+    for take in takes:
+        wav = folder.speech / take.speech.name
+        if not wav.exists():
+            wav.hardlink_to(take.speech)
+        segments.append(
+            Segment(
+                name=take.name,
+                wav=wav.name,
+                start=0.0,
+                end=read_audio(wav).duration,
+                speaker=take.speaker,
+                emotion=take.emotion,
+            )
+        )
+    write_segments(folder.speech, segments)
+    write_recordings(takes, lambda take: folder.clip(GROUND_TRUTH, take.name))
+    write_text(folder.definition, _definition(root, networks, seed))
+    return folder
+
+
+def _definition(root: Path, networks: Mapping[str, Path], seed: int) -> str:
+    conditions: dict[str, dict[str, str]] = {
+        GROUND_TRUTH: {},
+        MISMATCHED: {"generator": MISMATCHED, "source": GROUND_TRUTH},
+        RULE_BASED: {"generator": RULE_BASED},
+    }
+    for condition, file in networks.items():
+        checkpoint = os.path.relpath(file, root)
+        conditions[condition] = {"generator": "diffsheg", "checkpoint": checkpoint}
+    return tomlkit.dumps(
+        {
+            "name": "learned-motion",
+            "title": "Learned motion",
+            "seed": seed,
+            "reference": RULE_BASED,
+            "participants_per_comparison": 1,
+            "trials": 1,
+            "practice": 0,
+            "video": {"frame_rate": FRAME_RATE},
+            "conditions": conditions,
+            "catch": {"trials": 0},
+            "page": {"minutes": 1, "consent": "Nobody takes part: motion is measured."},
+            "questions": [{"name": "fit", "title": "Fit", "text": "Which fits the speech?"}],
+        }
+    )

@@ -1,0 +1,149 @@
+"""What is measured of every condition, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from analysis.metrics.conditions import StudyMetrics
+from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
+from benchmarks.learned_motion.following import (
+    MEASURES,
+    Followed,
+    MeanFollowed,
+    Speech,
+    follow,
+    mean_followed,
+)
+from generators.mismatched import partners
+from motion.formats import read_clip
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import GROUND_TRUTH
+
+
+@dataclass(frozen=True, kw_only=True)
+class Followings:
+    """How well the clips of one condition follow speech, by measure.
+
+    Attributes
+    ----------
+    own, swapped : mapping of str to MeanFollowed
+        Their own speech, and that of another take.
+    """
+
+    own: Mapping[str, MeanFollowed]
+    swapped: Mapping[str, MeanFollowed]
+
+
+def followings(
+    folder: StudyFolder,
+    conditions: Iterable[str],
+    speech: Mapping[str, Speech],
+    spoken: Mapping[str, str],
+    *,
+    seed: int,
+) -> dict[str, Followings]:
+    """Return how well each condition follows speech, its own and another's.
+
+    Both are measured over the same frames of each clip: as many as both speeches last.
+    """
+    swap = partners([one for one in folder.segments() if one.name in speech], seed)
+    found = {}
+    for condition in conditions:
+        own: dict[str, Followed] = {}
+        swapped: dict[str, Followed] = {}
+        for take, other in swap.items():
+            frames = min(len(speech[take]), len(speech[other]))
+            clip = read_clip(folder.clip(condition, take)).frames(slice(0, frames))
+            own[take] = follow(clip, speech[take])
+            swapped[take] = follow(clip, speech[other])
+        found[condition] = Followings(
+            own={name: mean_followed(own, spoken, name) for name in MEASURES},
+            swapped={name: mean_followed(swapped, spoken, name) for name in MEASURES},
+        )
+    return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """One of the things a trained network must do, and whether it does.
+
+    Attributes
+    ----------
+    claim : str
+        What it must do.
+    holds : bool
+        Whether all trained networks do.
+    evidence : str
+        The numbers.
+    """
+
+    claim: str
+    holds: bool
+    evidence: str
+
+
+def verdicts(
+    distances: Mapping[str, float], found: Mapping[str, Followings], trained: Sequence[str]
+) -> list[Verdict]:
+    """Return what is asked of trained networks, and whether all of them do it.
+
+    Parameters
+    ----------
+    distances : mapping of condition to float
+        FGD.
+    found : mapping of condition to Followings
+        Of all conditions.
+    trained : sequence of str
+        The trained networks' conditions.
+    """
+    own = ", ".join(f"{distances[name]:.3g}" for name in trained)
+    judged = [
+        Verdict(
+            claim="FGD is at most half that of the untrained network",
+            holds=all(distances[name] <= distances[UNTRAINED] / 2 for name in trained),
+            evidence=f"{own} beside {distances[UNTRAINED]:.3g}",
+        ),
+        Verdict(
+            claim="FGD is below that of `rule_based`",
+            holds=all(distances[name] < distances[RULE_BASED] for name in trained),
+            evidence=f"{own} beside {distances[RULE_BASED]:.3g}",
+        ),
+    ]
+    for measure, called in (
+        ("wrist_speed", "wrists follow the known process"),
+        ("beats", "beat alignment is above chance"),
+    ):
+        mine = [found[name].own[measure] for name in trained]
+        others = [found[name].swapped[measure] for name in trained]
+        noise = found[GROUND_TRUTH].swapped[measure]
+        judged.append(
+            Verdict(
+                claim=f"{called} with its own speech",
+                holds=all(one.low > max(0, noise.high) for one in mine),
+                evidence=f"{', '.join(written(one) for one in mine)}; recorded motion: "
+                f"{written(found[GROUND_TRUTH].own[measure])}",
+            )
+        )
+        judged.append(
+            Verdict(
+                claim=f"{called} no more than noise when the speech is swapped",
+                holds=all(one.low <= max(0, noise.high) for one in others),
+                evidence=f"{', '.join(written(one) for one in others)}; noise, as recorded motion "
+                f"with swapped speech: {written(noise)}",
+            )
+        )
+    return judged
+
+
+def written(value: MeanFollowed) -> str:
+    """Return a mean with its interval."""
+    return f"{value.mean:.3f} [{value.low:.3f}, {value.high:.3f}]" if value.clips else "–"
+
+
+def score_of(metrics: StudyMetrics, condition: str, beginning: str) -> float:
+    """Return the score of a condition whose metric's name begins so; NaN where there is none."""
+    for score in metrics.conditions:
+        if score.condition == condition and score.name.startswith(beginning):
+            return score.value
+    return float("nan")

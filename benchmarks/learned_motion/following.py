@@ -1,0 +1,143 @@
+"""How well clips follow their own speech, and how well the same clips follow another's.
+
+A clip that owes nothing to its speech follows another one's as well as its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.metrics.beat_alignment import AMUSE, BeatSettings, beat_alignment
+from analysis.metrics.joint_motion import joint_motion
+from analysis.metrics.joint_positions import WRISTS, select
+from analysis.resampling.two_way import bootstrap_means, cells_of, percentile_interval
+from motion.clip import MotionClip
+from motion.face import ARKIT_NAMES
+from motion.speech_onsets import DETECTOR
+from training.corpus.motion_curves import follow as follow_curve
+from training.corpus.motion_curves import mean_speed
+
+FloatArray = NDArray[np.float64]
+
+BEATS: Final[BeatSettings] = AMUSE
+JAW: Final = ARKIT_NAMES.index("jawOpen")
+EDGE: Final = 1.0
+"""Seconds at both ends that do not count: all takes begin and end in silence and at rest, so that
+each would follow any other there."""
+_FEWEST: Final = 1.0
+"""Seconds: of less, correlations are chance alone."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Speech:
+    """What is known of a take's speech.
+
+    Attributes
+    ----------
+    wrist_speed, jaw_open : ndarray, shape (T,)
+        The process' own curves without chance, at the clips' frame rate.
+    onsets : ndarray, shape (N,)
+        When sounds begin, in seconds.
+    """
+
+    wrist_speed: FloatArray
+    jaw_open: FloatArray
+    onsets: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.wrist_speed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Followed:
+    """How well one clip follows a speech; NaN where that is not defined.
+
+    Attributes
+    ----------
+    wrist_speed, jaw_open : float
+        Pearson's correlation of the clip's curve with the process' own.
+    beats : float
+        Beat alignment (AMUSE's) minus chance.
+    """
+
+    wrist_speed: float
+    jaw_open: float
+    beats: float
+
+
+MEASURES: Final = ("wrist_speed", "jaw_open", "beats")
+
+
+def follow(clip: MotionClip, speech: Speech) -> Followed:
+    """Return how well `clip` follows `speech`, over the time that both last but for `EDGE`."""
+    rate = clip.frame_rate
+    edge = round(EDGE * rate)
+    inside = slice(edge, min(len(clip), len(speech)) - edge)
+    if inside.stop - inside.start < _FEWEST * rate:
+        return Followed(wrist_speed=np.nan, jaw_open=np.nan, beats=np.nan)
+    positions = joint_motion(clip, rate).relative
+    jaw = np.zeros(len(clip)) if clip.arkit is None else clip.arkit[:, JAW].astype(np.float64)
+    onsets = speech.onsets[(speech.onsets >= EDGE) & (speech.onsets < inside.stop / rate)] - EDGE
+    aligned = beat_alignment(
+        select(positions[inside], BEATS.joints),
+        onsets,
+        frame_rate=rate,
+        settings=BEATS,
+        detector=DETECTOR,
+    )
+    return Followed(
+        wrist_speed=follow_curve(
+            "wrist_speed",
+            mean_speed(select(positions, WRISTS), rate)[inside],
+            speech.wrist_speed[inside],
+        ).correlation,
+        jaw_open=follow_curve("jaw_open", jaw[inside], speech.jaw_open[inside]).correlation,
+        beats=aligned.above_chance.value,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeanFollowed:
+    """A mean over clips with its 95 % interval.
+
+    Attributes
+    ----------
+    mean, low, high : float
+        NaN where no clip has a value.
+    clips : int
+        Clips with a value.
+    """
+
+    mean: float
+    low: float
+    high: float
+    clips: int
+
+
+def mean_followed(
+    scores: Mapping[str, Followed], groups: Mapping[str, str], measure: str
+) -> MeanFollowed:
+    """Return the mean over takes, drawing whole groups again for its interval.
+
+    Parameters
+    ----------
+    scores : mapping of take to Followed
+        Of one condition.
+    groups : mapping of take to str
+        Takes of one text by one speaker resemble each other and are drawn together.
+    measure : str
+        One of `MEASURES`.
+    """
+    found = {take: getattr(score, measure) for take, score in sorted(scores.items())}
+    found = {take: value for take, value in found.items() if np.isfinite(value)}
+    if not found:
+        return MeanFollowed(mean=np.nan, low=np.nan, high=np.nan, clips=0)
+    values = np.array(list(found.values()))
+    cells = cells_of(values, np.zeros(len(values)), np.array([groups[take] for take in found]))
+    low, high = percentile_interval(bootstrap_means(cells))
+    return MeanFollowed(mean=float(values.mean()), low=low, high=high, clips=len(found))

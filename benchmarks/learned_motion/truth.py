@@ -1,0 +1,47 @@
+"""What the corpus knows of its takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.learned_motion.following import Speech
+from benchmarks.learned_motion.recordings import FRAME_RATE
+from motion.audio import read_audio
+from motion.speech_onsets import speech_onsets
+from training.corpus.truth import Truth, read_truth
+from training.data.take import Take
+
+FloatArray = NDArray[np.float64]
+
+
+def speeches(corpus: Path, takes: Sequence[Take]) -> dict[str, Speech]:
+    """Return what is known of the speech of each take, at the clips' frame rate."""
+    return {take.name: _speech(corpus, take) for take in takes}
+
+
+def spoken(corpus: Path, takes: Sequence[Take]) -> dict[str, str]:
+    """Return who says what in each take; takes of one text by one speaker share it."""
+    return {take.name: f"{take.speaker}: {_truth(corpus, take).text}" for take in takes}
+
+
+def _speech(corpus: Path, take: Take) -> Speech:
+    audio = read_audio(take.speech)
+    truth = _truth(corpus, take)
+    frames = round(audio.duration * FRAME_RATE)
+    return Speech(
+        wrist_speed=_at_frames(truth.drive.wrist_speed, truth.frame_rate, frames),
+        jaw_open=_at_frames(truth.drive.jaw_open, truth.frame_rate, frames),
+        onsets=speech_onsets(audio),
+    )
+
+
+def _at_frames(curve: FloatArray, frame_rate: float, frames: int) -> FloatArray:
+    return np.interp(np.arange(frames) / FRAME_RATE, np.arange(len(curve)) / frame_rate, curve)
+
+
+def _truth(corpus: Path, take: Take) -> Truth:
+    return read_truth(corpus / "truth" / f"{take.name}.npz")

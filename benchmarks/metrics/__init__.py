@@ -1,0 +1,1 @@
+"""How fast metrics are, beside the textbook and over many clips."""

@@ -1,0 +1,191 @@
+"""How fast metrics are over a great many clips: ``python -m benchmarks.metrics.many_clips``.
+
+Makes a folder of recordings and of generated motion for them, measures it as ``motionjury metrics``
+does, with nothing kept from before and then with what the first run kept, and prints
+``name: value`` lines: seconds, and processor seconds, which other work of the machine does not add
+to. The motion is the rule-based generator's to a few made sounds, each shifted in time and scaled
+anew for every clip, and the sounds are shifted for every segment, so that no two are equal.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from analysis.metrics.conditions import StudyMetrics
+from analysis.metrics.presets import PRESETS
+from analysis.metrics.score_tables import write_scores
+from generators.interface import SpeechSegment
+from generators.registry import load_generator
+from motion.audio import Audio, write_wav
+from motion.clip import MotionClip
+from motion.segment import EMOTIONS, Segment
+from motion.segments_table import write_segments
+from studyapp.stages.measuring import measure_folders
+
+CONDITIONS: Final = ("ours", "theirs", "older", "static-like")
+"""Generated conditions beside the recordings."""
+
+_SAMPLE_RATE: Final = 16000
+_FRAME_RATE: Final = 30.0
+_SYLLABLES_PER_SECOND: Final = 4.0
+
+
+def made_speech(seconds: float, chance: np.random.Generator) -> Audio:
+    """Return noise as loud, and as broken into syllables, as somebody who speaks."""
+    time_axis = np.arange(round(seconds * _SAMPLE_RATE)) / _SAMPLE_RATE
+    starts = np.cumsum(chance.gamma(4, 1 / (4 * _SYLLABLES_PER_SECOND), round(6 * seconds)))
+    loudness = np.zeros_like(time_axis)
+    for start in starts[starts < seconds - 0.05]:
+        reach = slice(int(start * _SAMPLE_RATE), int((start + 0.18) * _SAMPLE_RATE))
+        shape = np.hanning(len(loudness[reach]))
+        loudness[reach] = np.maximum(loudness[reach], chance.uniform(0.2, 1) * shape)
+    voice = np.sin(2 * np.pi * np.cumsum(120 + 25 * np.sin(2 * time_axis)) / _SAMPLE_RATE)
+    noise = chance.standard_normal(len(time_axis))
+    return Audio((0.4 * loudness * (0.7 * voice + 0.3 * noise)).astype(np.float32), _SAMPLE_RATE)
+
+
+def make_folders(root: Path, segments: int, seconds: float, patterns: int) -> None:
+    """Write recordings, generated motion of `CONDITIONS` and speech into `root`.
+
+    Parameters
+    ----------
+    root : Path
+        Gets ``recorded``, ``generated`` and ``speech``.
+    segments : int
+        Clips of each condition, and recordings.
+    seconds : float
+        Length of each.
+    patterns : int
+        Clips that the generator makes; all others are variations of them.
+    """
+    chance = np.random.default_rng(0)
+    generator = load_generator("rule_based")
+    speech = [made_speech(seconds, chance) for _ in range(patterns)]
+    spoken = [
+        Segment(
+            name=f"s{number}",
+            wav="-",
+            start=0,
+            end=seconds,
+            speaker="made",
+            emotion=EMOTIONS[number % len(EMOTIONS)],
+        )
+        for number in range(patterns)
+    ]
+    motions = [
+        generator.generate(
+            SpeechSegment(segment=segment, audio=audio), seed=1, frame_rate=_FRAME_RATE
+        )
+        for segment, audio in zip(spoken, speech, strict=True)
+    ]
+    table = []
+    for number in range(segments):
+        pattern = number % patterns
+        name = f"s{number:05d}"
+        sound = speech[pattern]
+        shifted = np.roll(sound.samples, int(chance.integers(len(sound.samples))))
+        write_wav(root / "speech" / f"{name}.wav", Audio(shifted, sound.sample_rate))
+        table.append(replace(spoken[pattern], name=name, wav=f"{name}.wav"))
+        _write(root / "recorded" / f"{name}.npz", _varied(motions[pattern], chance, 0.0))
+        for place, condition in enumerate(CONDITIONS, start=1):
+            other = motions[int(chance.integers(patterns))]
+            _write(
+                root / "generated" / condition / f"{name}.npz", _varied(other, chance, 0.2 * place)
+            )
+    write_segments(root / "speech", table)
+
+
+def peak_memory() -> float:
+    """Return the most memory that any one process of this run has held, in MiB."""
+    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    others = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    return max(own, others) / 1024
+
+
+def processor_seconds() -> float:
+    """Return the processor time that this process and its finished children have used."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Make the folders, measure them twice and print how long it took."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--clips", type=int, default=10_000)
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--preset", action="append", choices=sorted(PRESETS))
+    parser.add_argument("--evaluator", action="append", type=Path, default=[])
+    given = parser.parse_args(arguments)
+    segments = max(1, given.clips // (len(CONDITIONS) + 1))
+    clips = segments * (len(CONDITIONS) + 1)
+    with tempfile.TemporaryDirectory(prefix="bench-metrics-") as folder:
+        root = Path(folder)
+        began = time.perf_counter()
+        make_folders(root, segments, given.seconds, patterns=min(segments, 40))
+        print(f"clips: {clips}")
+        print(f"making_s: {time.perf_counter() - began:.1f}", flush=True)
+        for run in ("cold", "kept"):
+            began, used = time.perf_counter(), processor_seconds()
+            metrics = _measured(root, given.preset or tuple(PRESETS), given)
+            write_scores(metrics, root / f"{run}.parquet")
+            taken = time.perf_counter() - began
+            print(f"{run}_s: {taken:.1f}")
+            print(f"{run}_clips_per_s: {clips / taken:.1f}")
+            print(f"{run}_processor_s: {processor_seconds() - used:.1f}")
+            print(f"{run}_peak_mib: {peak_memory():.0f}", flush=True)
+        print(f"clip_scores: {len(metrics.clips)}")
+        print(f"scores_mib: {(root / 'kept.parquet').stat().st_size / 2**20:.1f}")
+
+
+def _measured(root: Path, presets: Sequence[str], given: argparse.Namespace) -> StudyMetrics:
+    return measure_folders(
+        root / "generated",
+        root / "recorded",
+        root / "speech",
+        presets=presets,
+        processes=given.processes,
+        evaluators=given.evaluator,
+        cache=root / "kept",
+    )
+
+
+def _varied(clip: MotionClip, chance: np.random.Generator, apart: float) -> MotionClip:
+    """Return the clip begun elsewhere, with gestures larger or smaller, and a little noise."""
+    shift = int(chance.integers(len(clip)))
+    size = 1 + apart * chance.uniform(-0.5, 0.5)
+    poses = np.roll(clip.poses, shift, axis=0) * np.float32(size)
+    poses += chance.normal(0, 0.002, (1, *poses.shape[1:])).astype(np.float32)
+    return replace(
+        clip,
+        poses=poses,
+        trans=np.roll(clip.trans, shift, axis=0),
+        arkit=None if clip.arkit is None else np.roll(clip.arkit, shift, axis=0),
+    )
+
+
+def _write(path: Path, clip: MotionClip) -> None:
+    """Write a clip without compressing it, which would take most of the time."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    face = {} if clip.arkit is None else {"arkit": clip.arkit}
+    np.savez(
+        path,
+        poses=clip.poses.reshape(len(clip), -1),
+        trans=clip.trans,
+        mocap_frame_rate=np.array(clip.frame_rate),
+        **face,  # type: ignore[arg-type]
+    )
+
+
+if __name__ == "__main__":
+    main()

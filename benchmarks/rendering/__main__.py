@@ -1,0 +1,253 @@
+"""How fast videos are made on this machine, beside what else could make them.
+
+``python -m benchmarks.rendering`` measures everything in turns, round after round, on the same mesh
+and motion, and takes medians, because other work on the machine comes and goes. Rates are by the
+clock. One of our processes uses one thread; the others use as many as they take.
+"""
+
+from __future__ import annotations
+
+import os
+
+from renderer.threads import ONE_THREAD
+
+os.environ.update(ONE_THREAD)  # before NumPy and Mesa load: measured as in a worker
+
+import resource
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Final
+
+import numpy as np
+
+from benchmarks.rendering.edges import edge_errors
+from benchmarks.rendering.measured import Measured, timed
+from benchmarks.rendering.peers import peers, write_posed_mesh
+from benchmarks.rendering.sample_motion import gesturing_clip
+from motion.audio import Audio, write_wav
+from motion.body import read_body
+from motion.formats import write_clip
+from renderer.avatars import default_body
+from renderer.clip_video import Stage, write_clip_video
+from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.framing import Camera, frame_clips
+from renderer.job import ClipJob, Job, PairJob
+from renderer.jobs import run_jobs
+from renderer.look import Look
+from renderer.pair import composed_frames, write_pair
+
+SECONDS: Final = 4.0
+ROUNDS: Final = 3
+PEER_FRAMES: Final = 30
+"""Frames of the other programs, which are slow; the plain loop loses some 3 MB with each."""
+
+_CLIPS_PER_PROCESS: Final = 3
+"""The first loads libraries, body and shaders, and is not counted."""
+
+_STIMULI, _STIMULUS_SECONDS = 200, 10.0
+
+_SAID: Final = {
+    "clip": "our clip: skin, draw, encode",
+    "frames": "our frames, kept without loss for pairs",
+    "compose": "our pair composed from kept frames",
+    "x264": "x264 and AAC alone, one clip",
+    "x264 pair": "x264 and AAC alone, one pair",
+    "plain loop": "pair by a plain pyrender loop",
+    "mended loop": "the same, shader cache mended",
+    "aitviewer": "pair by aitviewer, 4 x MSAA, not encoded",
+    "blender": "pair by Blender Workbench, FXAA, not encoded",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What is measured: a motion, its files, and how it looks."""
+
+    folder: Path
+    look: Look
+    camera: Camera
+    body: Path
+
+    @property
+    def frame_count(self) -> int:
+        """Frames of one video."""
+        return round(SECONDS * self.look.frame_rate)
+
+    def clip_job(self, name: str) -> ClipJob:
+        """Return a job that makes the frames of the clip, called `name`."""
+        return ClipJob(
+            name=name, motion=self.folder / "clip.npz", speech=self.folder / "speech.wav",
+            start=0.0, end=SECONDS, freeze=(), body=self.body, camera=self.camera, look=self.look,
+            frames=self.folder / f"{name}.mkv", video=None,
+        )  # fmt: skip
+
+    def pair_job(self, name: str, side: str) -> PairJob:
+        """Return a job that puts the rendered clip `side` beside itself."""
+        frames = self.folder / f"{side}.mkv"
+        return PairJob(
+            name=name, left=frames, right=frames, speech=self.folder / "speech.wav",
+            start=0.0, end=SECONDS, video=self.folder / f"{name}.mp4", look=self.look,
+        )  # fmt: skip
+
+
+def main() -> None:
+    """Measure, and print a table and then one ``name: value`` a line."""
+    look = Look()
+    body = default_body()
+    clip = gesturing_clip(SECONDS, look.frame_rate)
+    camera = frame_clips([clip], read_body(body), look)
+    with tempfile.TemporaryDirectory() as name:
+        setting = Setting(folder=Path(name), look=look, camera=camera, body=body)
+        write_clip(setting.folder / "clip.npz", clip)
+        silence = Audio(np.zeros(round(SECONDS * SOUND_RATE), np.float32), SOUND_RATE)
+        write_wav(setting.folder / "speech.wav", silence)
+        # First, as a new process's peak counts what this one held when it was started.
+        all_cores = [_one_process_per_core(setting)]
+        stage = Stage(body, camera, look)
+        posed = setting.folder / "posed.npz"
+        write_posed_mesh(posed, stage.body, camera, look, PEER_FRAMES)
+        with stage:
+            tasks = {**_our_tasks(setting, stage, silence), **peers(posed)}
+            runs: dict[str, list[Measured]] = {name: [] for name in tasks}
+            for number in range(ROUNDS):
+                if number:
+                    all_cores.append(_one_process_per_core(setting))
+                for name, task in tasks.items():
+                    runs[name].append(task())
+        edges = edge_errors(stage, camera, stage.body.vertices(clip, slice(0, 1))[0])
+        print(f"{stage.body.template.shape[0]} vertices, {len(stage.body.faces)} triangles,"
+              f" {look.size} x {look.size} pixels a side")  # fmt: skip
+    _print(runs, all_cores, edges)
+
+
+def _one_process_per_core(setting: Setting) -> dict[str, float]:
+    """Return frames per second of all cores together, and the largest process's peak in MB."""
+    cores = os.cpu_count() or 1
+    names = [f"clip{number}" for number in range(cores * _CLIPS_PER_PROCESS)]
+    clips: list[Job] = [setting.clip_job(name) for name in names]
+    composed: list[Job] = [setting.pair_job(f"pair{name}", name) for name in names]
+    outcomes = run_jobs([*clips, *composed], processes=cores)
+    failed = [outcome.error for outcome in outcomes if outcome.error]
+    if failed:
+        raise RuntimeError(f"a job of the benchmark failed: {failed[0]}")
+    clip = median(outcome.seconds for outcome in outcomes[cores : len(clips)])
+    compose = median(outcome.seconds for outcome in outcomes[len(clips) + cores :])
+    frames = cores * setting.frame_count
+    return {
+        "frames": frames / clip,
+        "compose": frames / compose,
+        "pair": frames / (2 * clip + compose),
+        "peak": resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024,
+    }
+
+
+def _our_tasks(setting: Setting, stage: Stage, silence: Audio) -> dict[str, Callable[[], Measured]]:
+    """Return what one of our processes does, and encoding alone, by name."""
+    clip, pair = setting.clip_job("one"), setting.pair_job("two", "one")
+    count, look = setting.frame_count, setting.look
+    single = [*stage.video_frames(gesturing_clip(SECONDS, look.frame_rate))]
+
+    def write(**files: Path | None) -> None:
+        write_clip_video(
+            stage, motion=clip.motion, speech=clip.speech, start=clip.start, end=clip.end,
+            frozen=(), **files,
+        )  # fmt: skip
+
+    def compose() -> None:
+        write_pair(
+            left=pair.left, right=pair.right, speech=pair.speech, start=pair.start, end=pair.end,
+            video=pair.video, look=look,
+        )  # fmt: skip
+
+    return {
+        "clip": lambda: timed(count, lambda: write(video=setting.folder / "one.mp4")),
+        "frames": lambda: timed(count, lambda: write(frames=clip.frames)),
+        "compose": lambda: timed(count, compose),
+        "x264": lambda: timed(count, lambda: _encode(setting, single, look.size, silence)),
+        "x264 pair": lambda: _x264_pair(setting, silence),
+    }
+
+
+def _encode(setting: Setting, frames: list[object], width: int, silence: Audio) -> None:
+    look = setting.look
+    with VideoWriter(
+        setting.folder / "alone.mp4", width, look.size, look.frame_rate, silence
+    ) as writer:
+        for frame in frames:
+            writer.write(frame)
+
+
+def _x264_pair(setting: Setting, silence: Audio) -> Measured:
+    """Encode the very frames that a pair is composed of, already in memory."""
+    job = setting.pair_job("two", "one")
+    frames: list[object] = [*composed_frames(job.left, job.right, setting.look.size)]
+    return timed(len(frames), lambda: _encode(setting, frames, 2 * setting.look.size, silence))
+
+
+def _print(
+    runs: dict[str, list[Measured]],
+    all_cores: list[dict[str, float]],
+    edges: tuple[float, float],
+) -> None:
+    """Print the table, then the values that others read."""
+    print(f"{'medians of ' + str(ROUNDS):46} frames/s  CPU ms/frame  peak MB")
+    for name, measured in runs.items():
+        memory = median(run.peak_mb for run in measured)
+        print(
+            f"{_SAID[name]:46} {median(run.rate for run in measured):8.1f}"
+            f"  {median(run.milliseconds for run in measured):12.1f}"
+            f"  {'' if np.isnan(memory) else round(memory):>7}"
+        )
+    cores = os.cpu_count() or 1
+    ours = {name: median(run[name] for run in all_cores) for name in all_cores[0]}
+    pairs = [_pair(*both) for both in zip(runs["frames"], runs["compose"], strict=True)]
+    for said, pair_rate in (("one process", median(pairs)), (f"{cores} processes", ours["pair"])):
+        print(f"{'our pair: both sides drawn, composed, ' + said:46} {pair_rate:8.1f}")
+    print(f"{f'our composing, {cores} processes':46} {ours['compose']:8.1f}")
+    print(
+        "Ratios to other programs take our rate with one process a core, as the others use all"
+        "\ncores. Each clip serves several pairs, so a study's pairs come nearer to composing's"
+        "\nrate. Skinning is counted for us, but not for the others, which get the posed mesh."
+    )
+    rate = {name: median(run.rate for run in measured) for name, measured in runs.items()}
+    composed = zip(runs["compose"], runs["x264 pair"], strict=True)
+    frames = _STIMULI * _STIMULUS_SECONDS * Look().frame_rate
+    values = {
+        "stimuli_200_minutes": frames * (1 / ours["frames"] + 1 / ours["compose"]) / 60,
+        "pair_fps_all_cores": ours["pair"],
+        "compose_fps_all_cores": ours["compose"],
+        "pair_over_plain_loop_one_process": median(pairs) / rate["plain loop"],
+        **{
+            f"pair_over_{name}": ours["pair"] / rate[name]
+            for name in ("aitviewer", "blender")
+            if name in rate
+        },
+        "clip_fps": rate["clip"],
+        "pair_fps": median(pairs),
+        "plain_loop_fps": rate["plain loop"],
+        "mended_loop_fps": rate["mended loop"],
+        "x264_fps": rate["x264"],
+        "pair_over_plain_loop": median(
+            mine["pair"] / loop.rate
+            for mine, loop in zip(all_cores, runs["plain loop"], strict=True)
+        ),
+        "compose_over_x264": median(mine.rate / alone.rate for mine, alone in composed),
+        "edge_rmse": edges[0],
+        "edge_rmse_msaa4": edges[1],
+        "peak_mb": all_cores[0]["peak"],  # before another program has run
+    }
+    print()
+    for name, value in values.items():
+        print(f"{name}: {value:.2f}")
+
+
+def _pair(frames: Measured, composed: Measured) -> float:
+    """Return frames per second of a pair of which nothing is rendered yet."""
+    return 1 / (2 / frames.rate + 1 / composed.rate)
+
+
+if __name__ == "__main__":
+    main()

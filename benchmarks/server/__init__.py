@@ -1,0 +1,1 @@
+"""How fast the study's server is, and what it bears."""

@@ -1,0 +1,184 @@
+"""Killing the server at random moments while participants answer: nothing may be lost or doubled.
+
+Participants send what was not acknowledged again, as a page's script does. At the end every study
+session must have come to its completion code, and every answer that was ever acknowledged must be
+in the database, once and as it was sent.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import tempfile
+from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from sqlalchemy import select
+
+from studyapp.models import Response, StudySession, Trial
+from studyapp.services.database import Database
+from tests.support.databases import Backend, fresh_database
+from tests.support.fabricated_study import StudyShape, write_fabricated_study
+from tests.support.said import secrets_in
+from tests.support.study_server import HOST, StudyServer, study_server
+from tests.support.visitor import Ledger, StrandedError, Visitor
+from tests.support.wire import Wire
+
+CALM_SECONDS: Final = (0.2, 2.0)
+"""Between two kills, at least and at most."""
+
+FINISH_SECONDS: Final = 120.0
+"""How long the participants may take to finish after the last kill."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strain:
+    """How hard a server is strained.
+
+    Attributes
+    ----------
+    sessions : int
+        Study sessions that are taken at the same time.
+    trials : int
+        Trials in each of them, all told.
+    kills : int
+        How often something is killed.
+    seed : int
+        Decides what is killed when, and who answers what.
+    """
+
+    sessions: int = 200
+    trials: int = 12
+    kills: int = 40
+    seed: int = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What came of it.
+
+    Attributes
+    ----------
+    killed : mapping of str to int
+        What was killed how often.
+    sent_again : int
+        Requests whose fate was unknown.
+    acknowledged : int
+        Answers that the server said it had stored.
+    problems : tuple of str
+        What must not be; empty where all is well.
+    """
+
+    killed: Counter[str]
+    sent_again: int
+    acknowledged: int
+    problems: tuple[str, ...]
+
+
+def kill_soak(backend: Backend, strain: Strain) -> Outcome:
+    """Kill a server on `backend` as `strain` says, and return what came of it."""
+    shape = StudyShape(
+        places=strain.sessions,
+        trials=strain.trials - 1,
+        practice=0,
+        catch=1,
+        seconds=2.0,
+        file_bytes=50_000,
+    )
+    with tempfile.TemporaryDirectory(prefix="soak-") as name:
+        folder = Path(name)
+        write_fabricated_study(folder, shape)
+        said = folder / "said"
+        with (
+            fresh_database(backend, folder) as database,
+            study_server(folder, said, database_url=database.url) as server,
+        ):
+            ledger, killed = asyncio.run(_strained(server, database.crash, strain))
+            problems = [*ledger.errors, *_problems(database.url, ledger, strain)]
+        problems += [f"the log holds {found}" for found in secrets_in(said, but=("a traceback",))]
+    return Outcome(
+        killed=killed,
+        sent_again=ledger.lost,
+        acknowledged=sum(len(answers) for answers in ledger.acknowledged.values()),
+        problems=tuple(problems),
+    )
+
+
+async def _strained(
+    server: StudyServer, crash: Callable[[], None] | None, strain: Strain
+) -> tuple[Ledger, Counter[str]]:
+    ledger = Ledger()
+    killed: Counter[str] = Counter()
+    sessions = [
+        asyncio.create_task(_session(server.port, ledger, f"{strain.seed} {number}"))
+        for number in range(strain.sessions)
+    ]
+    chance = random.Random(strain.seed)  # noqa: S311 - it must be repeatable, not secret
+    kinds = ["worker", "worker", "arbiter", *(["database"] if crash else [])]
+    for _ in range(strain.kills):
+        await asyncio.sleep(chance.uniform(*CALM_SECONDS))
+        kind = chance.choice(kinds)
+        killed[kind] += 1
+        if kind == "worker":
+            server.kill_worker(chance)
+        elif kind == "arbiter":
+            await asyncio.to_thread(server.kill_arbiter)
+            await asyncio.to_thread(server.start)
+        elif crash is not None:
+            await asyncio.to_thread(crash)
+    try:
+        async with asyncio.timeout(FINISH_SECONDS):
+            await asyncio.gather(*sessions)
+    except TimeoutError:
+        ledger.errors.append("participants were still not done long after the last kill")
+    return ledger, killed
+
+
+async def _session(port: int, ledger: Ledger, seed: str) -> None:
+    chance = random.Random(seed)  # noqa: S311 - it must be repeatable, not secret
+    async with Wire(HOST, port) as wire:
+        visitor = Visitor(wire=wire, ledger=ledger, chance=chance, patient=True)
+        # What stranded them is in the ledger.
+        with suppress(StrandedError):
+            await visitor.take_part()
+
+
+def _problems(url: str, ledger: Ledger, strain: Strain) -> list[str]:
+    """Return what is wrong with the database, given what was acknowledged."""
+    database = Database.open(url)
+    try:
+        with database.reading() as session:
+            rows = session.execute(
+                select(Trial.token, Response.question, Response.value).join(Response.trial)
+            ).all()
+            finished = session.scalars(select(StudySession.completed_at)).all()
+            unanswered = session.scalars(
+                select(Trial.token).where(Trial.answered_at.is_(None))
+            ).all()
+    finally:
+        database.close()
+    stored = Counter((token, question) for token, question, _ in rows)
+    values = {(token, question): str(value) for token, question, value in rows}
+    problems = []
+    lost = wrong = 0
+    for token, answers in ledger.acknowledged.items():
+        for question, value in answers.items():
+            lost += (token, question) not in stored
+            wrong += values.get((token, question), value) != value
+    twice = sum(count > 1 for count in stored.values())
+    for count, what in (
+        (lost, "acknowledged answers are lost"),
+        (wrong, "acknowledged answers are stored as other ones"),
+        (twice, "answers are stored twice"),
+        (len(unanswered), "trials are not answered"),
+        (sum(moment is None for moment in finished), "study sessions are not completed"),
+        (abs(len(finished) - strain.sessions), "study sessions too many or too few"),
+        (strain.sessions - ledger.completed, "participants did not see a completion code"),
+    ):
+        if count:
+            problems.append(f"{count} {what}")
+    return problems

@@ -1,0 +1,104 @@
+"""Many simulated participants at once: as fast as they can, or in the time that people take."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import time
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from tests.support.study_server import HOST
+from tests.support.visitor import Ledger, StrandedError, Visitor
+from tests.support.wire import Wire
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrived:
+    """A participant at the first trial, and that trial's page."""
+
+    visitor: Visitor
+    address: str
+    page: str
+
+
+async def arrive(port: int, *, count: int, seed: int, ledger: Ledger) -> list[Arrived]:
+    """Let `count` participants come at once, and bring each to the first trial.
+
+    What they see is noted in `ledger`; who could not begin is not among those returned.
+    """
+
+    async def one(number: int) -> Arrived | None:
+        visitor = Visitor(wire=Wire(HOST, port), ledger=ledger, chance=_chance(seed, number))
+        with suppress(StrandedError):
+            address = await visitor.enrol()
+            page = await visitor.begin(address)
+            # Until all have come the server may close it, just as the next request is sent.
+            visitor.wire.close()
+            return Arrived(visitor=visitor, address=address, page=page)
+        return None
+
+    came = await asyncio.gather(*(one(number) for number in range(count)))
+    return [arrived for arrived in came if arrived is not None]
+
+
+async def judge(arrived: list[Arrived], *, ledger: Ledger, seconds: float) -> None:
+    """Let everybody who has `arrived` take trials for `seconds`; who has finished is done.
+
+    What they see is noted in `ledger`; that they are cut short at the end is no error.
+    """
+    end = time.perf_counter() + seconds
+    tasks = [asyncio.create_task(_trials(one, ledger)) for one in arrived]
+    await asyncio.sleep(end - time.perf_counter())
+    for task in tasks:
+        task.cancel()
+    for task in tasks:
+        with suppress(asyncio.CancelledError):
+            await task
+    for one in arrived:
+        one.visitor.wire.close()
+
+
+async def keep_arriving(port: int, *, at_once: int, seconds: float, ledger: Ledger) -> None:
+    """Let newcomers come for `seconds`, each as soon as one of those `at_once` has a place."""
+    end = time.perf_counter() + seconds
+
+    async def one_after_the_other(number: int) -> None:
+        async with Wire(HOST, port) as wire:
+            visitor = Visitor(wire=wire, ledger=ledger, chance=_chance(0, number))
+            while time.perf_counter() < end:
+                with suppress(StrandedError):
+                    await visitor.enrol()
+
+    await asyncio.gather(*(one_after_the_other(number) for number in range(at_once)))
+
+
+async def live(port: int, *, count: int, seconds: float, ledger: Ledger) -> None:
+    """Let `count` participants take part in real time for `seconds`.
+
+    They come within the first third, each at a moment of their own.
+    """
+
+    async def one(number: int) -> None:
+        chance = _chance(1, number)
+        await asyncio.sleep(chance.uniform(0, seconds / 3))
+        async with Wire(HOST, port) as wire:
+            visitor = Visitor(wire=wire, ledger=ledger, chance=chance, in_real_time=True)
+            with suppress(StrandedError):
+                await visitor.take_part()
+
+    tasks = [asyncio.create_task(one(number)) for number in range(count)]
+    await asyncio.wait(tasks, timeout=seconds)
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _chance(seed: int, number: int) -> random.Random:
+    return random.Random(f"{seed} {number}")  # noqa: S311 - repeatable, not secret
+
+
+async def _trials(arrived: Arrived, ledger: Ledger) -> None:
+    # What went wrong is in the ledger.
+    with suppress(StrandedError):
+        await replace(arrived.visitor, ledger=ledger).go_on(arrived.address, arrived.page)

@@ -1,0 +1,148 @@
+"""Sending malformed requests to the server: none may make it fail, or leave anything behind."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import random
+import tempfile
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from sqlalchemy import select
+
+from studyapp.models import Base, RefusalLine
+from studyapp.services.database import Database
+from tests.support.databases import Backend, fresh_database
+from tests.support.fabricated_study import StudyShape, write_fabricated_study
+from tests.support.malformed_requests import Known, malformed_requests
+from tests.support.page_scan import seen_form, seen_videos
+from tests.support.said import secrets_in
+from tests.support.study_server import HOST, study_server
+from tests.support.visitor import Ledger, Visitor
+from tests.support.wire import Wire
+
+AT_ONCE: Final = 16
+ANSWER_SECONDS: Final = 30.0
+PARTICIPANTS: Final = 4
+AS_HTTP_ASKS: Final = (501, 505)
+"""What a server is to answer where it does not know a way of sending, or a version of HTTP."""
+
+NO_ANSWER: Final = 0
+"""The server has closed the connection without a word."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What came of it.
+
+    Attributes
+    ----------
+    answers : mapping of int to int
+        How often each status was answered; 0 where the connection was closed without one.
+    problems : tuple of str
+        What must not be; empty where all is well.
+    """
+
+    answers: Counter[int]
+    problems: tuple[str, ...]
+
+
+def malformed_soak(backend: Backend, *, requests: int, seed: int) -> Outcome:
+    """Send `requests` malformed requests to a server on `backend`."""
+    shape = StudyShape(places=20, trials=3, practice=0, catch=1, file_bytes=50_000)
+    with tempfile.TemporaryDirectory(prefix="soak-") as name:
+        folder = Path(name)
+        write_fabricated_study(folder, shape)
+        said = folder / "said"
+        with (
+            fresh_database(backend, folder) as database,
+            study_server(folder, said, database_url=database.url) as server,
+        ):
+            known = asyncio.run(_participants(server.port))
+            before = stored(database.url)
+            sent = malformed_requests(requests, known, seed)
+            answers = asyncio.run(_send(server.port, sent))
+            problems = []
+            if stored(database.url) != before:
+                problems.append("something was stored or changed")
+            asyncio.run(_participants(server.port))
+        problems += [f"the log holds {found}" for found in secrets_in(said)]
+    problems += [
+        f"{count} answers with status {status}"
+        for status, count in answers.items()
+        if status >= 500 and status not in AS_HTTP_ASKS
+    ]
+    return Outcome(answers=answers, problems=tuple(problems))
+
+
+def stored(url: str) -> dict[str, str]:
+    """Return a digest of every table's rows.
+
+    Left out are notes of what was refused, which must be made and are bounded by the services,
+    and when a participant last did anything: who sends a bad answer is still there.
+    """
+    database = Database.open(url)
+    digests = {}
+    try:
+        with database.reading() as session:
+            for table in Base.metadata.sorted_tables:
+                if table is RefusalLine.__table__:
+                    continue
+                columns = [column for column in table.columns if column.name != "last_active_at"]
+                rows = sorted(map(repr, session.execute(select(*columns))))
+                digests[table.name] = hashlib.sha256("\n".join(rows).encode()).hexdigest()
+    finally:
+        database.close()
+    return digests
+
+
+async def _participants(port: int) -> Known:
+    """Bring a few participants to their first trial, and return the names that they know."""
+    pages, trials, videos = [], [], []
+    ledger = Ledger()
+    for number in range(PARTICIPANTS):
+        async with Wire(HOST, port) as wire:
+            chance = random.Random(number)  # noqa: S311 - it must be repeatable, not secret
+            visitor = Visitor(wire=wire, ledger=ledger, chance=chance)
+            address = await visitor.enrol()
+            page = await visitor.begin(address)
+            form = seen_form(page)
+            pages.append(address)
+            trials += [form.hidden["trial"]] if form else []
+            videos += [video.source[len("/media/") : -len(".mp4")] for video in seen_videos(page)]
+    return Known(pages=pages, trials=trials, videos=videos)
+
+
+async def _send(port: int, requests: Iterator[bytes]) -> Counter[int]:
+    answers: Counter[int] = Counter()
+
+    async def some() -> None:
+        # All share one iterator: each takes the next request when it is done with one.
+        for request in requests:
+            answers[await _status(port, request)] += 1
+
+    await asyncio.gather(*(some() for _ in range(AT_ONCE)))
+    return answers
+
+
+async def _status(port: int, request: bytes) -> int:
+    """Send `request` and return the status of the answer."""
+    reader, writer = await asyncio.open_connection(HOST, port)
+    try:
+        async with asyncio.timeout(ANSWER_SECONDS):
+            with suppress(ConnectionError):
+                writer.write(request)
+                # Nothing more follows: a server that waits for the rest learns so.
+                writer.write_eof()
+                # A line that says "go on" (100) comes before the answer itself.
+                while (line := await reader.readline()) != b"":
+                    if line.startswith(b"HTTP/") and not line.startswith(b"HTTP/1.1 1"):
+                        return int(line.split(b" ")[1])
+    finally:
+        writer.close()
+    return NO_ANSWER

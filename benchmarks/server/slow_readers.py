@@ -1,0 +1,61 @@
+"""Participants with very slow lines: they keep reading a video, a few bytes at a time."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from typing import Final
+
+from tests.support.page_scan import seen_videos
+from tests.support.study_server import HOST
+from tests.support.visitor import Ledger, Visitor
+from tests.support.wire import Wire
+
+BYTES: Final = 1024
+EVERY_SECONDS: Final = 0.25
+"""Four kilobytes a second."""
+
+SEGMENT_BYTES: Final = 1400
+BUFFER_BYTES: Final = 4096
+"""As on a line through the net; the loopback would take a whole video at once."""
+
+
+@asynccontextmanager
+async def slow_readers(port: int, count: int) -> AsyncIterator[None]:
+    """Let `count` participants read a video very slowly during the block."""
+    sources = [await _source(port, number) for number in range(count)]
+    readers = [asyncio.create_task(_read(port, source)) for source in sources]
+    try:
+        yield
+    finally:
+        for reader in readers:
+            reader.cancel()
+        for reader in readers:
+            with suppress(asyncio.CancelledError):
+                await reader
+
+
+async def _source(port: int, number: int) -> str:
+    """Bring a participant to the first trial, and return where one of its videos is."""
+    async with Wire(HOST, port) as wire:
+        chance = random.Random(f"slow {number}")  # noqa: S311 - repeatable, not secret
+        visitor = Visitor(wire=wire, ledger=Ledger(), chance=chance)
+        page = await visitor.begin(await visitor.enrol())
+        return seen_videos(page)[0].source
+
+
+async def _read(port: int, source: str) -> None:
+    loop = asyncio.get_running_loop()
+    request = f"GET {source} HTTP/1.1\r\nHost: {HOST}\r\nRange: bytes=0-\r\n\r\n".encode()
+    while True:
+        with socket.socket() as line:
+            line.setblocking(False)
+            line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
+            line.setsockopt(socket.IPPROTO_TCP, socket.TCP_MAXSEG, SEGMENT_BYTES)
+            await loop.sock_connect(line, (HOST, port))
+            await loop.sock_sendall(line, request)
+            while await loop.sock_recv(line, BYTES):
+                await asyncio.sleep(EVERY_SECONDS)

@@ -1,0 +1,80 @@
+"""How fast the statistics are beside others: ``python -m benchmarks.statistics``.
+
+Prints ``name: value`` lines. Both sides of every ratio run one after the other in one run; times
+are those of the processor, so that other work on the machine counts little. What is not installed
+to compare with is skipped, with the reason.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from functools import partial
+
+from benchmarks.statistics.beside_choix import beside_choix, made_votes, why_not_choix
+from benchmarks.statistics.beside_gather import beside_gather
+from benchmarks.statistics.beside_r import beside_r, fitted, made_answers, why_not_r
+from benchmarks.statistics.clock import timed
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description="Measure the statistics beside R and choix.")
+    parser.add_argument("--side", type=int, default=100, help="participants, and items, of clmm")
+    parser.add_argument("--large-side", type=int, default=1000, help="the same, without R")
+    parser.add_argument("--votes", type=int, default=1_000_000)
+    parser.add_argument("--resamples", type=int, default=10_000)
+    asked = parser.parse_args(arguments)
+    _ordinal(asked.side, asked.large_side)
+    _bootstrap(asked.resamples)
+    _strengths(asked.votes)
+
+
+def _ordinal(side: int, large: int) -> None:
+    missing = why_not_r()
+    if missing:
+        print(f"clmm_beside_r: skipped, {missing}")
+    else:
+        found = beside_r(made_answers(side, side))
+        print(f"clmm_answers: {side * side}")
+        print(f"clmm_s: {found.seconds:.3f}")
+        print(f"clmm_r_s: {found.seconds_r:.3f}")
+        print(f"clmm_times_faster: {found.times_faster:.1f}")
+        print(f"clmm_estimates_apart: {found.estimates_apart:.1e}")
+        print(f"clmm_errors_apart: {found.errors_apart:.1e}")
+        print(f"clmm_log_likelihood_apart: {found.log_likelihood_apart:.1e}")
+        print(f"clmm_agrees: {'yes' if found.agrees else 'no'}")
+    answers = made_answers(large, large)
+    whole, seconds = timed(partial(fitted, answers))
+    _, reduced = timed(partial(fitted, answers, effect=False))
+    print(f"clmm_large_answers: {large * large}")
+    print(f"clmm_large_s: {seconds:.2f}")
+    print(f"clmm_large_without_effect_s: {reduced:.2f}")
+    print(f"clmm_large_converged: {'yes' if whole.converged else 'no'}", flush=True)
+
+
+def _bootstrap(resamples: int) -> None:
+    for participants, items in ((1000, 100), (316, 316)):
+        found = beside_gather(participants, items, resamples=resamples)
+        named = f"bootstrap_{participants}x{items}"
+        print(f"{named}_s: {found.seconds:.3f}")
+        print(f"{named}_gather_s: {found.seconds_gather:.3f}")
+        print(f"{named}_times_faster: {found.times_faster:.1f}")
+        print(f"{named}_deviations_apart: {found.deviations_apart:.1e}", flush=True)
+
+
+def _strengths(count: int) -> None:
+    missing = why_not_choix()
+    if missing:
+        print(f"bradley_terry_beside_choix: skipped, {missing}")
+        return
+    found = beside_choix(made_votes(count))
+    print(f"bradley_terry_votes: {count}")
+    print(f"bradley_terry_ms: {1000 * found.seconds:.1f}")
+    print(f"bradley_terry_choix_ms: {1000 * found.seconds_choix:.1f}")
+    print(f"bradley_terry_times_faster: {found.times_faster:.1f}")
+    print(f"bradley_terry_strengths_apart: {found.strengths_apart:.1e}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,145 @@
+"""The cumulative link mixed model beside R's `ordinal::clmm`."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
+from benchmarks.statistics.clock import timed
+from benchmarks.validity.studies import Design, Preferences, preferences
+
+SCRIPT: Final = """
+suppressMessages(library(ordinal))
+answers <- read.csv(commandArgs(TRUE)[1])
+answers$response <- factor(answers$response)
+answers$participant <- factor(answers$participant)
+answers$item <- factor(answers$item)
+used <- system.time(
+  model <- clmm(response ~ s + (0 + s | participant) + (0 + s | item), data = answers))
+found <- summary(model)$coefficients
+number <- function(x) paste0("[", paste(format(x, digits = 15), collapse = ","), "]")
+cat("{\\"estimates\\":", number(found[, 1]), ",\\"errors\\":", number(found[, 2]),
+    ",\\"log_likelihood\\":", format(as.numeric(logLik(model)), digits = 15),
+    ",\\"seconds\\":", used[["user.self"]] + used[["sys.self"]], "}\\n")
+"""
+
+HAS_ORDINAL: Final = 'quit(status = !requireNamespace("ordinal", quietly = TRUE))'
+
+
+@dataclass(frozen=True, kw_only=True)
+class BesideR:
+    """The same model by both.
+
+    Attributes
+    ----------
+    seconds, seconds_r : float
+        Processor time of each.
+    estimates_apart : float
+        Largest difference of an estimate, thresholds included.
+    errors_apart : float
+        Largest relative difference of a standard error.
+    log_likelihood_apart : float
+        Difference of the log-likelihoods.
+    """
+
+    seconds: float
+    seconds_r: float
+    estimates_apart: float
+    errors_apart: float
+    log_likelihood_apart: float
+
+    @property
+    def times_faster(self) -> float:
+        """R's time over ours."""
+        return self.seconds_r / self.seconds
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all three differences are as small as promised."""
+        return (
+            self.estimates_apart < 1e-3
+            and self.errors_apart < 1e-2
+            and self.log_likelihood_apart < 1e-3
+        )
+
+
+def why_not_r() -> str:
+    """Say what of R is missing; empty where nothing is."""
+    program = shutil.which("Rscript")
+    if program is None:
+        return "R is not installed"
+    asked = subprocess.run([program, "-e", HAS_ORDINAL], capture_output=True, check=False)  # noqa: S603
+    return "" if asked.returncode == 0 else "R has no package ordinal"
+
+
+def made_answers(participants: int, items: int) -> Preferences:
+    """Return the answers that are fitted, with an effect and differences between all groups."""
+    design = Design(
+        participants=participants, items=items, effect=0.4, participant_sd=0.6, item_sd=0.45
+    )
+    return preferences(design, np.random.default_rng(1))
+
+
+def fitted(answers: Preferences, *, effect: bool = True) -> OrdinalFit:
+    """Fit the report's model, or the one without the effect that it is compared with."""
+    random = [
+        RandomEffect(name=name, groups=groups, multiplier=answers.side)
+        for name, groups in (("participant", answers.participants), ("item", answers.items))
+    ]
+    covariates = {"s": answers.side} if effect else {}
+    return fit(answers.responses, covariates, random, errors=effect)
+
+
+def beside_r(answers: Preferences, *, turns: int = 3) -> BesideR:
+    """Fit `answers` here and in R.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        If R fails.
+    """
+    found, seconds = timed(partial(fitted, answers), turns=turns)
+    theirs = _by_r(answers)
+    # R gives the thresholds first.
+    estimates = np.array([*found.thresholds, *found.estimates.values()])
+    errors = np.array([*found.threshold_errors, *found.standard_errors.values()])
+    return BesideR(
+        seconds=seconds,
+        seconds_r=theirs["seconds"],
+        estimates_apart=float(np.abs(estimates - theirs["estimates"]).max()),
+        errors_apart=float(np.abs(errors / theirs["errors"] - 1).max()),
+        log_likelihood_apart=abs(found.log_likelihood - theirs["log_likelihood"]),
+    )
+
+
+def _by_r(answers: Preferences) -> dict[str, Any]:
+    table = pd.DataFrame(
+        {
+            "response": answers.responses,
+            "s": answers.side,
+            "participant": answers.participants,
+            "item": answers.items,
+        }
+    )
+    with tempfile.TemporaryDirectory(prefix="beside-r-") as name:
+        script, data = Path(name, "clmm.R"), Path(name, "answers.csv")
+        script.write_text(SCRIPT, encoding="utf-8")
+        table.to_csv(data, index=False)
+        done = subprocess.run(  # noqa: S603
+            [shutil.which("Rscript") or "Rscript", str(script), str(data)],
+            capture_output=True,
+            check=True,
+            text=True,
+        )
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found

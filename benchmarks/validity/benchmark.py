@@ -1,0 +1,157 @@
+"""How the report's numbers fare: ``python -m benchmarks.validity``.
+
+Simulates studies with known truth and prints, for every headline number and beside the tests of
+papers, how often it finds an effect that is not there, how often its 95 % interval contains the
+truth, and how often it finds an effect that is there, each with its Monte-Carlo error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import re
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import repeat
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from benchmarks.validity.conclusions.conclusion import EFFECT, Protocol
+from benchmarks.validity.document import write_sections
+from benchmarks.validity.experiments import EXPERIMENTS, Experiment
+from benchmarks.validity.realised import Realised, Row, Tally, overall, tally
+from benchmarks.validity.studies import Design
+
+BLOCK: Final = 20
+"""Studies that one process simulates in a turn."""
+
+
+def measure(
+    experiment: Experiment, *, studies: int, seed: int, pool: Executor | None = None
+) -> list[Row]:
+    """Simulate `studies` studies of each design without an effect and as many with one.
+
+    The result depends on `seed` but not on the number of processes in `pool`.
+    """
+    map_ = pool.map if pool else map
+    count = _count(experiment, studies)
+    rows = []
+    for number, design in enumerate(experiment.designs):
+        counted = []
+        for which, effect in enumerate(experiment.protocol.effects):
+            made = replace(design, effect=effect)
+            truths = experiment.protocol.truths(made)
+            seeds = np.random.SeedSequence([seed, number, which]).spawn(count)
+            blocks = [seeds[start : start + BLOCK] for start in range(0, count, BLOCK)]
+            total: dict[str, Tally] = {}
+            for part in map_(
+                _simulated, repeat(experiment.protocol), repeat(made), repeat(truths), blocks
+            ):
+                total = {name: total.get(name, Tally()) + own for name, own in part.items()}
+            counted.append(total)
+        for name, without in counted[0].items():
+            rows.append(
+                Row(
+                    experiment=experiment.name,
+                    design=design,
+                    number=name,
+                    naive=name in experiment.protocol.naive,
+                    realised=Realised.of(without, counted[1][name]),
+                )
+            )
+    return rows
+
+
+def _count(experiment: Experiment, studies: int) -> int:
+    return max(1, round(studies * experiment.share))
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Simulate, and print the table, the verdicts and the last lines."""
+    parser = argparse.ArgumentParser(description="Simulate studies with a known truth.")
+    parser.add_argument("--studies", type=int, default=600, help="of each design and effect")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    names = [experiment.name for experiment in EXPERIMENTS]
+    parser.add_argument("--only", choices=names, nargs="+", default=names, help="kinds of studies")
+    parser.add_argument(
+        "--write", type=Path, metavar="FILE", help="put the tables into this document"
+    )
+    asked = parser.parse_args(arguments)
+    began = time.monotonic()
+    rows: list[Row] = []
+    print(f"Effect {EFFECT} logits where there is one; ± is one Monte-Carlo standard error.")
+    print(_HEAD.format(*_COLUMNS))
+    with _processes(asked.processes) as pool:
+        for experiment in EXPERIMENTS:
+            if experiment.name in asked.only:
+                own = measure(experiment, studies=asked.studies, seed=asked.seed, pool=pool)
+                rows += own
+                print("\n".join(map(_line, own)), flush=True)
+                if asked.write:
+                    count = _count(experiment, asked.studies)
+                    write_sections(
+                        asked.write, experiment.name, own, studies=count, seed=asked.seed
+                    )
+    print()
+    numbers: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        numbers.setdefault((row.experiment, row.number), []).append(row)
+    for (name, number), own in numbers.items():
+        naive = " (as papers do)" if own[0].naive else ""
+        print(f"{name}: {number}{naive}: {overall(own)}")
+    print()
+    for (name, number), own in numbers.items():
+        found = [row.realised for row in own]
+        key = re.sub(r"[^a-z0-9]+", "_", f"{name} {number}".lower().replace("'", "")).strip("_")
+        print(f"{key}_most_false_positives: {max(r.false_positives.value for r in found):.3f}")
+        if not np.isnan(found[0].coverage.value):
+            print(f"{key}_least_coverage: {min(r.coverage.value for r in found):.3f}")
+    print(f"studies: {asked.studies}")
+    print(f"seconds: {time.monotonic() - began:.0f}")
+
+
+_COLUMNS: Final = (
+    "study", "people x items, SDs", "number", "false +", "covered", "power", "none", "verdict",
+)  # fmt: skip
+_HEAD: Final = "{:18} {:20} {:40} {:>11} {:>11} {:>11} {:>5}  {}"
+
+
+def _line(row: Row) -> str:
+    found = row.realised
+    shares = [
+        "-" if np.isnan(share.value) else f"{share.value:.3f}±{share.error:.3f}"
+        for share in (found.false_positives, found.coverage, found.power)
+    ]
+    verdict = f"as papers do: {found.verdict}" if row.naive else found.verdict
+    return _HEAD.format(
+        row.experiment, row.size, row.number, *shares, f"{found.silent:.2f}", verdict
+    )
+
+
+def _simulated(
+    protocol: Protocol,
+    design: Design,
+    truths: Mapping[str, float],
+    seeds: Sequence[np.random.SeedSequence],
+) -> dict[str, Tally]:
+    return tally(protocol, design, truths, map(np.random.default_rng, seeds))
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Executor | None]:
+    """Give processes of one thread each; None for this one alone."""
+    if count < 2:
+        yield None
+        return
+    # New processes, not forks: the number of threads is read when the libraries load.
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(count, mp_context=context) as pool:
+        yield pool

@@ -1,0 +1,121 @@
+"""Conclusions about the first two of three rated conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from analysis.equivalence import equivalence, equivalence_of_means
+from analysis.preferences.clustered import clustered_mean
+from analysis.ratings.differences import RatedCells, mean_difference, rated_cells
+from analysis.robustness.participant_means import group_means
+from analysis.robustness.wilcoxon import signed_rank
+from benchmarks.validity.conclusions.conclusion import (
+    EFFECT,
+    Conclusion,
+    Protocol,
+    no_truths,
+    of_mean,
+)
+from benchmarks.validity.studies import (
+    Codes,
+    Design,
+    Judgements,
+    judgements,
+    ratings,
+    true_mean_rating,
+    true_rating_difference,
+)
+
+RATED: Final = ("a", "b", "c")
+
+DIFFERENCE: Final = "difference of paired ratings, two-way clustered"
+MEAN: Final = "mean rating, two-way clustered"
+EQUIVALENT: Final = "two one-sided tests of paired ratings, two-way clustered"
+MEANS_EQUIVALENT: Final = "two one-sided tests of participants' means"
+NAIVE: Final = "pooled Wilcoxon of ratings"
+
+
+def conclude_ratings(design: Design, generator: np.random.Generator) -> Mapping[str, Conclusion]:
+    """Return what is concluded where participants and items differ in taste."""
+    return _of_ratings(judgements(design, len(RATED), generator), design, generator)
+
+
+def conclude_agreed_ratings(
+    design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    """Return the same where participants and items differ in level only."""
+    judged = judgements(design, len(RATED), generator, differ=False)
+    return _of_ratings(judged, design, generator)
+
+
+def conclude_equivalence(
+    design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    """Return whether conditions are found equivalent, with a margin that `EFFECT` just reaches."""
+    judged = judgements(design, len(RATED), generator)
+    cells = _cells(judged, ratings(judged, design, generator))
+    margin = true_rating_difference(replace(design, effect=EFFECT))
+    found = mean_difference(cells, 0, 1)
+    freedom = min(found.participants, found.segments) - 1
+    two_way = equivalence(found.estimate, found.standard_error, margin, freedom=freedom)
+    means = group_means(cells.means[:, 0] - cells.means[:, 1], cells.participants)
+    return {
+        EQUIVALENT: Conclusion(p_value=two_way.p_value),
+        MEANS_EQUIVALENT: Conclusion(p_value=equivalence_of_means(means, margin).p_value),
+    }
+
+
+def _of_ratings(
+    judged: Judgements, design: Design, generator: np.random.Generator
+) -> Mapping[str, Conclusion]:
+    given = ratings(judged, design, generator)
+    mean = clustered_mean(
+        given[:, 0].astype(np.float64),
+        judged.participants,
+        judged.items,
+        null=np.nan,
+        limits=(1.0, 5.0),
+    )
+    naive = signed_rank((given[:, 0] - given[:, 1]).astype(np.float64))
+    return {
+        DIFFERENCE: of_mean(mean_difference(_cells(judged, given), 0, 1)),
+        MEAN: of_mean(mean),
+        NAIVE: Conclusion(p_value=naive.normal_p),
+    }
+
+
+def _cells(judged: Judgements, given: Codes) -> RatedCells:
+    return rated_cells(
+        given.ravel(),
+        np.tile(np.arange(len(RATED)), len(given)),
+        np.repeat(judged.participants, len(RATED)),
+        np.repeat(judged.items, len(RATED)),
+        count=len(RATED),
+    )
+
+
+def _truths(design: Design) -> Mapping[str, float]:
+    return {
+        DIFFERENCE: true_rating_difference(design),
+        MEAN: true_mean_rating(design),
+    }
+
+
+def _agreed_truths(design: Design) -> Mapping[str, float]:
+    return {
+        DIFFERENCE: true_rating_difference(design, tastes=False),
+        MEAN: true_mean_rating(design, tastes=False),
+    }
+
+
+RATINGS: Final = Protocol(conclude=conclude_ratings, truths=_truths, naive=(NAIVE,))
+AGREED_RATINGS: Final = Protocol(
+    conclude=conclude_agreed_ratings, truths=_agreed_truths, naive=(NAIVE,)
+)
+RATED_EQUIVALENCE: Final = Protocol(
+    conclude=conclude_equivalence, truths=no_truths, effects=(EFFECT, 0.0)
+)

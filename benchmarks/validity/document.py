@@ -1,0 +1,113 @@
+"""The simulated studies' table as a document: one section a kind of study."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+from benchmarks.validity.conclusions.conclusion import EFFECT
+from benchmarks.validity.experiments import EXPERIMENTS
+from benchmarks.validity.realised import (
+    CONSERVATIVE,
+    LEAST_COVERED,
+    MOST_FALSE,
+    Realised,
+    Row,
+    Share,
+    overall,
+)
+from motion.files import write_text
+
+HEAD: Final = f"""# What the report's numbers are worth
+
+`make bench-validity` simulates studies whose truth is known and counts how often each number of
+the report finds something where there is nothing (*false +*, nominally .05), how often its 95 %
+interval contains the truth (*covered*), and how often it finds an effect of {EFFECT:g} logits
+(*power*). *None* is the share of studies in which there is no such number. ± is one Monte-Carlo
+standard error. Sizes are participants × segments; SDs are how much participants and segments
+differ in their preference, in logits.
+
+A number is a **headline** where false positives are at most {MOST_FALSE:g} and coverage is at least
+{LEAST_COVERED:g}; *within error* where it misses by less than two standard errors. Below
+{CONSERVATIVE:g} it is called conservative. Equivalence is simulated with conditions that differ by
+just the margin: there, finding them equivalent is the false positive. Of heterogeneity, the effect
+is that every second emotion is liked by so much more and every other by so much less. Ranks are
+right where those of all conditions are. *Verdicts, other processes* are what the report decides
+where answers come about otherwise than in a rehearsal: heavy-tailed tastes, a taste of each
+participant for each item, tastes that drift, a third of all answers from one participant, or a
+leaderboard of three answers each; any difference that is found where there is none counts once. No
+study has a side bias, so that the power of the left side's share is a share of false positives too.
+"""
+
+_COLUMNS: Final = ("number", "people × segments, SDs", "false +", "covered", "power", "none")
+
+
+def write_sections(path: Path, name: str, rows: Sequence[Row], *, studies: int, seed: int) -> None:
+    """Put the section of one kind of study into the document, and leave all others as they are.
+
+    Parameters
+    ----------
+    path : Path
+        Made where it does not exist.
+    name : str
+        Of the kind of study.
+    rows : sequence of Row
+        What was found.
+    studies, seed : int
+        How many were simulated of each design and effect, and what drew them.
+    """
+    there = path.read_text("utf-8") if path.exists() else ""
+    sections = {
+        part.split("\n", 1)[0]: f"## {part.rstrip()}\n"
+        for part in re.split(r"^## ", there, flags=re.MULTILINE)[1:]
+    }
+    sections[_heading(name)] = _section(name, rows, studies, seed)
+    write_text(path, document(sections))
+
+
+def document(sections: Mapping[str, str]) -> str:
+    """Return the document of sections by heading; it says which kinds of studies are missing."""
+    names = [experiment.name for experiment in EXPERIMENTS]
+    missing = [name for name in names if _heading(name) not in sections]
+    found = [sections[_heading(name)] for name in names if name not in missing]
+    gap = f"Not here yet: {'; '.join(missing)}.\n"
+    return "\n".join([HEAD, *([gap] if missing else []), *found])
+
+
+def _heading(name: str) -> str:
+    return name[0].upper() + name[1:]
+
+
+def _section(name: str, rows: Sequence[Row], studies: int, seed: int) -> str:
+    numbers: dict[str, list[Row]] = {}
+    for row in rows:
+        numbers.setdefault(row.number, []).append(row)
+    lines = [
+        f"## {_heading(name)}",
+        "",
+        f"{studies:,} studies of each size without and with an effect, seed {seed}.",
+        "",
+        f"| {' | '.join((*_COLUMNS, 'verdict'))} |",
+        f"|{'---|' * (len(_COLUMNS) + 1)}",
+    ]
+    for number, own in numbers.items():
+        naive = " (as papers do)" if own[0].naive else ""
+        lines.append(
+            f"| **{number}**{naive} | | | | | | **{overall(own).replace(' x ', ' × ')}** |"
+        )
+        lines += [_line(row) for row in own]
+    return "\n".join(lines) + "\n"
+
+
+def _line(row: Row) -> str:
+    found: Realised = row.realised
+    shares = (found.false_positives, found.coverage, found.power)
+    cells = ["", row.size.replace(" x ", " × "), *map(_share, shares), f"{found.silent:.2f}"]
+    return f"| {' | '.join(cells)} | {found.verdict} |"
+
+
+def _share(share: Share) -> str:
+    return "–" if math.isnan(share.value) else f"{share.value:.3f} ± {share.error:.3f}"

@@ -1,0 +1,287 @@
+"""DiffSHEG as a generator: speech in, a clip of face and body out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from generators.clip_length import with_length
+from generators.diffsheg.network_file import MotionNetwork, load_network
+from generators.diffsheg.sampling import WindowSampler, stream
+from generators.diffsheg.walk import Sampling
+from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
+from generators.model_settings import ModelSettings
+from motion.clip import MotionClip, check_frame_rate
+from motion.errors import InputError
+from motion.formats.forearm_twist import ForearmTwists
+from motion.resample import resample
+from training.device import check_device
+from training.hearing.hubert import Hubert, check_hubert, load_hubert, stand_in
+from training.hearing.speech_frames import (
+    HearingWindow,
+    SpeechFrames,
+    hear,
+    hear_stream,
+    hearing_of,
+)
+from training.spaces.beat import beat_clip, beat_piece
+from training.spaces.show import show_clip
+
+RELEASED_OVERLAP: Final = {"beat": 4, "show": 10}
+"""Frames that the windows of the released networks share."""
+
+
+class DiffSheg:
+    """Moves as a trained network tells (Chen et al. 2024), window after window by FOPPAS.
+
+    Parameters
+    ----------
+    model : ModelSettings
+        Checkpoint and what belongs to it. Networks are read when the first clip is made.
+
+    Raises
+    ------
+    InputError
+        If HuBERT's folder or the device is not usable.
+    """
+
+    name: Final = "diffsheg"
+    version: Final = "1"
+    needs_source: Final = False
+
+    def __init__(self, model: ModelSettings) -> None:
+        if model.hubert is not None:
+            check_hubert(model.hubert)
+        check_device(model.device)
+        self._model = model
+        self._sampler: tuple[int, WindowSampler] | None = None
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+
+        It is made at the network's frame rate and resampled. Its provenance further holds data
+        set, speaker, sampling, device, the checkpoint's hash, which HuBERT heard the speech and
+        how, how many frames windows have and share and at which rate, and under ``stand_ins`` what
+        took the place of something real.
+        """
+        seeded_stream(seed)
+        count = speech.frame_count(frame_rate)
+        check_frame_rate(frame_rate)
+        config = self._network.denoiser.config
+        speaker = self._speaker(speech.segment.speaker)
+        parts, made, frames = [], 0, max(1, round(speech.audio.duration * config.frame_rate))
+        heard = hear(speech.audio, config.frame_rate, self._hubert)
+        for part in self._moved(heard, seed, speaker):
+            parts.append(part)
+            made += len(part)
+            on_part(made, frames)
+        clip = self._clip(np.concatenate(parts))
+        window = hearing_of(speech.audio)
+        return with_length(resample(clip, frame_rate), count).with_provenance(
+            generator=self.name,
+            seed=str(seed),
+            segment=speech.segment.name,
+            heard="as a whole" if window is None else str(window),
+            **self._facts(speaker, speech.segment.speaker),
+        )
+
+    def stream(
+        self,
+        pieces: Iterable[NDArray[np.float32]],
+        *,
+        seed: int,
+        window: HearingWindow | None = None,
+    ) -> Iterator[NDArray[np.float64]]:
+        """Yield motion while somebody still speaks, as soon as it is settled.
+
+        How the speech is cut into pieces changes nothing: all of it at once gives the same motion.
+        A frame is settled at the latest when a window of motion and what `window` looks ahead have
+        been heard; memory is bounded by both, however long the speech.
+
+        Parameters
+        ----------
+        pieces : iterable of ndarray
+            Samples at 16 kHz, in order.
+        seed : int
+            Not negative.
+        window : HearingWindow, optional
+            What is heard around each second; by default four seconds before and one ahead.
+
+        Yields
+        ------
+        ndarray, shape (some frames, values)
+            At the network's frame rate and in the data set's own values; `stream_clips` yields
+            clips.
+
+        Raises
+        ------
+        InputError
+            If the seed, the speaker or a file cannot be used.
+        """
+        seeded_stream(seed)
+        config = self._network.denoiser.config
+        window = HearingWindow() if window is None else window
+        heard = hear_stream(pieces, int(config.frame_rate), self._hubert, window)
+        return self._moved(heard, seed, self._speaker(None))
+
+    def stream_clips(
+        self,
+        pieces: Iterable[NDArray[np.float32]],
+        *,
+        seed: int,
+        window: HearingWindow | None = None,
+    ) -> Iterator[MotionClip]:
+        """Yield clips while somebody still speaks, as soon as they are settled.
+
+        One after the other they are the clip of all the speech at once, bit by bit.
+
+        Parameters
+        ----------
+        pieces, seed, window
+            See `stream`.
+
+        Yields
+        ------
+        MotionClip
+            The next frames, at the network's frame rate; provenance as of `generate`, with a
+            segment of no name.
+        """
+        facts = self._facts(self._speaker(None), None) | {
+            "generator": self.name,
+            "seed": str(seed),
+            "segment": "",
+            "heard": str(HearingWindow() if window is None else window),
+        }
+        frame_rate = self._network.denoiser.config.frame_rate
+        twists: ForearmTwists | None = None
+        for motion in self.stream(pieces, seed=seed, window=window):
+            if self._network.dataset == "beat":
+                clip, twists = beat_piece(motion, frame_rate, twists)
+            else:
+                clip = show_clip(motion, frame_rate)
+            yield clip.with_provenance(**facts)
+
+    def _moved(
+        self, heard: Iterable[SpeechFrames], seed: int, speaker: int
+    ) -> Iterator[NDArray[np.float64]]:
+        """Yield the network's motion to speech in its own units, (some frames, values)."""
+        config = self._network.denoiser.config
+        settled = stream(
+            heard,
+            self._sampler_of(speaker),
+            frames=config.frames,
+            width=config.motion_width,
+            sampling=self._walk,
+            seed=seed,
+        )
+        for normalised in settled:
+            motion = self._network.normalisation.restored(
+                normalised.cpu().numpy().astype(np.float64)
+            )
+            if not np.isfinite(motion).all():
+                raise InputError(
+                    "the network tells motion that is not finite",
+                    where=self._model.checkpoint,
+                    remedy="Its training has diverged: give another checkpoint",
+                )
+            yield motion
+
+    def _sampler_of(self, speaker: int) -> WindowSampler:
+        """Return what samples windows, made once for clips of the same speaker."""
+        if self._sampler is None or self._sampler[0] != speaker:
+            denoiser = self._network.denoiser
+            person = torch.eye(denoiser.config.speakers)[speaker - 1]
+            self._sampler = (speaker, WindowSampler(denoiser, person, self._walk))
+        return self._sampler[1]
+
+    def _clip(self, motion: NDArray[np.float64]) -> MotionClip:
+        made = beat_clip if self._network.dataset == "beat" else show_clip
+        return made(motion, self._network.denoiser.config.frame_rate)
+
+    def _speaker(self, speaking: str | None) -> int:
+        """Return the number of whom it moves as, when the speaker of that name is heard."""
+        known, wanted = self._network.speakers, self._model.speaker
+        try:
+            if wanted is None:
+                return 1 if known is None or speaking is None else known.stand_in(speaking)
+            if known is not None:
+                return known.number(wanted)
+        except InputError as error:
+            where = self._model.checkpoint
+            raise InputError(error.what, where=where, remedy=error.remedy) from error
+        speakers = self._network.denoiser.config.speakers
+        if not isinstance(wanted, int) or wanted > speakers:
+            raise InputError(
+                f"there is no speaker {wanted}",
+                where=self._model.checkpoint,
+                remedy=f"Give a number from 1 to {speakers}",
+            )
+        return wanted
+
+    def _facts(self, speaker: int, speaking: str | None) -> dict[str, str]:
+        """Return what a clip's provenance says of network and sampling."""
+        config, sampling = self._network.denoiser.config, self._walk
+        known = self._network.speakers
+        name = str(speaker) if known is None else known.names[speaker - 1]
+        facts = {
+            "config": f"{config.layers} layers of {config.width}, {config.flow}, "
+            f"windows of {config.frames} frames at {config.frame_rate:g} fps",
+            "dataset": self._network.dataset,
+            "speaker": name,
+            "sampling": f"{sampling.steps} steps, overlap {sampling.overlap}, entry "
+            f"{sampling.entry}, jump length {sampling.jump_length}, jump count "
+            f"{sampling.jump_count}, blended below {sampling.blend_below:g}"
+            f"{', from the last pose' if sampling.keeps_pose else ''}"
+            f"{', with its own noise' if sampling.own_noise else ''}",
+            "window_frames": str(config.frames),
+            "window_overlap": str(sampling.overlap),
+            "window_frame_rate": f"{config.frame_rate:g}",
+            "device": self._model.device,
+            "checkpoint": self._model.checkpoint.name,
+            "checkpoint_sha256": self._model.checkpoint_sha256,
+            "hubert": self._hubert.description,
+        }
+        stand_ins = [self._hubert.description] if self._hubert.stands_in else []
+        if known is not None and self._model.speaker is None and name != speaking:
+            stand_ins.append(f"speaker {name} for who is heard")
+        if self._network.dataset == "show":
+            stand_ins.append("relaxed hands for SMPL-X's mean hands")
+        return facts | ({"stand_ins": "; ".join(stand_ins)} if stand_ins else {})
+
+    @cached_property
+    def _network(self) -> MotionNetwork:
+        model = self._model
+        network = load_network(model.checkpoint, model.dataset, model.stats)
+        return replace(network, denoiser=network.denoiser.to(model.device))
+
+    @cached_property
+    def _hubert(self) -> Hubert:
+        folder = self._model.hubert
+        hubert = stand_in() if folder is None else load_hubert(folder)
+        learned = self._network.hubert
+        if learned is not None and hubert.identity != learned:
+            raise InputError(
+                f"the network learned from what {learned} heard, and {hubert.description} would "
+                "hear now",
+                where=self._model.checkpoint,
+                remedy="Name the folder of the same HuBERT, or none where a stand-in heard",
+            )
+        return hubert.on(self._model.device)
+
+    @cached_property
+    def _walk(self) -> Sampling:
+        return self._model.sampling.sampling(overlap=RELEASED_OVERLAP[self._network.dataset])

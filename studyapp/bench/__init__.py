@@ -1,1 +1,0 @@
-"""Measuring and straining the server, and the PostgreSQL server that it is done with."""

@@ -1,0 +1,115 @@
+"""Connections to PostgreSQL that wait for no server without end."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Final
+
+import psycopg
+from psycopg.abc import RV, PQGen
+from sqlalchemy import Connection, Engine, event
+from sqlalchemy.engine.interfaces import DBAPIConnection
+from sqlalchemy.exc import DisconnectionError
+from sqlalchemy.pool import ConnectionPoolEntry, PoolProxiedConnection
+
+CONNECT_SECONDS: Final = 3
+"""How long a connection may take to be made."""
+
+ALIVE_SECONDS: Final = 3.0
+"""How long a server may take to say that it is there."""
+
+STATEMENT_SECONDS: Final = 30.0
+"""How long a statement may take, waiting for others included."""
+
+READING_SECONDS: Final = 600.0
+"""How long one of a command may take that only reads: a report reads whole tables."""
+
+GRACE_SECONDS: Final = 2.0
+"""What a server may take to say that a statement took too long; a frozen one says nothing."""
+
+REST_SECONDS: Final = 1.0
+"""After such a rest, a connection is tried before it is used."""
+
+RESTS_SINCE: Final = "rests_since"
+
+
+class PatientConnection(psycopg.Connection[Any]):
+    """A connection that gives a server up which does not answer.
+
+    Attributes
+    ----------
+    patience : float or None
+        Seconds that each statement may take; None for any time.
+    """
+
+    patience: float | None = None
+
+    def wait(self, gen: PQGen[RV], interval: float = 0.1, timeout: float | None = None) -> RV:
+        """Wait for the server; what it does then is unknown, so the connection ends."""
+        try:
+            return super().wait(gen, interval, self.patience if timeout is None else timeout)
+        except psycopg.errors._WaitTimeout as error:
+            self.pgconn.finish()
+            raise psycopg.OperationalError("the database does not answer") from error
+
+
+def bound_waiting(engine: Engine, seconds: float) -> None:
+    """Let no statement on connections of `engine` take longer than `seconds`."""
+
+    @event.listens_for(engine, "do_connect")
+    def connect(
+        _dialect: Any, _record: Any, arguments: list[Any], named: dict[str, Any]
+    ) -> PatientConnection:
+        made = PatientConnection.connect(
+            *arguments, **{"connect_timeout": CONNECT_SECONDS, **named}
+        )
+        made.patience = ALIVE_SECONDS
+        made.execute(f"SET statement_timeout = {round(1000 * seconds)}")
+        made.commit()
+        made.patience = seconds + GRACE_SECONDS
+        return made
+
+    event.listen(engine, "checkin", _note_rest)
+    event.listen(engine, "checkout", _require_alive)
+
+
+@contextmanager
+def taking_time(connection: Connection) -> Iterator[None]:
+    """Let statements of the present transaction on `connection` take any time."""
+    driver: Any = connection.connection.driver_connection
+    if not isinstance(driver, PatientConnection):
+        yield
+        return
+    patience, driver.patience = driver.patience, None
+    try:
+        connection.exec_driver_sql("SET LOCAL statement_timeout = 0")
+        yield
+    finally:
+        driver.patience = patience
+
+
+def _note_rest(_connection: DBAPIConnection | None, record: ConnectionPoolEntry) -> None:
+    record.info[RESTS_SINCE] = time.monotonic()
+
+
+def _require_alive(
+    connection: DBAPIConnection, record: ConnectionPoolEntry, _proxy: PoolProxiedConnection
+) -> None:
+    """Have a connection that has rested replaced where its server has gone away meanwhile.
+
+    To ask before every use would be a journey to the server for nothing.
+    """
+    since = record.info.get(RESTS_SINCE)
+    if since is None or time.monotonic() - since < REST_SECONDS:
+        return
+    driver: Any = connection
+    patience, driver.patience = driver.patience, ALIVE_SECONDS
+    try:
+        connection.cursor().execute("SELECT 1")
+        connection.commit()
+    except psycopg.Error as error:
+        raise DisconnectionError from error
+    finally:
+        driver.patience = patience

@@ -1,0 +1,82 @@
+"""Test participations: the whole study on a database of its own, so that nothing of it counts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sqlalchemy import delete, func, select
+
+from studyapp.clock import Clock
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import Base, StudySession
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.intake import present_intake
+from studyapp.services.places import has_open_place
+from studyapp.services.recruiting.invitations import make_invitations
+from studyapp.services.scrubbing import leave_nothing
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.steering import extend
+from studyapp.services.versions import open_study
+
+
+def make_test_participation(root: Path, served: ServedStudy, clock: Clock, *, by: str) -> str:
+    """Return the token of a link by which somebody can try the study in folder `root` once.
+
+    There is always a place for it: where all were tried, one more opens in each arm.
+
+    Parameters
+    ----------
+    by : str
+        Who asks for it.
+    """
+    tried = served.opened_to_try()
+    database = Database.open(sqlite_url(StudyFolder(root).tries))
+    try:
+        open_study(database, tried, clock, new_version=True)
+        with database.reading() as session:
+            is_full = not has_open_place(session, tried, present_intake(session), clock.now())
+        if is_full:
+            extend(database, tried, clock, 1, by=by, reason="every place has been tried")
+        (token,) = make_invitations(database, 1, clock)
+    finally:
+        database.close()
+    return token
+
+
+def count_test_participations(root: Path) -> int:
+    """Return how many people have begun to try the study in folder `root`."""
+    with _stored(root) as database:
+        return 0 if database is None else _count(database)
+
+
+def erase_test_participations(root: Path) -> int:
+    """Erase all test participations of the study in folder `root`; return how many there were."""
+    with _stored(root) as database:
+        if database is None:
+            return 0
+        count = _count(database)
+        with database.writing() as session:
+            for table in reversed(Base.metadata.sorted_tables):
+                session.execute(delete(table))
+        leave_nothing(database)
+    return count
+
+
+def _count(database: Database) -> int:
+    with database.reading() as session:
+        return session.scalar(select(func.count(StudySession.id))) or 0
+
+
+@contextmanager
+def _stored(root: Path) -> Iterator[Database | None]:
+    file = StudyFolder(root).tries
+    if not file.exists():
+        yield None
+        return
+    database = Database.open(sqlite_url(file))
+    try:
+        yield database
+    finally:
+        database.close()

@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from analysis.metrics import network_names as names
+from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
+from benchmarks.learned_motion.comparison import Followings, score_of, verdicts, written
+from benchmarks.learned_motion.following import MEASURES, MeanFollowed
+from benchmarks.learned_motion.page import page
+from studyapp.definition.study import GROUND_TRUTH
+
+NOTHING = MeanFollowed(mean=math.nan, low=math.nan, high=math.nan, clips=0)
+GOOD = {RULE_BASED: 8.0, UNTRAINED: 10.0, "trained_1": 3.0, "trained_2": 4.0}
+
+
+def around(mean: float) -> MeanFollowed:
+    return MeanFollowed(mean=mean, low=mean - 0.05, high=mean + 0.05, clips=10)
+
+
+def following(own: float, swapped: float) -> Followings:
+    return Followings(
+        own=dict.fromkeys(MEASURES, around(own)), swapped=dict.fromkeys(MEASURES, around(swapped))
+    )
+
+
+def judged(
+    distances: dict[str, float] | None = None, own: float = 0.3, swapped: float = 0.01
+) -> dict[str, bool]:
+    found = {name: following(own, swapped) for name in ("trained_1", "trained_2")}
+    found[GROUND_TRUTH] = following(0.7, 0.03)
+    made = verdicts(GOOD | (distances or {}), found, ("trained_1", "trained_2"))
+    return {one.claim: one.holds for one in made}
+
+
+def test_a_network_that_does_all_is_told_so() -> None:
+    assert all(judged().values())
+    assert len(judged()) == 6
+
+
+@pytest.mark.parametrize(
+    ("distances", "failed"),
+    [
+        ({"trained_2": 6.0}, "at most half"),
+        ({"trained_1": 9.0, "untrained": 30.0}, "below that of `rule_based`"),
+        ({"trained_1": math.nan}, "at most half"),
+    ],
+)
+def test_one_seed_that_falls_short_fails_the_claim(
+    distances: dict[str, float], failed: str
+) -> None:
+    assert [claim for claim, holds in judged(distances).items() if failed in claim and not holds]
+
+
+def test_motion_that_follows_any_speech_fails() -> None:
+    failed = [claim for claim, holds in judged(swapped=0.2).items() if not holds]
+    assert len(failed) == 2
+    assert all("swapped" in claim for claim in failed)
+
+
+def test_motion_that_does_not_follow_its_own_speech_fails() -> None:
+    failed = [claim for claim, holds in judged(own=0.02).items() if not holds]
+    assert len(failed) == 2
+    assert all("with its own speech" in claim for claim in failed)
+
+
+def score(condition: str, name: str, value: float) -> ConditionScore:
+    return ConditionScore(
+        condition=condition,
+        name=name,
+        unit="",
+        value=value,
+        spread=math.nan,
+        scored=1,
+        clips=1,
+        settings={},
+        reason="" if math.isfinite(value) else "none",
+    )
+
+
+METRICS = StudyMetrics(
+    frame_rate=15.0,
+    clips=(),
+    conditions=(score("trained_1", names.FGD, 3.25), score(UNTRAINED, names.FGD, 10.0)),
+)
+
+
+def test_a_score_is_found_by_condition_and_name() -> None:
+    assert score_of(METRICS, "trained_1", names.FGD) == 3.25
+    assert math.isnan(score_of(METRICS, "ground_truth", names.FGD))
+
+
+def test_the_page_tells_missing_numbers_from_zero_and_fallen_claims_from_held_ones() -> None:
+    found = {
+        GROUND_TRUTH: following(0.7, 0.0),
+        UNTRAINED: following(0.0, 0.0),
+        "trained_1": following(0.3, 0.2),
+    }
+    distances = {"trained_1": 3.25, UNTRAINED: 10.0, RULE_BASED: 8.0}
+    text = page(METRICS, found, verdicts(distances, found, ("trained_1",)), ["Made of nothing."])
+    assert "| untrained | 10 | – | – |" in text
+    assert "| trained_1 | 3.25 |" in text
+    assert text.count("**no**") == 2
+    assert "- Made of nothing." in text
+
+
+def test_a_mean_without_clips_is_a_dash() -> None:
+    assert written(NOTHING) == "–"
+    assert written(around(0.25)) == "0.250 [0.200, 0.300]"

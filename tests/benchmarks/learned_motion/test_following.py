@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchmarks.learned_motion.following import (
+    JAW,
+    Followed,
+    MeanFollowed,
+    Speech,
+    follow,
+    mean_followed,
+)
+from motion.clip import ARKIT_COUNT, MotionClip
+from motion.skeleton import JOINT_COUNT, joint_index
+
+FRAMES = 90
+RATE = 15.0
+
+
+def swinging(speed: NDArray[np.float64], jaw: NDArray[np.float64] | None = None) -> MotionClip:
+    """Return a clip whose elbows turn as fast, in radians per second, as `speed` says."""
+    poses = np.zeros((len(speed), JOINT_COUNT, 3), np.float32)
+    for side in ("left", "right"):
+        poses[:, joint_index(f"{side}_elbow"), 1] = np.cumsum(speed) / RATE
+    arkit = np.zeros((len(speed), ARKIT_COUNT), np.float32)
+    if jaw is not None:
+        arkit[:, JAW] = jaw
+    return MotionClip(
+        poses=poses,
+        trans=np.zeros((len(speed), 3), np.float32),
+        frame_rate=RATE,
+        arkit=arkit,
+    )
+
+
+def curve(seed: int) -> NDArray[np.float64]:
+    """Return a curve between 0 and 1 that rises and falls several times a second."""
+    places = np.random.default_rng(seed).uniform(size=24)
+    return np.interp(np.linspace(0, 23, FRAMES), np.arange(24), places)
+
+
+def speech(seed: int) -> Speech:
+    return Speech(
+        wrist_speed=curve(seed), jaw_open=curve(seed + 100), onsets=np.arange(0.2, 6, 0.7)
+    )
+
+
+def test_wrists_that_move_as_the_process_says_follow_it() -> None:
+    said = speech(1)
+    found = follow(swinging(said.wrist_speed, said.jaw_open), said)
+    assert found.wrist_speed > 0.95
+    assert found.jaw_open == pytest.approx(1, abs=1e-6)
+
+
+def test_wrists_that_move_as_another_speech_says_do_not() -> None:
+    found = follow(swinging(speech(1).wrist_speed), speech(2))
+    assert abs(found.wrist_speed) < 0.6
+
+
+def test_what_does_not_move_follows_nothing_and_says_so() -> None:
+    found = follow(swinging(np.zeros(FRAMES)), speech(1))
+    assert math.isnan(found.wrist_speed)
+    assert math.isnan(found.jaw_open)
+    assert math.isnan(found.beats)
+
+
+def test_only_the_time_that_clip_and_speech_share_counts() -> None:
+    said = speech(3)
+    clip = swinging(said.wrist_speed, said.jaw_open)
+    longer = swinging(
+        np.concatenate([said.wrist_speed, np.full(40, 5.0)]),
+        np.concatenate([said.jaw_open, np.zeros(40)]),
+    )
+    assert follow(longer, said) == follow(clip, said)
+
+
+def test_what_happens_in_the_silence_at_both_ends_does_not_count() -> None:
+    said = speech(3)
+    odd = said.jaw_open.copy()
+    odd[:10], odd[-10:] = 1, 1
+    one, other = (follow(swinging(said.wrist_speed, jaw), said) for jaw in (said.jaw_open, odd))
+    assert one == other
+
+
+def test_too_short_a_clip_has_no_score() -> None:
+    assert math.isnan(follow(swinging(curve(1)[:40], curve(2)[:40]), speech(1)).jaw_open)
+
+
+def followed(**values: float) -> Followed:
+    return Followed(**{"wrist_speed": 0.0, "jaw_open": 0.0, "beats": 0.0} | values)
+
+
+def mean_of(values: dict[str, float], groups: dict[str, str]) -> MeanFollowed:
+    scores = {take: followed(wrist_speed=value) for take, value in values.items()}
+    return mean_followed(scores, groups, "wrist_speed")
+
+
+def test_the_mean_lies_in_its_interval_and_leaves_undefined_clips_out() -> None:
+    values = {f"t{number}": 0.1 * number for number in range(10)} | {"still": math.nan}
+    found = mean_of(values, {take: take for take in values})
+    assert found.clips == 10
+    assert found.mean == pytest.approx(0.45)
+    assert found.low < 0.45 < found.high
+
+
+def test_takes_of_one_text_are_drawn_together() -> None:
+    values = {f"t{number}": float(number % 2) for number in range(20)}
+    alone = mean_of(values, {take: take for take in values})
+    together = mean_of(values, {take: str(value) for take, value in values.items()})
+    assert together.high - together.low > 1.5 * (alone.high - alone.low)
+
+
+def test_no_clip_gives_no_mean() -> None:
+    found = mean_of({"still": math.nan}, {"still": "text"})
+    assert found.clips == 0
+    assert math.isnan(found.mean)

@@ -1,0 +1,37 @@
+"""A short run of what `make soak` does for long."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.server.kill_soak import Strain, kill_soak
+from benchmarks.server.malformed_soak import malformed_soak
+from tests.support.databases import Backend
+from tests.support.throwaway_postgresql import programs
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("backend", "seed"), [("sqlite", 40), ("postgresql", 45)])
+def test_no_acknowledged_answer_is_lost_or_doubled_when_everything_is_killed(
+    backend: Backend, seed: int
+) -> None:
+    if backend == "postgresql" and programs() is None:
+        pytest.skip("PostgreSQL is not installed")
+
+    outcome = kill_soak(backend, Strain(sessions=16, trials=3, kills=3, seed=seed))
+
+    assert outcome.problems == ()
+    assert outcome.acknowledged == 16 * 3 * 2
+    assert sum(outcome.killed.values()) == 3
+    everything = {"worker", "arbiter"} | ({"database"} if backend == "postgresql" else set())
+    assert set(outcome.killed) == everything
+
+
+@pytest.mark.slow
+def test_malformed_requests_neither_fail_nor_leave_anything_behind() -> None:
+    outcome = malformed_soak("sqlite", requests=400, seed=5)
+
+    assert outcome.problems == ()
+    assert sum(outcome.answers.values()) == 400
+    # They came further than the front door.
+    assert {403, 404, 405, 409, 413, 422} <= set(outcome.answers)

@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from benchmarks.adaptive_pairs import KNOWN, answers_needed, draw, report, simulate
+from studyapp.design.adaptive_simulation import CHOICES, TRIALS
+
+
+def test_the_figure_is_drawn_and_its_numbers_are_told(tmp_path: Path) -> None:
+    curves = {1.0: simulate(strength_sd=1.0, repetitions=2, participants=5, conditions=4)}
+
+    draw(curves, tmp_path / "adaptive.png")
+
+    with Image.open(tmp_path / "adaptive.png") as picture:
+        assert picture.width > 600
+    said = report(curves)
+    for choice in CHOICES:
+        assert curves[1.0][choice].shape == (2, 5, 2)
+        assert f"{curves[1.0][choice][:, 4, 0].mean():.3f}" in said
+        assert f"answers_until_known_{choice}_sd_1: " in said
+
+
+def test_an_order_counts_as_known_from_the_first_participant_who_makes_it_so() -> None:
+    taus = np.array([[0.5, KNOWN, 0.8], [0.7, KNOWN, 1.0]])
+    curve = np.stack([taus, np.zeros_like(taus)], axis=-1)
+
+    assert answers_needed(curve) == 2 * TRIALS
+    assert answers_needed(curve[:, :1]) is None

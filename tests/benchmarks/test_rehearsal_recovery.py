@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.rehearsal_recovery import (
+    BEGIN,
+    END,
+    Tally,
+    measure,
+    simulated,
+    template_study,
+)
+from studyapp.rehearsal.kinds import KINDS
+from studyapp.rehearsal.population import Population, default_population
+
+DOCS = Path(__file__).resolve().parents[2] / "docs" / "rehearsal.md"
+
+
+def test_the_same_tables_come_every_time() -> None:
+    first = measure(rehearsals=1)
+    assert first == measure(rehearsals=1)
+    assert first[0].startswith("1 rehearsals of the pairwise template: 25 participants")
+
+
+def test_the_page_holds_tables_of_every_question_and_kind() -> None:
+    study, _ = template_study()
+    tables = DOCS.read_text("utf-8").split(BEGIN)[1].split(END)[0]
+    for question in study.questions:
+        assert f"| {question.name} | after exclusions |" in tables
+    for kind in KINDS:
+        assert f"| {kind.replace('_', ' ')} |" in tables
+
+
+def test_every_place_is_taken_until_somebody_stays() -> None:
+    study, segments = template_study()
+    people = default_population(study)
+    leaving = Population(quality=people.quality, kinds={"dropping_out": 0.4})
+    made = simulated(study, segments, leaving, seed=1)
+    whole = [who for who, known in made.known.items() if known.settled == known.trials]
+    assert len(whole) == study.arms[0].places
+    assert len(made.known) > len(whole)
+    assert {made.kinds[who] for who in made.known if who not in whole} == {"dropping_out"}
+
+
+@pytest.mark.parametrize(
+    ("truth", "low", "high", "inside", "right", "wrong"),
+    [(0.6, 0.55, 0.7, 1, 1, 0), (0.6, 0.3, 0.4, 0, 0, 1), (0.6, 0.45, 0.7, 1, 0, 0)],
+)
+def test_an_interval_that_leaves_out_one_half_has_found_a_side(
+    truth: float, low: float, high: float, inside: int, right: int, wrong: int
+) -> None:
+    tally = Tally()
+    tally.add(truth, (low + high) / 2, low, high)
+    assert (tally.inside, tally.right, tally.wrong) == (inside, right, wrong)

@@ -1,0 +1,133 @@
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from benchmarks.validity.benchmark import main, measure
+from benchmarks.validity.experiments import EXPERIMENTS, Experiment
+from benchmarks.validity.realised import Realised, Row, Tally, overall
+from benchmarks.validity.studies import Design
+
+BY_NAME = {experiment.name: experiment for experiment in EXPERIMENTS}
+VOTES = BY_NAME["votes"]
+
+
+SMALL = Design(participants=12, items=10, effect=0.0, participant_sd=1.0, item_sd=0.8)
+
+
+def measured(experiment: Experiment, studies: int, design: Design = SMALL) -> dict[str, Row]:
+    one = replace(experiment, designs=(design,), share=1.0)
+    return {row.number: row for row in measure(one, studies=studies, seed=7)}
+
+
+@cache
+def few_studies(name: str) -> dict[str, Row]:
+    return measured(BY_NAME[name], studies=15)
+
+
+def test_clustered_tests_keep_their_level_where_pooled_ones_do_not() -> None:
+    found = measured(BY_NAME["pairs"], studies=60, design=replace(SMALL, participants=20, items=16))
+
+    for number in ("win share, two-way clustered", "min F'"):
+        assert found[number].realised.false_positives.value <= 0.15
+        assert not found[number].naive
+    for number in ("pooled binomial", "pooled Wilcoxon"):
+        assert found[number].realised.false_positives.value >= 0.25
+        assert found[number].naive
+    assert found["win share, two-way clustered"].realised.coverage.value >= 0.85
+
+
+def test_a_study_with_an_effect_finds_it_more_often_than_one_without() -> None:
+    alike = replace(SMALL, items=24, participant_sd=0.0, item_sd=0.0)
+
+    for row in measured(BY_NAME["pairs, mixed model"], studies=10, design=alike).values():
+        assert row.realised.power.value > row.realised.false_positives.value + 0.2
+
+
+@pytest.mark.parametrize(
+    ("name", "clustered", "naive"),
+    [
+        ("votes", "Bradley-Terry strength, two-way", "Bradley-Terry strength, errors of the model"),
+        ("votes", "Bradley-Terry ranks", "Bradley-Terry strength, clustered by participant"),
+        ("rankings", "Plackett-Luce worth, two-way", "Plackett-Luce worth, errors of the model"),
+        ("rankings", "mean rank", "Friedman on all rankings"),
+        ("ratings", "difference of paired ratings", "pooled Wilcoxon of ratings"),
+    ],
+)
+def test_numbers_clustered_two_ways_find_less_that_is_not_there(
+    name: str, clustered: str, naive: str
+) -> None:
+    found = few_studies(name)
+
+    [ours] = (row.realised for number, row in found.items() if number.startswith(clustered))
+    assert ours.false_positives.value < found[naive].realised.false_positives.value
+    assert ours.coverage.value > 0.7
+
+
+def test_conditions_that_differ_by_the_margin_are_seldom_found_equivalent() -> None:
+    large = replace(SMALL, participants=25, items=24, participant_sd=0.3, item_sd=0.3)
+
+    [row] = measured(BY_NAME["pairs, equivalence"], studies=100, design=large).values()
+
+    assert row.realised.false_positives.value < 0.12
+    assert row.realised.power.value > 0.5
+
+
+def test_every_kind_of_study_is_simulated_with_fewer_segments_too() -> None:
+    for experiment in EXPERIMENTS:
+        if experiment.name == "verdicts, other processes":
+            continue  # The process varies there, not the size.
+        items = {design.items for design in experiment.designs}
+        assert min(items) < max(items)
+
+
+@pytest.mark.parametrize(
+    "name", ["pairs", "pairs, mixed model", "mismatch", "ratings", "votes", "rankings"]
+)
+def test_every_protocol_is_simulated_with_very_few_segments(name: str) -> None:
+    assert min(design.items for design in BY_NAME[name].designs) <= 6
+
+
+def test_how_the_work_is_shared_out_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("benchmarks.validity.benchmark.BLOCK", 2)
+    one = replace(VOTES, designs=(SMALL,))
+
+    with ThreadPoolExecutor(2) as pool:
+        shared = measure(one, studies=5, seed=1, pool=pool)
+
+    assert repr(shared) == repr(measure(one, studies=5, seed=1))
+
+
+def test_the_command_ends_with_names_and_values_and_writes_each_kind_of_study_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "validity.md"
+    for name in ("votes", "mismatch", "votes"):
+        main(["--studies", "1", "--only", name, "--processes", "1", "--write", str(path)])
+
+    *_, studies, seconds = capsys.readouterr().out.splitlines()
+    assert studies == "studies: 1"
+    assert seconds.startswith("seconds: ")
+    text = path.read_text("utf-8")
+    assert text.index("## Mismatch") < text.index("## Votes")
+    assert text.count("## Votes") == 1
+    assert "seed 1" in text
+    assert "Not here yet: pairs; " in text
+
+
+def test_a_number_fails_over_all_where_it_fails_in_one_design() -> None:
+    rows = list(measured(VOTES, studies=1).values())[:1]
+    fine = [replace(rows[0], realised=_realised(50)) for _ in range(2)]
+    broken = replace(rows[0], realised=_realised(300))
+
+    assert overall(fine) == "headline"
+    assert overall([*fine, broken]) == "not a headline at 12 x 10, 1/0.8"
+
+
+def _realised(significant: int) -> Realised:
+    counted = Tally(studies=1000, tested=1000, significant=significant)
+    return Realised.of(counted, counted)

@@ -1,0 +1,250 @@
+"""From speech to a clip."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from generators.diffsheg.generate import DiffSheg
+from generators.diffsheg.network_file import write_network
+from generators.diffsheg.walk import SamplingSettings
+from generators.interface import SpeechSegment
+from generators.model_settings import ModelSettings
+from motion.errors import InputError
+from motion.skeleton import joint_index
+from tests.generators.diffsheg.small_network import small, small_network, written_network
+from training.hearing.hubert import stand_in
+from training.hearing.speech_frames import HearingWindow
+from training.spaces.beat import beat_clip
+from training.spaces.show import show_clip
+from training.speakers import Speakers
+
+Speak = Callable[..., SpeechSegment]
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> ModelSettings:
+    return ModelSettings(checkpoint=written_network(tmp_path / "small.safetensors"))
+
+
+def test_a_clip_says_what_made_it_and_what_stood_in(model: ModelSettings, speak: Speak) -> None:
+    clip = DiffSheg(replace(model, speaker=2)).generate(speak("one", 2.0), seed=3, frame_rate=30)
+    facts = clip.provenance
+    assert facts["checkpoint_sha256"] == hashlib.sha256(model.checkpoint.read_bytes()).hexdigest()
+    assert facts["checkpoint"] == "small.safetensors"
+    assert facts["dataset"] == "beat"
+    assert facts["speaker"] == "2"
+    assert "25 steps, overlap 6" in facts["sampling"]
+    assert "windows of 34 frames at 15 fps" in facts["config"]
+    assert "stand-in for HuBERT" in facts["stand_ins"]
+
+
+def test_face_and_body_move_and_hips_and_legs_stand_still(
+    model: ModelSettings, speak: Speak
+) -> None:
+    clip = DiffSheg(model).generate(speak("one", 2.0), seed=3, frame_rate=30)
+    moves = np.ptp(clip.poses, axis=0).max(axis=1)
+    assert all(moves[joint_index(name)] > 0 for name in ("head", "left_wrist", "right_thumb1"))
+    legs = ("pelvis", "left_hip", "right_knee", "left_ankle")
+    assert all(moves[joint_index(name)] == 0 for name in legs)
+    assert clip.arkit is not None
+    assert np.ptp(clip.arkit, axis=0).max() > 0
+
+
+def test_a_network_of_show_moves_jaw_and_expressions(tmp_path: Path, speak: Speak) -> None:
+    checkpoint = written_network(tmp_path / "show.safetensors", "show")
+    clip = DiffSheg(ModelSettings(checkpoint=checkpoint)).generate(
+        speak("one", 2.0), seed=3, frame_rate=30
+    )
+    assert clip.arkit is None
+    assert clip.expressions is not None
+    assert np.ptp(clip.expressions, axis=0).min() > 0
+    assert "overlap 15" in clip.provenance["sampling"]
+    assert "relaxed hands" in clip.provenance["stand_ins"]
+
+
+def test_the_speech_decides_the_motion(model: ModelSettings, speak: Speak) -> None:
+    clips = [
+        DiffSheg(model).generate(speak("one", 2.0, "neutral", number), seed=3, frame_rate=15)
+        for number in range(2)
+    ]
+    assert (clips[0].poses != clips[1].poses).any()
+
+
+def test_sampling_can_be_chosen_and_is_quoted(model: ModelSettings, speak: Speak) -> None:
+    sampling = SamplingSettings(preset="plain", steps=10, overlap=2)
+    clip = DiffSheg(replace(model, sampling=sampling)).generate(
+        speak("one", 1.0), seed=3, frame_rate=15
+    )
+    assert clip.provenance["sampling"].startswith("10 steps, overlap 2, entry 6")
+    assert "jump count 1" in clip.provenance["sampling"]
+    windows = [clip.provenance[f"window_{name}"] for name in ("frames", "overlap", "frame_rate")]
+    assert windows == ["34", "2", "15"]
+
+
+def test_a_long_clip_says_how_far_it_is(model: ModelSettings, speak: Speak) -> None:
+    told: list[tuple[int, int]] = []
+    DiffSheg(model).generate(
+        speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: told.append(far)
+    )
+    assert told == [(28, 90), (56, 90), (84, 90), (90, 90)]
+
+
+def test_speech_longer_than_is_heard_at_once_is_moved_to_and_says_so(
+    model: ModelSettings, speak: Speak, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    speech = speak("one", 5.0)
+    whole = DiffSheg(model).generate(speech, seed=3, frame_rate=15)
+    assert whole.provenance["heard"] == "as a whole"
+    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_WHOLE", 2.0)
+    window = HearingWindow(past=1, ahead=1.0, at_once=2)
+    monkeypatch.setattr("training.hearing.speech_frames.LONG", window)
+    clip = DiffSheg(model).generate(speech, seed=3, frame_rate=15)
+    assert clip.provenance["heard"] == "2 s at once with 1 s before and 1 s ahead"
+    assert len(clip) == len(whole)
+    assert (clip.poses != whole.poses).any()
+
+
+def test_a_device_that_is_not_there_is_refused(model: ModelSettings) -> None:
+    if torch.cuda.is_available():
+        pytest.skip("a graphics processor is there")
+    with pytest.raises(InputError, match="no graphics processor"):
+        DiffSheg(replace(model, device="cuda"))
+
+
+@pytest.fixture
+def named(tmp_path: Path) -> ModelSettings:
+    """Return a network that knows whom it learned from, and what heard the speech for it."""
+    network = replace(
+        small_network(),
+        speakers=Speakers(("ada", "bo"), small("beat").speakers),
+        hubert=stand_in().identity,
+    )
+    write_network(tmp_path / "named.safetensors", network)
+    return ModelSettings(checkpoint=tmp_path / "named.safetensors")
+
+
+@pytest.mark.parametrize(("wanted", "moves_as"), [("bo", "bo"), (2, "bo"), ("1", "ada")])
+def test_a_network_that_knows_names_moves_as_who_is_named(
+    named: ModelSettings, speak: Speak, wanted: int | str, moves_as: str
+) -> None:
+    clip = DiffSheg(replace(named, speaker=wanted)).generate(
+        speak("one", 1.0), seed=3, frame_rate=15
+    )
+    assert clip.provenance["speaker"] == moves_as
+
+
+def test_a_network_moves_as_who_speaks_where_nobody_is_named(
+    named: ModelSettings, speak: Speak
+) -> None:
+    speech = speak("one", 1.0)
+    clips = [
+        DiffSheg(named).generate(
+            replace(speech, segment=replace(speech.segment, speaker=name)), seed=3, frame_rate=15
+        )
+        for name in ("ada", "bo")
+    ]
+    assert [clip.provenance["speaker"] for clip in clips] == ["ada", "bo"]
+    assert (clips[0].poses != clips[1].poses).any()
+    assert "speaker" not in clips[0].provenance["stand_ins"]
+    stranger = DiffSheg(named).generate(speech, seed=3, frame_rate=15).provenance
+    assert f"speaker {stranger['speaker']} for who is heard" in stranger["stand_ins"]
+
+
+def test_a_speaker_of_no_such_name_is_refused(named: ModelSettings, speak: Speak) -> None:
+    with pytest.raises(InputError, match="knows no speaker 'cy'") as refusal:
+        DiffSheg(replace(named, speaker="cy")).generate(speak("one", 1.0), seed=3, frame_rate=15)
+    assert str(named.checkpoint) in str(refusal.value)
+
+
+def test_a_network_that_learned_from_another_hubert_is_refused(
+    tmp_path: Path, speak: Speak
+) -> None:
+    path = tmp_path / "other.safetensors"
+    write_network(path, replace(small_network(), hubert="sha256 of another"))
+    with pytest.raises(InputError, match="learned from what sha256 of another heard"):
+        DiffSheg(ModelSettings(checkpoint=path)).generate(speak("one", 1.0), seed=3, frame_rate=15)
+
+
+def test_a_speaker_whom_the_network_does_not_know_is_refused(
+    model: ModelSettings, speak: Speak
+) -> None:
+    with pytest.raises(InputError, match="no speaker 31") as refusal:
+        DiffSheg(replace(model, speaker=31)).generate(speak("one", 1.0), seed=3, frame_rate=15)
+    assert "from 1 to 30" in str(refusal.value.remedy)
+
+
+def test_a_folder_without_hubert_is_refused_before_anything_is_made(
+    model: ModelSettings, tmp_path: Path
+) -> None:
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match=r"holds no config\.json"):
+        DiffSheg(replace(model, hubert=tmp_path / "empty"))
+
+
+def test_a_network_whose_motion_is_not_finite_is_refused(tmp_path: Path, speak: Speak) -> None:
+    network = small_network()
+    for weight in network.denoiser.parameters():
+        weight.fill_(float("nan"))
+    write_network(tmp_path / "diverged.safetensors", network)
+    model = ModelSettings(checkpoint=tmp_path / "diverged.safetensors")
+    with pytest.raises(InputError, match="not finite"):
+        DiffSheg(model).generate(speak("one", 1.0), seed=3, frame_rate=15)
+
+
+def test_motion_comes_while_somebody_speaks_and_is_that_of_all_speech_at_once(
+    model: ModelSettings, speak: Speak
+) -> None:
+    samples = speak("one", 6.3).audio.samples
+    heard: list[int] = []
+
+    def pieces() -> Iterator[np.ndarray]:
+        for piece in np.array_split(samples, 50):
+            heard.append(len(piece))
+            yield piece
+
+    generator = DiffSheg(model)
+    window = HearingWindow(past=1, ahead=0.5)
+    streamed = generator.stream(pieces(), seed=3, window=window)
+    first = next(streamed)
+    # A window of 34 frames lies within three seconds, of which the last looks half a one ahead.
+    assert sum(heard) / 16000 < 3.5 + 6.3 / 50
+    assert len(first) == 28
+    motion = np.concatenate([first, *streamed])
+    assert len(motion) == round(6.3 * 15)
+    whole = np.concatenate(list(generator.stream([samples], seed=3, window=window)))
+    np.testing.assert_array_equal(motion, whole)
+
+
+@pytest.mark.parametrize("dataset", ["beat", "show"])
+def test_clips_come_while_somebody_speaks_and_are_the_clip_of_all_speech_at_once(
+    dataset: str, tmp_path: Path, speak: Speak
+) -> None:
+    checkpoint = written_network(tmp_path / "small.safetensors", dataset)
+    generator = DiffSheg(ModelSettings(checkpoint=checkpoint))
+    samples = speak("one", 7.3).audio.samples
+    pieces = list(generator.stream_clips(np.array_split(samples, 50), seed=3))
+    assert len(pieces) > 2
+    made = beat_clip if dataset == "beat" else show_clip
+    rate = pieces[0].frame_rate
+    whole = made(np.concatenate(list(generator.stream([samples], seed=3))), rate)
+    face = "arkit" if dataset == "beat" else "expressions"
+    for channel in ("poses", "trans", face):
+        joined = np.concatenate([getattr(piece, channel) for piece in pieces])
+        np.testing.assert_array_equal(joined, getattr(whole, channel))
+    assert pieces[0].provenance["heard"] == "1 s at once with 4 s before and 1 s ahead"
+    assert pieces[0].provenance["seed"] == "3"
+
+
+def test_speech_of_less_than_a_frame_of_the_network_gives_a_clip(
+    model: ModelSettings, speak: Speak
+) -> None:
+    speech = speak("one", 1.0)
+    short = replace(speech, audio=speech.audio.cut(0, 0.02))
+    assert len(DiffSheg(model).generate(short, seed=3, frame_rate=60)) == 1

@@ -1,0 +1,212 @@
+"""What the network promises whatever its weights are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import torch
+from torch import Tensor
+from torch.nn import functional
+
+from generators.diffsheg.config import FLOWS, TINY, DenoiserConfig, Flow
+from generators.diffsheg.model import Denoiser, Fusion
+from motion.errors import InputError
+from training.diffusion import LINEAR
+
+SMALL = replace(
+    TINY,
+    gesture_width=6,
+    expression_width=4,
+    speakers=3,
+    width=16,
+    feed_forward=24,
+    heads=2,
+    guidance=None,
+    loudness="power",
+    skip=False,
+)
+FRAMES = 9
+
+
+def shaken(config: DenoiserConfig) -> Denoiser:
+    """Return a network whose weights are all random, also those that start at zero."""
+    torch.manual_seed(4)
+    denoiser = Denoiser(config).eval()
+    with torch.no_grad():
+        for weight in denoiser.parameters():
+            weight.add_(0.1 * torch.randn_like(weight))
+    return denoiser
+
+
+def asked(config: DenoiserConfig, batch: int = 2, frames: int = FRAMES) -> tuple[Tensor, ...]:
+    random = torch.Generator().manual_seed(7)
+    return (
+        torch.randn(batch, frames, config.motion_width, generator=random),
+        torch.randint(0, 1000, (batch,), generator=random),
+        torch.rand(batch, frames, config.audio_width, generator=random),
+        torch.randn(batch, frames, config.speech_features, generator=random),
+        torch.eye(config.speakers)[torch.arange(batch) % config.speakers],
+    )
+
+
+@pytest.mark.parametrize("guidance", [None, 1.3])
+@pytest.mark.parametrize("flow", FLOWS)
+def test_noise_has_the_shape_of_the_motion_whatever_flows_where(
+    flow: Flow, guidance: float | None
+) -> None:
+    config = replace(SMALL, flow=flow, guidance=guidance)
+    question = asked(config)
+    assert shaken(config)(*question).shape == question[0].shape
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+def test_a_network_with_a_skip_that_learned_nothing_takes_the_motion_for_noise(flow: Flow) -> None:
+    question = asked(replace(SMALL, flow=flow, skip=True))
+    noisy, steps = question[:2]
+    found = Denoiser(replace(SMALL, flow=flow, skip=True)).eval()(*question)
+    kept = torch.tensor(LINEAR.alpha_bar[steps], dtype=torch.float32)[:, None, None]
+    assert torch.allclose(found, (1 - kept).sqrt() * noisy, atol=1e-6)
+
+
+def test_the_logarithm_of_mel_bands_is_read_from_silence_at_minus_one() -> None:
+    question = list(asked(SMALL))
+    question[2] = question[2] * torch.logspace(-6, 3, SMALL.audio_width)
+    question[2][:, 0] = 0.0
+    heard = shaken(replace(SMALL, loudness="logarithm"))(*question)
+    question[2] = (torch.log10(question[2] + 1e-4) + 2) / 2
+    assert torch.all(question[2][:, 0] == -1)
+    assert torch.allclose(shaken(SMALL)(*question), heard, atol=1e-5)
+
+
+@pytest.mark.parametrize("guidance", [None, 1.3])
+def test_a_window_is_answered_alike_alone_and_in_a_batch(guidance: float | None) -> None:
+    config = replace(SMALL, guidance=guidance)
+    denoiser, question = shaken(config), asked(config, batch=3)
+    together = denoiser(*question)
+    for number in range(3):
+        alone = denoiser(*(one[number : number + 1] for one in question))
+        assert torch.allclose(alone[0], together[number], atol=1e-5)
+
+
+def test_the_fusion_norms_motion_and_conditions_together() -> None:
+    torch.manual_seed(2)
+    fusion, h, speech, x0_hat = (
+        Fusion(6, 9),
+        torch.randn(2, 5, 6) + 3,
+        10 * torch.randn(2, 5, 7),
+        torch.randn(2, 5, 2) - 1,
+    )
+    with torch.no_grad():
+        for weight in fusion.norm.parameters():
+            weight.add_(torch.randn_like(weight))
+    together = torch.cat([h, speech, x0_hat], dim=-1)
+    expected = fusion.narrow(functional.silu(fusion.widen(fusion.norm(together))))
+    assert torch.allclose(fusion(h, fusion.fuse(speech), x0_hat), expected, atol=1e-5)
+
+
+def test_what_is_computed_beforehand_changes_nothing() -> None:
+    denoiser, (noisy, _, mel, hubert, person) = shaken(SMALL), asked(SMALL, batch=1)
+    steps = torch.tensor([900, 480, 3])
+    beforehand = denoiser.modulate(steps, person)
+    heard = denoiser.hear(mel.expand(len(steps), -1, -1), hubert, beforehand)
+    for row, step in enumerate(steps):
+        asked_anew = denoiser(noisy, step[None], mel, hubert, person)
+        at, found = slice(row, row + 1), {}
+        x0_hat: Tensor | None = None
+        for name, branch in denoiser.in_order:
+            part = noisy[..., denoiser.part_of(name)]
+            modulations = [block[at] for block in beforehand[name]]
+            speech = [fused.at(at) for fused in heard[name]]
+            found[name] = branch(part, step[None], modulations, speech, x0_hat)
+            x0_hat = denoiser.estimate(part, found[name], step[None])
+        assert torch.allclose(denoiser.joined(found), asked_anew, atol=1e-6)
+
+
+def test_an_untrained_network_finds_no_noise() -> None:
+    assert not Denoiser(SMALL).eval()(*asked(SMALL)).any()
+
+
+def _learns(config: DenoiserConfig, branch: str, part: slice) -> bool:
+    """Tell whether an error in `part` of the estimate changes the weights of `branch`."""
+    denoiser = shaken(config)
+    denoiser(*asked(config))[..., part].square().sum().backward()
+    return any(
+        weight.grad is not None and bool(weight.grad.any())
+        for weight in denoiser.branches[branch].parameters()
+    )
+
+
+GESTURE, EXPRESSION = slice(0, SMALL.gesture_width), slice(SMALL.gesture_width, None)
+
+
+def test_the_face_learns_nothing_from_errors_of_the_body() -> None:
+    assert not _learns(SMALL, "expression", GESTURE)
+    assert _learns(SMALL, "gesture", GESTURE)
+
+
+def test_without_the_cut_the_face_learns_from_errors_of_the_body() -> None:
+    assert _learns(replace(SMALL, detached=False), "expression", GESTURE)
+
+
+def test_the_body_never_learns_from_errors_of_the_face() -> None:
+    assert not _learns(replace(SMALL, detached=False), "gesture", EXPRESSION)
+
+
+@pytest.mark.parametrize(
+    ("flow", "body_follows", "face_follows"),
+    [
+        ("expression_to_gesture", True, False),
+        ("gesture_to_expression", False, True),
+        ("none", False, False),
+        ("joint", True, True),
+    ],
+)
+def test_the_parts_follow_each_other_as_the_flow_says(
+    flow: Flow, body_follows: bool, face_follows: bool
+) -> None:
+    denoiser = shaken(replace(SMALL, flow=flow))
+    noisy, *conditions = asked(SMALL)
+    before = denoiser(noisy, *conditions)
+
+    def changed(moved: slice, seen: slice) -> bool:
+        other = noisy.clone()
+        other[..., moved] += 1
+        return not torch.equal(denoiser(other, *conditions)[..., seen], before[..., seen])
+
+    assert changed(EXPRESSION, GESTURE) == body_follows
+    assert changed(GESTURE, EXPRESSION) == face_follows
+
+
+def test_a_guided_network_forgets_its_conditions_in_some_windows_while_it_learns() -> None:
+    config = replace(SMALL, guidance=1.2, dropout=0.0)
+    denoiser = shaken(config).train()
+    torch.manual_seed(0)
+    denoiser(*asked(config, batch=40)).square().sum().backward()
+    branch = denoiser.branches["gesture"]
+    assert branch.unconditioned.grad is not None
+    assert branch.unconditioned.grad.any()
+
+
+def test_guidance_of_one_is_no_guidance() -> None:
+    guided = shaken(replace(SMALL, guidance=1.0))
+    plain = Denoiser(SMALL).eval()
+    weights = {name: one for name, one in guided.state_dict().items() if "uncond" not in name}
+    plain.load_state_dict(weights)
+    assert torch.allclose(guided(*asked(SMALL)), plain(*asked(SMALL)), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"heads": 3}, "heads do not divide"),
+        ({"frames": 5000}, "longer than the 1200 positions"),
+        ({"dropout": 1.0}, "dropout"),
+        ({"gesture_width": 0}, "gesture_width is 0"),
+        ({"frame_rate": 0.0}, "frame rate"),
+        ({"flow": "both"}, "no flow 'both'"),
+    ],
+)
+def test_a_network_that_cannot_be_built_is_refused(wrong: dict[str, object], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        replace(SMALL, **wrong)  # type: ignore[arg-type]

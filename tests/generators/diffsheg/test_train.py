@@ -1,0 +1,221 @@
+"""DiffSHEG learns, says what it learned from, and goes on where it was stopped."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from generators.diffsheg.config import ABLATIONS, PRESETS, TINY, preset_of
+from generators.diffsheg.losses import LOSSES
+from generators.diffsheg.network_file import MotionNetwork, load_network
+from generators.diffsheg.train import DiffShegTask, normalisation_of, train_diffsheg
+from generators.trainable import TrainedGenerator, TrainingRequest
+from motion.errors import InputError
+from tests.training.toy_takes import SKIPPED, toy_folder, toy_takes
+from training.data.feature_cache import PreparedTakes
+from training.data.take import TakeFolder
+from training.data.windows import Windows
+from training.loop import TrainingStopped
+from training.speakers import Speakers
+
+SMALL = replace(TINY, width=16, feed_forward=16, heads=2, layers=1, speech_width=8, dropout=0.0)
+
+Train = Callable[..., TrainedGenerator]
+
+
+@pytest.fixture(scope="module")
+def takes() -> PreparedTakes:
+    return toy_takes()
+
+
+@pytest.fixture
+def learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Train:
+    """Return a training of a small network on the toy takes, given steps and choices."""
+    tiny = PRESETS["tiny", "beat"]
+    small = replace(tiny, network=SMALL)
+    monkeypatch.setattr("generators.diffsheg.config.PRESETS", {**PRESETS, ("tiny", "beat"): small})
+    monkeypatch.setattr("generators.diffsheg.train.prepare", lambda *given, **options: takes)
+
+    def train(
+        steps: int, out: Path, show: Callable[[int, int, str], None] = _unseen, **changes: Any
+    ) -> TrainedGenerator:
+        request = TrainingRequest(
+            takes=toy_folder(takes),
+            cache=tmp_path,
+            config="tiny",
+            changes={"steps": steps, "batch_size": 16, "learning_rate": 1e-2},
+            **changes,
+        )
+        return train_diffsheg(
+            request, out, out.with_suffix(".run"), show_preparing=_unseen, show_training=show
+        )
+
+    return train
+
+
+def _unseen(done: int, total: int, detail: str) -> None:
+    """Show nothing."""
+
+
+def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
+    made = DiffShegTask(
+        config=SMALL,
+        weights=LOSSES["paper"],
+        training=Windows(takes, split="train", frames=34, stride=10),
+        held_out=Windows(takes, split="validation", frames=34, stride=34),
+        normalisation=normalisation_of(takes),
+        speakers=Speakers(("1", "2"), SMALL.speakers),
+        settings={},
+        data_sha256=takes.sha256,
+    )
+    return replace(made, **changes)
+
+
+def read(out: Path) -> MotionNetwork:
+    return load_network(out, "beat", None)
+
+
+def test_a_short_training_finds_noise_that_an_untrained_network_does_not(
+    learn: Train, tmp_path: Path
+) -> None:
+    out = tmp_path / "small.safetensors"
+    said = learn(40, out)
+    facts = read(out).training
+    for measure in ("noise", "loss"):
+        assert facts["held_out"][measure] < 0.85 * facts["untrained"][measure]
+    assert said.skipped == (SKIPPED,)
+    assert f"{facts['held_out']['noise']:.3f} of 1" in " ".join(said.sentences)
+    assert "9 takes by 2 speakers (1, 2)" in said.sentences[0]
+    assert "no words" in " ".join(said.warnings)
+
+
+def test_the_file_says_what_it_was_made_of(learn: Train, tmp_path: Path) -> None:
+    out = tmp_path / "small.safetensors"
+    learn(2, out, choices={"ablation": "without_x0", "preset": "release"})
+    network = read(out)
+    assert network.dataset == "beat"
+    assert network.speakers == Speakers(("1", "2"), SMALL.speakers)
+    assert network.hubert is not None
+    assert network.hubert.startswith("stand-in for HuBERT")
+    assert network.denoiser.config.flow == "none"
+    assert network.training["losses"] == "release"
+    assert network.training["data"]["sha256"] == "c" * 64
+    assert network.training["config"]["steps"] == 2
+    assert network.training["versions"]["torch"] == torch.__version__
+
+
+def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Train, tmp_path: Path) -> None:
+    whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
+
+    def stop(done: int, total: int, detail: str) -> None:
+        if done == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    learn(5, whole)
+    with pytest.raises(TrainingStopped):
+        learn(5, parts, stop)
+    assert not parts.exists()
+    learn(5, parts)
+    assert parts.read_bytes() == whole.read_bytes()
+
+
+def test_another_ablation_does_not_go_on_with_a_run(learn: Train, tmp_path: Path) -> None:
+    out = tmp_path / "small.safetensors"
+    learn(1, out)
+    with pytest.raises(InputError, match="network flow was 'expression_to_gesture' and is 'joint'"):
+        learn(2, out, choices={"ablation": "naive_concat"})
+
+
+def test_motion_is_normalised_by_what_is_learned_from_alone(takes: PreparedTakes) -> None:
+    chosen = [number for number, take in enumerate(takes.takes) if take.split == "train"]
+    gestures = np.concatenate([takes.arrays["gesture"][number] for number in chosen])
+    found = normalisation_of(takes)
+    np.testing.assert_allclose(found.mean[:141], gestures.mean(axis=0, dtype=float), atol=1e-6)
+    np.testing.assert_allclose(found.std[:141], gestures.std(axis=0, dtype=float), rtol=1e-6)
+
+
+def test_held_out_windows_are_measured_alike_whatever_chance_does(takes: PreparedTakes) -> None:
+    task = task_of(takes)
+    network = task.network().eval()
+    measured = []
+    for seed in (1, 2):
+        torch.manual_seed(seed)
+        with torch.no_grad():
+            measured.append(task.validation(network))
+    assert measured[0] == measured[1]
+    assert set(measured[0]) == {"loss", "noise", "velocity", "reconstruction"}
+
+
+def test_a_guided_network_is_measured_by_what_it_says_when_told_the_speech(
+    takes: PreparedTakes,
+) -> None:
+    found = []
+    for guidance in (1.0, 3.0):
+        task = task_of(takes, config=replace(SMALL, guidance=guidance))
+        torch.manual_seed(5)
+        network = task.network().eval()
+        with torch.no_grad():
+            for weight in network.parameters():
+                weight.add_(0.05 * torch.randn_like(weight))
+            found.append(task.validation(network))
+        assert [one.guidance for one in network.branches.values()] == [guidance, guidance]
+    assert found[0] == found[1]
+
+
+def test_the_network_is_told_who_speaks(takes: PreparedTakes) -> None:
+    told: list[torch.Tensor] = []
+
+    class Listening(torch.nn.Module):
+        def forward(self, noisy: torch.Tensor, *conditions: torch.Tensor) -> torch.Tensor:
+            told.append(conditions[-1])
+            return noisy
+
+    task = task_of(takes)
+    rows = np.arange(len(task.training))
+    task.losses(Listening(), rows)  # type: ignore[arg-type]
+    speakers = [("1", "2").index(task.training.take_of(int(row)).speaker) for row in rows]
+    assert told[0].argmax(dim=1).tolist() == speakers
+    assert torch.equal(told[0].sum(dim=1), torch.ones(len(rows)))
+
+
+@pytest.mark.parametrize("name", ABLATIONS)
+def test_every_ablation_learns(name: str, takes: PreparedTakes) -> None:
+    task = task_of(takes, config=replace(SMALL, **ABLATIONS[name]))
+    network = task.network().train()
+    losses = task.losses(network, np.arange(4))
+    losses["loss"].backward()
+    assert any(one.grad is not None and one.grad.abs().max() > 0 for one in network.parameters())
+
+
+def test_full_sizes_are_trained_by_the_papers_numbers() -> None:
+    beat = preset_of("beat", "beat").trained_on(25_000, {})
+    assert (beat.optimizer, beat.learning_rate, beat.gradient_clip) == ("adam", 2e-4, 0.5)
+    assert (beat.batch_size, beat.steps) == (2500, 10_000)
+    show = preset_of("show", "show").trained_on(1_900, {})
+    assert (show.batch_size, show.steps) == (950, 3_200)
+    assert preset_of("beat", "beat").trained_on(25_000, {"steps": 7, "seed": 3}).steps == 7
+
+
+@pytest.mark.parametrize("dataset", ["beat", "show"])
+def test_a_config_of_the_other_data_set_is_refused(dataset: str) -> None:
+    other = {"beat": "show", "show": "beat"}[dataset]
+    with pytest.raises(InputError, match=f"config {other} does not tell.*--config") as refused:
+        preset_of(other, dataset)
+    assert dataset in str(refused.value.remedy)
+
+
+def test_recordings_without_a_face_are_refused(tmp_path: Path) -> None:
+    ted = TakeFolder(kind="ted", takes=(), speakers=())
+    request = TrainingRequest(takes=ted, cache=tmp_path, config="tiny")
+    with pytest.raises(InputError, match="no face"):
+        train_diffsheg(
+            request, tmp_path / "n", tmp_path / "r", show_preparing=_unseen, show_training=_unseen
+        )

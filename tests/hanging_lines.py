@@ -1,0 +1,70 @@
+"""Lines that a server is left hanging on: requests that never end, answers that nobody reads."""
+
+from __future__ import annotations
+
+import socket
+import ssl
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+
+ATTACKER = "127.0.0.2"
+"""Also an address of this machine, but another one than that of whoever takes part honestly."""
+
+EVERY_SECONDS = 0.5
+
+
+@contextmanager
+def hanging(
+    port: int,
+    request: bytes,
+    count: int,
+    *,
+    trickle: bytes = b"",
+    tls: ssl.SSLContext | None = None,
+    host: str = "",
+) -> Iterator[None]:
+    """Send `request` on `count` lines and read nothing; then `trickle` again and again."""
+    with ExitStack() as opened:
+        lines = []
+        for _ in range(count):
+            line = socket.socket()
+            opened.callback(line.close)
+            line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            line.bind((ATTACKER, 0))
+            line.settimeout(10)
+            # A server may refuse some of so many.
+            with suppress(OSError):
+                line.connect(("127.0.0.1", port))
+                if tls is not None:
+                    line = tls.wrap_socket(line, server_hostname=host)
+                    opened.callback(line.close)
+                line.sendall(request)
+                lines.append(line)
+        assert len(lines) > count // 4
+        over = threading.Event()
+        feeder = threading.Thread(target=_feed, args=(lines, trickle, over))
+        feeder.start()
+        try:
+            yield
+        finally:
+            over.set()
+            feeder.join()
+
+
+def slow_body(path: str, host: str) -> bytes:
+    """Return a request that announces more than it sends."""
+    head = f"POST {path} HTTP/1.1\r\nHost: {host}\r\nContent-Length: 60000\r\n"
+    return f"{head}Content-Type: application/x-www-form-urlencoded\r\n\r\nvisit=".encode()
+
+
+def whole_video(path: str, host: str) -> bytes:
+    """Return a request for a video."""
+    return f"GET {path} HTTP/1.1\r\nHost: {host}\r\nRange: bytes=0-\r\n\r\n".encode()
+
+
+def _feed(lines: list[socket.socket], trickle: bytes, over: threading.Event) -> None:
+    while not over.wait(EVERY_SECONDS):
+        for line in lines:
+            with suppress(OSError):
+                line.sendall(trickle)

@@ -1,0 +1,147 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from motion.formats.smplx_rows import read_rows, read_show_npz
+from motion.skeleton import JOINT_NAMES, joint_index
+
+
+def test_every_channel_lands_on_its_joint(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.tile(np.arange(265) / 1000, (3, 1)))
+    clip = read_rows(tmp_path / "a.npy")
+    first_column = {
+        "jaw": 0,
+        "left_eye": 3,
+        "right_eye": 6,
+        "pelvis": 9,
+        "left_hip": 12,
+        "right_wrist": 72,
+        "left_index1": 75,
+        "left_thumb3": 117,
+        "right_index1": 120,
+        "right_thumb3": 162,
+    }
+    for name, column in first_column.items():
+        expected = np.arange(column, column + 3) / 1000
+        np.testing.assert_allclose(clip.poses[1, joint_index(name)], expected, err_msg=name)
+    assert len(np.unique(clip.poses)) == 3 * len(JOINT_NAMES)
+    assert clip.expressions is not None
+    np.testing.assert_allclose(clip.expressions[2], np.arange(165, 265) / 1000)
+    assert clip.frame_rate == 30
+    assert not clip.trans.any()
+
+
+def test_every_channel_of_motion_x_lands_on_its_joint(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.tile(np.arange(322) / 1000, (3, 1)))
+    clip = read_rows(tmp_path / "a.npy")
+    first_column = {
+        "pelvis": 0,
+        "left_hip": 3,
+        "right_wrist": 63,
+        "left_index1": 66,
+        "right_thumb3": 153,
+        "jaw": 156,
+    }
+    for name, column in first_column.items():
+        expected = np.arange(column, column + 3) / 1000
+        np.testing.assert_allclose(clip.poses[1, joint_index(name)], expected, err_msg=name)
+    assert not clip.poses[:, joint_index("left_eye")].any()
+    assert clip.expressions is not None
+    np.testing.assert_allclose(clip.expressions[2, :50], np.arange(159, 209) / 1000)
+    np.testing.assert_allclose(clip.trans[2], np.arange(309, 312) / 1000)
+    np.testing.assert_allclose(clip.betas, np.arange(312, 322) / 1000)
+    assert clip.provenance["format"] == "motion-x"
+
+
+def test_other_rate_can_be_given(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.zeros((3, 265)))
+    assert read_rows(tmp_path / "a.npy", frame_rate=15).frame_rate == 15
+
+
+@pytest.mark.parametrize(
+    ("rows", "complaint"),
+    [
+        (np.zeros((3, 264)), r"shape \(3, 264\)"),
+        (np.zeros(265), r"shape \(265,\)"),
+        (np.full((3, 265), np.inf), "not a number"),
+        (np.zeros((0, 265)), "no frame"),
+        (np.full((3, 265), "x"), "type <U1"),
+        (np.array([None]), "plain array"),
+    ],
+)
+def test_what_is_no_talkshow_motion_is_refused_by_name(
+    tmp_path: Path, rows: np.ndarray, complaint: str
+) -> None:
+    np.save(tmp_path / "bad.npy", rows, allow_pickle=True)
+    with pytest.raises(InputError, match=complaint) as caught:
+        read_rows(tmp_path / "bad.npy")
+    assert "bad.npy" in caught.value.where
+
+
+@pytest.mark.parametrize("frames", [10**12, 10**30])
+def test_a_header_that_promises_more_than_memory_is_refused(tmp_path: Path, frames: int) -> None:
+    path = tmp_path / "bad.npy"
+    with path.open("wb") as file:
+        header = {"descr": "<f4", "fortran_order": False, "shape": (frames, 265)}
+        np.lib.format.write_array_header_1_0(file, header)
+    with pytest.raises(InputError, match="plain array"):
+        read_rows(path)
+
+
+def test_missing_and_damaged_files_are_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "bad.npy").write_bytes(b"\x93NUMPY")
+    for name in ("bad.npy", "gone.npy"):
+        with pytest.raises(InputError, match=name):
+            read_rows(tmp_path / name)
+
+
+def shows_arrays(frames: int = 3) -> dict[str, np.ndarray]:
+    """Return SHOW's arrays of a motion whose every column is told apart."""
+    widths = {
+        **dict.fromkeys(("jaw_pose", "leye_pose", "reye_pose", "global_orient"), 3),
+        "body_pose_axis": 63,
+        "left_hand_pose": 45,
+        "right_hand_pose": 45,
+        "expression": 100,
+    }
+    first, arrays = 0, {}
+    for name, width in widths.items():
+        arrays[name] = np.tile(np.arange(first, first + width) / 1000, (frames, 1))
+        first += width
+    return arrays
+
+
+def test_shows_own_arrays_make_the_same_motion(tmp_path: Path) -> None:
+    arrays = shows_arrays()
+    arrays["body_pose_axis"] = arrays["body_pose_axis"].reshape(3, 21, 3)
+    np.savez(tmp_path / "a.npz", **arrays, betas=np.zeros(300))
+    np.save(tmp_path / "a.npy", np.tile(np.arange(265) / 1000, (3, 1)))
+    found, known = read_show_npz(tmp_path / "a.npz"), read_rows(tmp_path / "a.npy")
+    np.testing.assert_array_equal(found.poses, known.poses)
+    np.testing.assert_array_equal(found.expressions, known.expressions)
+    assert found.frame_rate == 30
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"jaw_pose": None}, "there is no array 'jaw_pose'"),
+        ({"left_hand_pose": np.zeros((3, 12))}, "expand the principal components of hands"),
+        ({"expression": np.zeros((2, 100))}, "equal length"),
+        ({"expression": np.full((3, 100), np.nan)}, "not a number"),
+        ({"expression": np.full((3, 100), "a")}, "no numbers in the array 'expression'"),
+        ({"expression": np.array([None] * 3)}, "cannot be read as plain arrays"),
+    ],
+)
+def test_shows_arrays_that_make_no_motion_are_refused(
+    tmp_path: Path, changed: dict[str, np.ndarray | None], message: str
+) -> None:
+    arrays = {**shows_arrays(), **changed}
+    kept = {name: array for name, array in arrays.items() if array is not None}
+    np.savez(tmp_path / "a.npz", **kept)
+    with pytest.raises(InputError, match=rf"a\.npz: .*{message}"):
+        read_show_npz(tmp_path / "a.npz")

@@ -1,0 +1,169 @@
+"""What every avatar's body promises."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from motion.body import BodyModel, read_body
+from motion.clip import MotionClip
+from motion.face import ARKIT_NAMES, arkit_index
+from motion.skeleton import joint_index
+from renderer.avatars import AVATARS, default_body
+from tools.avatars.sample_poses import FIST, SamplePose, sample_clip
+
+MOST_TRIANGLES = 16_000
+FACES = [name for name, avatar in AVATARS.items() if avatar.has_face]
+
+
+@pytest.fixture(scope="module", params=list(AVATARS))
+def path(request: pytest.FixtureRequest) -> Path:
+    return default_body(request.param)
+
+
+@pytest.fixture(scope="module")
+def body(path: Path) -> BodyModel:
+    return read_body(path)
+
+
+@pytest.fixture(scope="module", params=FACES)
+def person(request: pytest.FixtureRequest) -> BodyModel:
+    return read_body(default_body(request.param))
+
+
+def _of(body: BodyModel, *materials: str) -> NDArray[np.bool_]:
+    names = list(body.surface["material_names"])
+    return np.isin(body.surface["material"], [names.index(material) for material in materials])
+
+
+def test_it_has_no_more_triangles_than_it_may(body: BodyModel) -> None:
+    assert len(body.faces) <= MOST_TRIANGLES
+
+
+def test_every_vertex_is_drawn_and_no_triangle_is_twice_the_same_corner(body: BodyModel) -> None:
+    assert set(np.unique(body.faces)) == set(range(len(body.template)))
+    assert (body.faces != np.roll(body.faces, 1, axis=1)).all()
+
+
+def test_skin_weights_sum_to_one(body: BodyModel) -> None:
+    np.testing.assert_allclose(body.weights.sum(axis=1), 1, atol=1e-5)
+
+
+def test_every_vertex_has_a_colour(body: BodyModel) -> None:
+    colours = body.surface["colours"]
+    assert colours.shape == (len(body.template), 4)
+    pupil = _of(body, "pupil")
+    assert colours[~pupil, :3].max(axis=1).min() > 8
+
+
+def test_left_and_right_are_mirror_images(body: BodyModel) -> None:
+    limbs = _of(body, "skin", "shoes", "trousers", "sclera")
+    near, _ = cKDTree(body.template * [-1, 1, 1]).query(body.template[limbs])
+    assert np.median(near) < 0.004
+    assert np.percentile(near, 95) < 0.015
+
+
+def test_stock_smplx_loads_it_and_gives_the_template_back(path: Path) -> None:
+    smplx = pytest.importorskip("smplx")
+    stored = np.load(path)
+    model = smplx.create(
+        str(path), model_type="smplx", ext="npz", use_pca=False, flat_hand_mean=True,
+        num_betas=300, num_expression_coeffs=100,
+    )  # fmt: skip
+    with torch.no_grad():
+        vertices = model().vertices[0].numpy()
+    np.testing.assert_allclose(vertices, stored["v_template"], atol=1e-5)
+
+
+def test_it_says_whose_work_it_is(body: BodyModel) -> None:
+    assert "Apache-2.0" in body.credits
+    assert "CC0" in body.credits
+
+
+def test_a_fist_closes_against_the_palm(body: BodyModel) -> None:
+    clip = sample_clip(SamplePose(curled={"left": FIST, "right": FIST}))
+    open_hand = sample_clip(SamplePose())
+    weights = body.weights.toarray()
+    for side in ("left", "right"):
+        palm = weights[:, joint_index(f"{side}_wrist")] > 0.9
+        palm &= _of(body, "skin")
+        for finger in ("index", "middle", "ring"):
+            tip = weights[:, joint_index(f"{side}_{finger}3")] > 0.9
+            gaps = []
+            for pose in (clip, open_hand):
+                at = body.vertices(pose)[0]
+                gaps.append(cKDTree(at[palm]).query(at[tip])[0].min())
+            assert gaps[0] < 0.012 < gaps[1]
+
+
+def test_a_fist_has_no_spikes(body: BodyModel) -> None:
+    at = body.vertices(sample_clip(SamplePose(curled={"left": FIST, "right": FIST})))[0]
+    hands = _of(body, "skin", "nails")[body.faces].all(axis=1)
+    corners = body.faces[hands]
+    wrist = np.abs(body.template[corners].mean(axis=1)[:, 0]) > 0.75
+    edges = np.linalg.norm(at[corners[wrist]] - at[np.roll(corners[wrist], 1, axis=1)], axis=2)
+    assert edges.max() < 0.05
+
+
+def test_people_face_the_viewer_with_open_eyes_at_rest(person: BodyModel) -> None:
+    pupils = person.template[_of(person, "pupil")]
+    for side in (-1, 1):
+        mine = pupils[pupils[:, 0] * side > 0]
+        eye = person.joints(np.zeros(0))[joint_index("left_eye" if side > 0 else "right_eye")]
+        direction = mine.mean(axis=0) - eye
+        assert direction[2] / np.linalg.norm(direction) > 0.995
+
+
+def _visible_in_front(body: BodyModel, at: NDArray[np.floating], marked: NDArray[np.bool_]) -> int:
+    """Return how many of the marked vertices nothing of the skin lies in front of."""
+    skin = body.faces[_of(body, "skin", "lash")[body.faces].all(axis=1)]
+    a, b, c = (at[corner] for corner in skin.T)
+    seen = 0
+    for x, y, z in at[marked]:
+        first = (b[:, 0] - a[:, 0]) * (y - a[:, 1]) - (b[:, 1] - a[:, 1]) * (x - a[:, 0])
+        second = (c[:, 0] - b[:, 0]) * (y - b[:, 1]) - (c[:, 1] - b[:, 1]) * (x - b[:, 0])
+        third = (a[:, 0] - c[:, 0]) * (y - c[:, 1]) - (a[:, 1] - c[:, 1]) * (x - c[:, 0])
+        over = ((first >= 0) & (second >= 0) & (third >= 0)) & (
+            np.maximum(np.maximum(a[:, 2], b[:, 2]), c[:, 2]) > z
+        )
+        seen += not over.any()
+    return seen
+
+
+def test_a_blink_hides_iris_and_pupil(person: BodyModel) -> None:
+    arkit = np.zeros((1, 52), np.float32)
+    arkit[0, [arkit_index("eyeBlinkLeft"), arkit_index("eyeBlinkRight")]] = 1
+    still = np.zeros((1, 3), np.float32)
+    poses = np.zeros((1, 55, 3), np.float32)
+    marked = _of(person, "iris", "pupil")
+    for face, expected in ((np.zeros_like(arkit), False), (arkit, True)):
+        at = person.vertices(MotionClip(poses=poses, trans=still, frame_rate=30, arkit=face))[0]
+        assert (_visible_in_front(person, at, marked) == 0) == expected
+
+
+@pytest.mark.parametrize("left", [name for name in ARKIT_NAMES if name.endswith("Left")])
+def test_facial_actions_are_as_strong_on_both_sides(person: BodyModel, left: str) -> None:
+    right = f"{left.removesuffix('Left')}Right"
+    if right not in ARKIT_NAMES:
+        pytest.skip("it has no other side")
+    moved = [
+        np.linalg.norm(person.expression_directions[..., arkit_index(name)], axis=1)
+        for name in (left, right)
+    ]
+    assert moved[0].max() == pytest.approx(moved[1].max(), rel=0.15)
+    centres = [np.average(person.template, axis=0, weights=each) for each in moved]
+    np.testing.assert_allclose(centres[0] * [-1, 1, 1], centres[1], atol=0.004)
+
+
+def test_a_mannequin_has_no_face_to_move() -> None:
+    body = read_body(default_body("mannequin"))
+    assert not body.has_arkit_slots
+    assert body.expression_directions.shape[2] == 0
+    assert not _of(body, "sclera", "lips", "brow", "hair", "mouth").any()
+    jaw = body.weights[:, [joint_index("jaw")]].toarray()
+    assert jaw.max() == 0

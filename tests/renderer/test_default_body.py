@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from motion.body import BodyModel
+from motion.clip import MotionClip
+from motion.face import arkit_index
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import joint_index
+
+
+def test_rest_joints_are_those_of_the_default_body(body: BodyModel) -> None:
+    np.testing.assert_allclose(body.joints(np.zeros(0)), REST_JOINTS, atol=6e-5)
+
+
+def test_body_stands_upright_facing_forward_with_its_left_at_positive_x(body: BodyModel) -> None:
+    joints = body.joints(np.zeros(0))
+    height = np.ptp(body.template[:, 1])
+    assert 1.6 < height < 1.9
+    assert joints[joint_index("left_wrist"), 0] > 0.5 > -0.5 > joints[joint_index("right_wrist"), 0]
+    assert joints[joint_index("left_eye"), 2] > joints[joint_index("head"), 2]
+
+
+def test_skin_weights_sum_to_one(body: BodyModel) -> None:
+    np.testing.assert_allclose(body.weights.sum(axis=1), 1, atol=1e-5)
+
+
+def test_each_facial_action_moves_its_own_side_of_the_face(body: BodyModel) -> None:
+    blink = np.linalg.norm(body.expression_directions[..., arkit_index("eyeBlinkLeft")], axis=1)
+    assert 0.004 < blink.max() < 0.03
+    assert np.average(body.template[:, 0], weights=blink) > 0.02
+
+
+def test_jaw_joint_opens_the_mouth_and_keeps_the_forehead(body: BodyModel) -> None:
+    weights = body.weights[:, [joint_index("jaw")]].toarray().ravel()
+    eyes = REST_JOINTS[joint_index("left_eye"), 1]
+    assert weights[body.template[:, 1] > eyes].max() == pytest.approx(0, abs=0.05)
+    assert (weights > 0.9).sum() > 100
+
+
+def _mouth_opening(body: BodyModel, jaw: float, action: float) -> float:
+    """Return the height of the lips, in metres, with the jaw joint (radians) and jawOpen set."""
+    poses, arkit = np.zeros((1, 55, 3), np.float32), np.zeros((1, 52), np.float32)
+    poses[0, joint_index("jaw"), 0] = jaw
+    arkit[0, arkit_index("jawOpen")] = action
+    clip = MotionClip(poses=poses, trans=np.zeros((1, 3), np.float32), frame_rate=30, arkit=arkit)
+    lips = body.surface["material"] == list(body.surface["material_names"]).index("lips")
+    return float(np.ptp(body.vertices(clip)[0, lips, 1]))
+
+
+def test_jaw_joint_and_arkit_do_not_open_the_mouth_twice(body: BodyModel) -> None:
+    by_joint, by_action = _mouth_opening(body, 0.14, 0.0), _mouth_opening(body, 0.0, 1.0)
+    both = _mouth_opening(body, 0.14, 0.5)
+    wide = _mouth_opening(body, 0.14, 1.0)
+    assert both == pytest.approx(by_joint, abs=2e-3)
+    assert by_joint + 5e-3 < wide < by_action + 4e-3
+    assert _mouth_opening(body, -0.05, 1.0) <= by_action
+
+
+def test_body_says_whose_work_it_is(body: BodyModel) -> None:
+    assert "Apache-2.0" in body.credits
+    assert "CC0" in body.credits

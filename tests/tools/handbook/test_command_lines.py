@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import pytest
+
+from tools.handbook.command_lines import calls, check_call
+
+ROOT = Path(__file__).resolve().parents[3]
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("docs/commands/*.md")])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_the_program_takes_every_call_of_a_page(page: Path) -> None:
+    for words in calls(page.read_text(encoding="utf-8")):
+        try:
+            check_call(words)
+        except click.UsageError as error:
+            pytest.fail(f"motionjury {' '.join(words)}: {error.format_message()}")
+
+
+def test_the_guide_calls_the_program_often() -> None:
+    guide = (ROOT / "docs" / "guide.md").read_text(encoding="utf-8")
+
+    assert len(calls(guide)) > 20
+
+
+def test_calls_are_found_in_scripts() -> None:
+    page = """```sh
+for take in one two; do
+    motionjury import "$take.bvh" \\
+        --condition ours my-study
+done
+motionjury report my-study | head -3 && echo done
+```
+```text
+motionjury is no call here
+```
+"""
+
+    assert calls(page) == [
+        ["import", "$take.bvh", "--condition", "ours", "my-study"],
+        ["report", "my-study"],
+    ]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "dance my-study",
+        "report my-study --loud",
+        "init my-study --template dance",
+        "import --condition ours",
+        "recruit my-study",
+        "recruit my-study create",
+        "check one two",
+        "plan my-study --seed",
+    ],
+)
+def test_what_the_program_would_refuse_is_refused(call: str) -> None:
+    with pytest.raises(click.UsageError):
+        check_call(call.split())

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tools.handbook.command_pages import HEADINGS, INDEX, PAGES, block, blocks, by_hand, pages
+from tools.handbook.command_reference import commands
+
+WRITTEN = {path.stem: path.read_text(encoding="utf-8") for path in sorted(PAGES.glob("*.md"))}
+COMMANDS = [name for name in commands() if " " not in name]
+LEAST_WORDS = 8
+"""Fewer under a heading say nothing."""
+
+
+def test_every_command_has_a_page_and_every_page_a_command() -> None:
+    assert sorted(WRITTEN) == sorted([*COMMANDS, INDEX])
+
+
+def test_the_index_places_every_command_by_hand() -> None:
+    placed = set(re.findall(r"`([a-z-]+)`", by_hand(WRITTEN[INDEX])))
+
+    assert placed - {"motionjury"} == set(COMMANDS)
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, INDEX])
+def test_a_page_says_what_the_code_says(name: str) -> None:
+    assert WRITTEN[name] == pages(WRITTEN)[name], "run 'make command-pages'"
+
+
+@pytest.mark.parametrize("name", commands())
+def test_a_page_holds_every_option_that_help_shows(name: str) -> None:
+    shown = commands()[name].get_help()
+    page = WRITTEN[name.split()[0]]
+    options = set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", shown, re.MULTILINE)) - {"--help"}
+
+    told = set(re.findall(r"^\| `(--[\w-]+)", blocks(page)[f"motionjury {name}"], re.MULTILINE))
+
+    assert told == options
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("heading", HEADINGS)
+def test_somebody_wrote_what_a_page_is_for(name: str, heading: str) -> None:
+    hand = by_hand(WRITTEN[name])
+
+    below = re.search(rf"^## {heading}\n(.*?)(?=^## |\Z)", hand, re.MULTILINE | re.DOTALL)
+
+    assert below is not None
+    assert len(below[1].split()) >= LEAST_WORDS
+
+
+def test_what_is_written_by_hand_stays() -> None:
+    mine = "# `motionjury check`\n\n" + block("motionjury check", "old words") + "\n\nMy words.\n"
+
+    after = pages({"check": mine})["check"]
+
+    assert "My words." in after
+    assert "old words" not in after
+    assert "    motionjury check [OPTIONS] FOLDER" in after
+
+
+def test_a_subcommand_that_is_gone_leaves_its_page() -> None:
+    page = pages({})["figure"] + "\n" + block("motionjury figure dance", "words") + "\n"
+
+    assert "dance" not in pages({"figure": page})["figure"]
+
+
+def test_pages_are_the_same_twice() -> None:
+    once = pages(WRITTEN)
+
+    assert pages(once) == once

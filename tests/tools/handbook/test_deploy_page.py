@@ -1,0 +1,59 @@
+"""docs/deploy.md shows what `motionjury deploy` writes, and leaves nothing out."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from typing import Any
+
+import click
+import pytest
+
+from studyapp.command.deploy_command import command
+from studyapp.stages.deploying.files import NAMES
+from tools.handbook.deploy_page import DEPLOYMENTS, PAGE, shown_files, up_to_date
+from tools.handbook.fenced import fenced_blocks
+
+TEXT = PAGE.read_text("utf-8")
+
+
+def test_every_file_on_the_page_is_the_one_that_is_written() -> None:
+    assert up_to_date(TEXT) == TEXT
+
+
+def test_every_file_that_is_written_is_on_the_page() -> None:
+    assert {block.words[1] for block in shown_files(TEXT)} == set(NAMES)
+
+
+def test_a_file_changed_by_hand_is_seen() -> None:
+    changed = TEXT.replace("ProtectSystem=strict", "ProtectSystem=no", 1)
+
+    assert changed != TEXT
+    assert up_to_date(changed) == TEXT
+
+
+def commands_on_the_page() -> list[list[str]]:
+    """Return the words of every deploy command that the page tells to run."""
+    shell = "\n".join(
+        block.body for block in fenced_blocks(TEXT) if block.language == "sh" and not block.words
+    )
+    lines = shell.replace("\\\n", " ").splitlines()
+    found = [line.split("motionjury deploy", 1)[1] for line in lines if "motionjury deploy" in line]
+    return [shlex.split(re.sub(r">.*", "", line)) for line in found]
+
+
+@pytest.mark.parametrize("arguments", commands_on_the_page(), ids=" ".join)
+def test_the_commands_of_the_page_have_such_options(
+    arguments: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parser = command.make_parser(click.Context(command))
+
+    given: dict[str, Any] = parser.parse_args(list(arguments))[0]
+
+    assert given["host"] == "study.example.org"
+    if given.get("name") is None:
+        shown = DEPLOYMENTS["second" if "proxy" in given else ""]
+        assert given["contact"] == shown.contact
+        assert given.get("prefix", "") == shown.prefix
+        assert given.get("database", "sqlite") == shown.database
+        assert given.get("proxy", "caddy") == shown.proxy

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from tools.handbook.fenced import fenced_blocks
+from tools.handbook.guide import GUIDE
+from tools.handbook.printed import shortened, steady
+from tools.handbook.running import run_page
+
+
+def page_of(script: str, *, info: str = "", printed: str = "text", between: str = "\n") -> str:
+    return f"Before\n\n```sh{info}\n{script}\n```\n{between}```{printed}\nold\n```\n\nAfter\n"
+
+
+def test_what_a_command_prints_is_written_below_it(tmp_path: Path) -> None:
+    page = run_page(page_of("echo one; echo two >&2"), tmp_path)
+
+    assert page == page_of("echo one; echo two >&2").replace("old", "one\ntwo")
+
+
+def test_commands_run_in_one_folder_after_each_other(tmp_path: Path) -> None:
+    page = run_page(page_of("echo kept > note") + page_of("cat note"), tmp_path)
+
+    assert [block.body for block in fenced_blocks(page)][-1] == "kept\n"
+
+
+def test_a_part_of_a_page_is_run_alone(tmp_path: Path) -> None:
+    page = "# One\n" + page_of("echo 1") + "# Two\n" + page_of("echo 2") + "# Three\n"
+    page += page_of("echo 3")
+
+    page = run_page(page, tmp_path, since="# Two", until="# Three")
+
+    assert [b.body for b in fenced_blocks(page) if b.language == "text"] == [
+        "old\n",
+        "2\n",
+        "old\n",
+    ]
+
+
+def test_words_between_a_command_and_a_text_keep_the_text(tmp_path: Path) -> None:
+    page = page_of("echo new", between="\nAnd this is a file:\n\n")
+
+    assert run_page(page, tmp_path) == page
+
+
+def test_what_needs_a_server_or_an_account_is_not_run(tmp_path: Path) -> None:
+    page = page_of("touch ran", info=" elsewhere")
+
+    assert run_page(page, tmp_path) == page
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_failing_command_stops_and_says_why(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such thing"):
+        run_page(page_of("echo no such thing; false; echo never"), tmp_path)
+
+
+def test_a_command_that_is_expected_to_fail_must_fail(tmp_path: Path) -> None:
+    assert "refused" in run_page(page_of("echo refused; false", info=" fails"), tmp_path)
+    with pytest.raises(InputError, match="expected to fail"):
+        run_page(page_of("true", info=" fails"), tmp_path)
+
+
+def test_what_a_reader_sets_in_a_file_is_set_beside_the_rest(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(
+        '# kept\nseed = 1\n[video]\nsize = 720\navatar = "alex"\n[gone.a]\nb = 1\n[gone.c]\nd = 2\n'
+    )
+
+    run_page('```toml study.toml -gone.a\nname = "mine"\n[video]\nsize = 480\n```\n', tmp_path)
+
+    assert file.read_text().startswith("# kept\n")
+    assert tomllib.loads(file.read_text()) == {
+        "seed": 1,
+        "name": "mine",
+        "video": {"size": 480, "avatar": "alex"},
+        "gone": {"c": {"d": 2}},
+    }
+
+
+def test_what_differs_from_run_to_run_is_not_shown(tmp_path: Path) -> None:
+    output = (
+        "render: 3 of 80 frames, 65 a second, about 05:24 left\n"
+        "Open http://127.0.0.1:8000/research/join/aB-9_x (once)\n"
+        f"Wrote {tmp_path}/report.html  \n"
+    )
+
+    assert steady(output, tmp_path) == [
+        "Open http://127.0.0.1:8000/research/join/… (once)",
+        "Wrote report.html",
+    ]
+
+
+def test_long_outputs_lose_their_middle() -> None:
+    lines = list("abcdefgh")
+
+    assert shortened(lines, "3+2") == ["a", "b", "c", "…", "g", "h"]
+    assert shortened(lines, "3+0") == ["a", "b", "c", "…"]
+    assert shortened(lines, "5+2") == lines
+    with pytest.raises(ValueError, match="6\\+2"):
+        shortened(lines, "short")
+
+
+@pytest.mark.slow
+def test_the_guide_begins_as_it_says(tmp_path: Path) -> None:
+    page = GUIDE.read_text(encoding="utf-8")
+
+    assert run_page(page, tmp_path, until="**Your system's motion**") == page, "run 'make guide'"

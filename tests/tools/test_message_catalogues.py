@@ -1,0 +1,104 @@
+"""Every text for participants is translated, and says in every language what it says in English."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from babel.messages.catalog import Catalog, Message
+
+from studyapp.definition.page import Page
+from studyapp.web.language import SOURCE, catalogue_path
+from tools.message_catalogues import TRANSLATED, catalogue_of, found_texts, read_catalogue, updated
+
+PLACE = re.compile(r"%\((\w+)\)s|{(\w+)}")
+TAG = re.compile(r"</?\w+")
+LETTERS = {"de": re.compile(r"[A-Za-zÄÖÜäöüß]"), "ja": re.compile(r"[ぁ-んァ-ヶ一-龯]")}
+
+
+def texts(message: Message) -> list[str]:
+    """Return the English forms of a message."""
+    return [message.id] if isinstance(message.id, str) else list(message.id)
+
+
+def translations(message: Message) -> list[str]:
+    return [message.string] if isinstance(message.string, str) else list(message.string)
+
+
+def places(text: str) -> set[str]:
+    return {place or other for place, other in PLACE.findall(text)}
+
+
+@pytest.fixture(scope="module")
+def template() -> Catalog:
+    return catalogue_of(found_texts())
+
+
+@pytest.fixture(params=TRANSLATED)
+def catalogue(request: pytest.FixtureRequest) -> Catalog:
+    return read_catalogue(request.param)
+
+
+def entries(catalogue: Catalog) -> Iterator[Message]:
+    return (message for message in catalogue if message.id)
+
+
+def test_a_study_can_be_in_english_and_in_every_translated_language() -> None:
+    languages = Page.model_json_schema()["properties"]["language"]["enum"]
+
+    assert set(languages) == {SOURCE, *TRANSLATED}
+
+
+def test_exactly_the_texts_in_use_are_in_the_catalogue(
+    catalogue: Catalog, template: Catalog
+) -> None:
+    known = {message.id for message in entries(catalogue)}
+    used = {message.id for message in entries(template)}
+
+    assert sorted(map(str, used - known)) == [], "run 'make messages' and translate these"
+    assert sorted(map(str, known - used)) == [], "run 'make messages': these are no longer used"
+    assert not catalogue.obsolete
+
+
+def test_the_catalogue_is_as_its_tool_writes_it(catalogue: Catalog, template: Catalog) -> None:
+    written = catalogue_path(str(catalogue.locale)).read_text("utf-8")
+
+    assert updated(catalogue, template) == written, "run 'make messages'"
+
+
+def test_every_text_is_translated(catalogue: Catalog) -> None:
+    missing = [message.id for message in entries(catalogue) if not all(translations(message))]
+
+    assert missing == []
+    assert [message.id for message in entries(catalogue) if message.fuzzy] == []
+
+
+def test_a_translation_has_the_places_and_marks_of_its_text(catalogue: Catalog) -> None:
+    for message in entries(catalogue):
+        forms, said = texts(message), translations(message)
+        # The form for many things is the one that every language has.
+        assert places(said[-1]) == places(forms[-1]), message.id
+        assert all(places(form) <= places(forms[-1]) for form in said), message.id
+        assert {tuple(sorted(TAG.findall(form))) for form in said} == {
+            tuple(sorted(TAG.findall(form))) for form in forms
+        }, message.id
+        for form in said:
+            assert form.strip() == form or message.id == ", ", message.id
+            assert "%" not in PLACE.sub("", form).replace("%%", ""), message.id
+
+
+def test_a_count_has_as_many_forms_as_the_language(catalogue: Catalog) -> None:
+    for message in entries(catalogue):
+        expected = catalogue.num_plurals if message.pluralizable else 1
+        assert len(translations(message)) == expected, message.id
+
+
+def test_a_translation_is_in_its_language(catalogue: Catalog) -> None:
+    letters = LETTERS[str(catalogue.locale)]
+    for message in entries(catalogue):
+        words = PLACE.sub("", TAG.sub("", texts(message)[-1]))
+        if len(re.findall(r"[A-Za-z]+", words)) < 3:
+            continue  # a word may be the same, or stand beside a place as a mark
+        assert all(letters.search(form) for form in translations(message)), message.id
+        assert set(translations(message)) != set(texts(message)), message.id

@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+import hashlib
+import shutil
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.audio import read_audio
+from motion.errors import InputError
+from motion.formats import read_motion
+from motion.formats.bvh import read_bvh
+from motion.formats.semantic_txt import read_semantic_scores
+from training.corpus.__main__ import tables
+from training.corpus.description import read_request
+from training.corpus.making import make_corpus
+from training.corpus.measuring import decided, minutes, read_measured
+from training.corpus.plan import planned_takes
+from training.corpus.process import drive
+from training.corpus.recording import RecordingFiles
+from training.corpus.request import CorpusRequest
+from training.corpus.speakers import speaker_of
+from training.corpus.truth import read_truth
+from training.data.any_folder import read_takes
+from training.spaces.beat import body_values
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("espeak-ng") is None, reason="espeak-ng is not installed"
+)
+
+REQUEST = CorpusRequest(speakers=1, sentences=8, takes=1, held_out_speakers=0, frame_rate=15)
+
+
+def digest(folder: Path) -> dict[str, str]:
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+@pytest.fixture(scope="module")
+def corpus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("corpora") / "corpus"
+    make_corpus(folder, REQUEST)
+    return folder
+
+
+def test_the_reader_of_beat_reads_it_without_complaint(corpus: Path) -> None:
+    found = read_takes(corpus)
+    assert found.kind == "beat"
+    assert found.skipped == ()
+    planned = {take.name: take for take in planned_takes(REQUEST)}
+    assert {take.name for take in found.takes} == set(planned)
+    for take in found.takes:
+        wanted = planned[take.name]
+        assert (take.emotion, take.split) == (wanted.emotion, wanted.split)
+        assert take.face is not None
+        assert take.semantic is not None
+        assert read_semantic_scores(take.semantic)
+
+
+def test_speech_and_motion_of_a_take_last_equally_long(corpus: Path) -> None:
+    for take in read_takes(corpus).takes[:3]:
+        speech = read_audio(take.speech)
+        motion = read_bvh(take.motion)
+        assert len(motion.joints) == 75
+        assert motion.values.shape[1] == 228
+        assert len(motion.values) == round(speech.duration * motion.frame_rate)
+    clip = read_motion(take.motion)
+    assert clip.duration == pytest.approx(speech.duration, abs=0.1)
+
+
+def test_anybody_can_compute_the_truth_from_the_files(corpus: Path) -> None:
+    request = read_request(corpus)
+    assert request == REQUEST
+    take = read_takes(corpus).takes[0]
+    truth = read_truth(corpus / "truth" / f"{take.name}.npz")
+    found = drive(
+        read_audio(take.speech),
+        take.emotion,
+        speaker_of(truth.speaker, request.seed),
+        truth.frame_rate,
+    )
+    for field in fields(found):
+        np.testing.assert_allclose(
+            getattr(found, field.name), getattr(truth.drive, field.name), atol=1e-5
+        )
+    assert len(truth.strokes.times) == len(truth.chance.delays) > 3
+    body = body_values(read_bvh(take.motion))
+    assert np.linalg.norm(body, axis=1).max() < 20
+
+
+def test_an_interrupted_corpus_goes_on_and_ends_in_the_same_bytes(
+    corpus: Path, tmp_path: Path
+) -> None:
+    again = tmp_path / "again"
+
+    def stop(done: int, total: int) -> None:
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        make_corpus(again, REQUEST, show=stop)
+    there = RecordingFiles.of(again, next(planned_takes(REQUEST)))
+    assert there.complete
+    assert not (again / "splits.csv").exists()
+    there.face.unlink()
+    done = make_corpus(again, REQUEST)
+    assert done.made == len(done.takes) - 1
+    assert digest(again) == digest(corpus)
+
+
+def test_another_corpus_or_other_files_are_left_alone(corpus: Path, tmp_path: Path) -> None:
+    before = digest(corpus)
+    with pytest.raises(InputError, match="holds another corpus"):
+        make_corpus(corpus, replace(REQUEST, seed=2))
+    assert digest(corpus) == before
+    (tmp_path / "thesis.txt").write_text("mine")
+    with pytest.raises(InputError, match="not empty"):
+        make_corpus(tmp_path, REQUEST)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+
+
+def test_a_corpus_of_another_version_has_no_truth_to_compute(corpus: Path, tmp_path: Path) -> None:
+    text = (corpus / "corpus.json").read_text()
+    (tmp_path / "corpus.json").write_text(text.replace('version": "', 'version": "0.'))
+    with pytest.raises(InputError, match="Make the corpus again"):
+        read_request(tmp_path)
+    (tmp_path / "corpus.json").write_text("{}")
+    with pytest.raises(InputError, match="holds no synthetic corpus"):
+        read_request(tmp_path)
+
+
+def test_a_damaged_truth_is_named(tmp_path: Path) -> None:
+    (tmp_path / "a.npz").write_bytes(b"PK nothing")
+    with pytest.raises(InputError, match=r"a\.npz"):
+        read_truth(tmp_path / "a.npz")
+
+
+def test_a_corpus_is_measured_on_its_files(corpus: Path) -> None:
+    takes = read_measured(corpus)
+    lengths = minutes(takes)
+    seconds = sum(read_audio(take.speech).duration for take in read_takes(corpus).takes)
+    assert sum(lengths.values()) == pytest.approx(seconds / 60)
+    found = {one.curve: one for one in decided(takes)}
+    assert 0.3 < found["wrist_speed"].explained < 0.9
+    assert found["jaw_open"].correlation > 0.95
+    # A single text in each emotion leaves no other speech to compare with.
+    assert np.isnan(found["wrist_speed"].of_other_speech)
+    page = "\n".join(tables(takes, 10**6))
+    assert "| wrist speed |" in page
+    assert "| acceleration, m/s², BEAT | 3.60 | 3.00 | 8.70 |" in page
+    assert "there is no such take" in page
+    assert "nan" not in page

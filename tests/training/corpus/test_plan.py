@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from motion.errors import InputError
+from motion.segment import EMOTIONS
+from training.corpus.plan import planned_takes
+from training.corpus.recording_names import MOST_RECORDINGS
+from training.corpus.request import CorpusRequest
+from training.data.beat_names import BeatName
+
+
+def test_the_default_corpus_is_what_it_is_said_to_be() -> None:
+    takes = list(planned_takes(CorpusRequest()))
+    assert len(takes) == 8 * 16 * 2
+    assert Counter(take.emotion for take in takes) == dict.fromkeys(EMOTIONS, 32)
+    assert Counter(take.split for take in takes) == {"train": 144, "validation": 12, "test": 100}
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        CorpusRequest(),
+        CorpusRequest(speakers=3, sentences=8, takes=1, held_out_speakers=1),
+        CorpusRequest(speakers=40, sentences=24, takes=7, held_out_speakers=0, seed=5),
+    ],
+)
+def test_names_are_beats_and_tell_speaker_and_emotion(request_: CorpusRequest) -> None:
+    takes = list(planned_takes(request_))
+    assert len({take.name for take in takes}) == len(takes)
+    for take in takes:
+        name = BeatName.parse(take.name)
+        assert name is not None
+        assert (name.number, name.speaker) == (take.speaker.number, take.speaker.name)
+        assert name.emotion == take.emotion
+
+
+def test_training_hears_neither_held_out_speakers_nor_unheard_sentences() -> None:
+    takes = list(planned_takes(CorpusRequest(speakers=10, sentences=24, takes=3)))
+    learned = [take for take in takes if take.split != "test"]
+    tested = [take for take in takes if take.split == "test"]
+    assert {take.speaker.number for take in learned} == set(range(1, 9))
+    texts = {take.text for take in learned}
+    assert not any(take.text in texts for take in tested if take.unheard)
+    assert not any(take.unheard or take.held_out_speaker for take in learned)
+
+
+def test_testing_has_takes_of_heard_and_unheard_sentences_and_of_held_out_speakers() -> None:
+    takes = list(planned_takes(CorpusRequest()))
+    texts = {take.text for take in takes if take.split == "train"}
+    kinds = {
+        (take.text in texts, take.unheard, take.held_out_speaker)
+        for take in takes
+        if take.split == "test"
+    }
+    assert {(True, False, False), (False, True, False)} <= kinds
+    assert {held_out for *_, held_out in kinds} == {True, False}
+
+
+def test_every_size_has_takes_to_train_on() -> None:
+    for speakers in (1, 2, 3):
+        for sentences in (8, 16):
+            for takes in (1, 2):
+                request = CorpusRequest(
+                    speakers=speakers, sentences=sentences, takes=takes, held_out_speakers=0
+                )
+                splits = Counter(take.split for take in planned_takes(request))
+                assert splits["train"] >= splits["test"] > 0
+                assert splits["validation"] > 0
+
+
+def test_a_speaker_moves_alike_whatever_the_size_of_the_corpus() -> None:
+    small, large = (
+        {take.name: take for take in planned_takes(CorpusRequest(speakers=count))}
+        for count in (4, 20)
+    )
+    name = "1_ada_0_65_65"
+    assert small[name].speaker == large[name].speaker
+    assert small[name].seed == large[name].seed
+
+
+@pytest.mark.parametrize(
+    ("numbers", "complaint"),
+    [
+        ({"speakers": 0}, "0 speakers"),
+        ({"speakers": 2, "held_out_speakers": 2}, "cannot be held out"),
+        ({"sentences": 12}, "not as many in each"),
+        ({"sentences": 8 * MOST_RECORDINGS, "takes": 2}, "cannot be named"),
+        ({"takes": 0}, "cannot be named"),
+        ({"seed": -1}, "seed -1"),
+        ({"frame_rate": 0.0}, "frame rate"),
+    ],
+)
+def test_a_corpus_that_cannot_be_made_is_refused(numbers: dict[str, int], complaint: str) -> None:
+    with pytest.raises(InputError, match=complaint):
+        CorpusRequest(**numbers)  # type: ignore[arg-type]

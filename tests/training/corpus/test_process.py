@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from motion.audio import Audio
+from motion.errors import InputError
+from motion.segment import EMOTIONS
+from tests.generators.conftest import syllables
+from training.corpus.body_angles import ARM_ANGLES, BodyAngles, within_limits
+from training.corpus.body_rotations import told_rotations
+from training.corpus.chance import Chance
+from training.corpus.motion_curves import MotionCurves, curves_of, following, wrist_positions
+from training.corpus.process import Process, drive
+from training.corpus.speakers import speaker_of
+
+SPEAKER = speaker_of(1, 1)
+
+
+@pytest.fixture(scope="module")
+def speech() -> Audio:
+    return syllables(6.0, 3)
+
+
+@pytest.fixture(scope="module")
+def process(speech: Audio) -> Process:
+    return Process.of(speech, "neutral", SPEAKER)
+
+
+def correlation(curve: str, one: MotionCurves, other: MotionCurves) -> float:
+    return next(found.correlation for found in following(one, other) if found.curve == curve)
+
+
+def test_the_drive_is_the_motion_without_chance(speech: Audio, process: Process) -> None:
+    found = drive(speech, "neutral", SPEAKER, 30.0)
+    expected = curves_of(process.body(30.0), process.face(30.0), 30.0)
+    for field in dataclasses.fields(MotionCurves):
+        np.testing.assert_array_equal(getattr(found, field.name), getattr(expected, field.name))
+
+
+def test_the_drive_is_the_same_curve_at_any_frame_rate(process: Process) -> None:
+    slow, fast = process.drive(15.0), process.drive(60.0)
+    for field in dataclasses.fields(MotionCurves):
+        a, b = getattr(slow, field.name), getattr(fast, field.name)[::4]
+        if field.name != "wrist_speed":  # differences of positions, which depend on the step
+            np.testing.assert_allclose(a, b, atol=1e-9)
+        assert np.corrcoef(a, b)[0, 1] > 0.9
+
+
+def test_takes_follow_the_speech_and_differ_by_chance(process: Process) -> None:
+    wanted = process.drive(30.0)
+    takes = []
+    for seed in range(6):
+        chance = Chance(seed=(seed,))
+        takes.append(curves_of(process.body(30.0, chance), process.face(30.0, chance), 30.0))
+    follow = [correlation("wrist_speed", take, wanted) for take in takes]
+    assert 0.5 < np.mean(follow) < 0.95
+    between = [correlation("wrist_speed", takes[0], take) for take in takes[1:]]
+    assert max(between) < 0.98
+
+
+def test_other_speech_drives_another_motion(process: Process) -> None:
+    chance = Chance(seed=(1,))
+    moved = curves_of(process.body(30.0, chance), process.face(30.0, chance), 30.0)
+    own = correlation("wrist_speed", moved, process.drive(30.0))
+    others = [
+        correlation("wrist_speed", moved, drive(syllables(6.0, seed), "neutral", SPEAKER, 30.0))
+        for seed in (11, 12, 13, 14)
+    ]
+    assert own > max(others) + 0.2
+
+
+def test_hands_strike_when_the_voice_does(process: Process) -> None:
+    # Shortly before a stroke arrives the hand is fast, on arrival slow.
+    speed, moments = process.drive(100.0).wrist_speed, process.strokes.times
+    inside = moments[(moments > 0.5) & (moments < process.duration - 0.5)]
+    assert len(inside) >= 3
+    arriving, before = (
+        np.mean([speed[round(100 * (moment - early))] for moment in inside])
+        for early in (0.0, SPEAKER.attack / 2)
+    )
+    assert before > 2 * arriving
+
+
+def test_silence_calls_for_no_stroke_and_the_hands_rest() -> None:
+    silence = Audio(np.zeros(32000, np.float32), 16000)
+    curves = drive(silence, "neutral", SPEAKER, 30.0)
+    assert curves.wrist_speed.max() < 1e-6
+    assert np.ptp(curves.jaw_open) < 1e-6
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_motion_is_finite_smooth_and_within_limits(speech: Audio, emotion: str) -> None:
+    for number in (1, 3):
+        process = Process.of(speech, emotion, speaker_of(number, 1))
+        chance = Chance(seed=(number,))
+        body, face = process.body(60.0, chance), process.face(60.0, chance)
+        assert body.shape == (360, 141)
+        assert face.shape == (360, 51)
+        assert face.min() >= 0
+        assert face.max() <= 1
+        speeds = [_wrist_speed(process.body(rate, chance), rate) for rate in (60.0, 240.0)]
+        assert speeds[0].max() < 5
+        # No jump: four times the frames a second, a quarter of the change between two.
+        changes = [np.abs(np.diff(speed, axis=0)).max() for speed in speeds]
+        assert changes[1] < 0.4 * changes[0]
+
+
+def _wrist_speed(body: np.ndarray, frame_rate: float) -> np.ndarray:
+    return np.linalg.norm(np.diff(wrist_positions(body), axis=0), axis=2) * frame_rate
+
+
+def test_emotions_and_speakers_are_told_apart_by_posture(speech: Audio) -> None:
+    still = {
+        (emotion, number): Process.of(speech, emotion, speaker_of(number, 1)).body(5.0).mean(axis=0)
+        for emotion in EMOTIONS
+        for number in (1, 2, 3)
+    }
+    poses = np.stack(list(still.values()))
+    apart = np.linalg.norm(poses[:, None] - poses, axis=2) + np.eye(len(poses))
+    assert apart.min() > 0.1
+
+
+def test_left_and_right_are_mirror_images() -> None:
+    angles = BodyAngles(
+        trunk=np.zeros((3, 3)),
+        head=np.zeros((3, 3)),
+        arms=np.tile(np.linspace(5, 40, len(ARM_ANGLES)), (3, 2, 1)),
+    )
+    right, left = np.moveaxis(wrist_positions(told_rotations(angles)), 1, 0)
+    np.testing.assert_allclose(right * [-1, 1, 1], left, atol=1e-9)
+
+
+def test_limits_are_never_passed_and_leave_ordinary_angles_alone() -> None:
+    wild = np.random.default_rng(0).uniform(-300, 300, (1000, 2, 8))
+    tame = within_limits(wild)
+    assert np.ptp(tame, axis=(0, 1)).max() < 190
+    ordinary = np.tile([10.0, 20.0, 20.0, 80.0, -20.0, 0.0, 10.0, 0.0], (4, 2, 1))
+    np.testing.assert_array_equal(within_limits(ordinary), ordinary)
+
+
+def test_a_curve_that_does_not_change_has_no_correlation_but_a_reason(process: Process) -> None:
+    still = curves_of(np.zeros((180, 141)), np.zeros((180, 51)), 30.0)
+    for found in following(still, process.drive(30.0)):
+        assert np.isnan(found.correlation)
+        assert "does not change" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("audio", "emotion", "rate", "complaint"),
+    [
+        (Audio(np.zeros(8000, np.float32), 8000), "neutral", 30.0, "8000 Hz"),
+        (Audio(np.zeros(100, np.float32), 16000), "neutral", 30.0, "0.01 s"),
+        (Audio(np.zeros(16000, np.float32), 16000), "boredom", 30.0, "boredom"),
+        (Audio(np.zeros(16000, np.float32), 16000), "neutral", 0.0, "frame rate"),
+    ],
+)
+def test_what_cannot_be_moved_to_is_said(
+    audio: Audio, emotion: str, rate: float, complaint: str
+) -> None:
+    with pytest.raises(InputError, match=complaint):
+        drive(audio, emotion, SPEAKER, rate)

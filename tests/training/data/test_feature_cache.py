@@ -1,0 +1,231 @@
+"""Features of takes are computed once, and what is wrong with a take costs that take alone."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from tests.training.data.recordings import counting
+from training.data.feature import Feature
+from training.data.feature_cache import PreparedTakes, prepare
+from training.data.take import Take, TakeFolder
+
+RATE = 15.0
+
+
+@pytest.fixture
+def takes(tmp_path: Path) -> TakeFolder:
+    return takes_in(tmp_path / "data")
+
+
+def takes_in(folder: Path, number: int = 4) -> TakeFolder:
+    """Return takes whose sound holds a digit that features are made of."""
+    folder.mkdir()
+    found = []
+    for index in range(number):
+        name = f"take{index:02}"
+        for ending in (".wav", ".bvh"):
+            (folder / f"{name}{ending}").write_text(str(index))
+        found.append(
+            Take(
+                name=name,
+                speaker="scott",
+                emotion="fear",
+                split="train",
+                speech=folder / f"{name}.wav",
+                motion=folder / f"{name}.bvh",
+            )
+        )
+    return TakeFolder(kind="beat", takes=tuple(found), speakers=("scott",))
+
+
+def open_files() -> int:
+    return sum(1 for _ in Path("/proc/self/fd").iterdir())
+
+
+def digit(take: Take) -> np.ndarray:
+    return np.full((30, 2), float(take.speech.read_text()))
+
+
+def prepared(takes: TakeFolder, cache: Path, *features: Feature) -> PreparedTakes:
+    return prepare(takes, features, cache, frame_rate=RATE)
+
+
+def test_features_are_computed_once(takes: TakeFolder, tmp_path: Path) -> None:
+    feature, asked = counting("digit", digit)
+    first = prepared(takes, tmp_path / "cache", feature)
+    again = prepared(takes, tmp_path / "cache", feature)
+    assert asked == ["take00", "take01", "take02", "take03"]
+    assert again.sha256 == first.sha256
+    for index, values in enumerate(again.arrays["digit"]):
+        np.testing.assert_array_equal(values, np.full((30, 2), index, np.float32))
+        assert not values.flags.writeable
+        assert again.frames(index) == 30
+
+
+def test_another_version_rate_or_file_is_computed_anew(takes: TakeFolder, tmp_path: Path) -> None:
+    feature, asked = counting("digit", digit)
+    newer, asked_newer = counting("digit", digit, version="2")
+    cache = tmp_path / "cache"
+    before = prepared(takes, cache, feature)
+    prepared(takes, cache, newer)
+    assert len(asked_newer) == 4
+    prepare(takes, [feature], cache, frame_rate=30)
+    assert len(asked) == 8
+    takes.takes[2].speech.write_text("7")
+    after = prepared(takes, cache, feature)
+    assert asked[8:] == ["take02"]
+    assert after.sha256 != before.sha256
+    assert after.arrays["digit"][2][0, 0] == 7
+
+
+def test_a_copied_data_set_or_cache_is_computed_no_more(takes: TakeFolder, tmp_path: Path) -> None:
+    feature, asked = counting("digit", digit)
+    first = prepared(takes, tmp_path / "cache", feature)
+    os.utime(takes.takes[0].speech, (1, 1))
+    shutil.copytree(tmp_path / "cache", tmp_path / "copy")
+    for path in (tmp_path / "copy").rglob("*.npy"):
+        os.utime(path, (2, 2))
+    moved = takes_in(tmp_path / "elsewhere")
+    for found in (takes, moved):
+        assert prepared(found, tmp_path / "copy", feature).sha256 == first.sha256
+    assert len(asked) == 4
+
+
+def test_damaged_files_of_the_cache_are_made_again(takes: TakeFolder, tmp_path: Path) -> None:
+    feature, asked = counting("digit", digit)
+    cache = tmp_path / "cache"
+    first = prepared(takes, cache, feature)
+    cut, flipped, unsealed, _ = sorted(cache.rglob("*.npy"))
+    cut.write_bytes(cut.read_bytes()[:100])
+    content = bytearray(flipped.read_bytes())
+    content[-3] ^= 1
+    flipped.write_bytes(content)
+    unsealed.with_suffix(".json").write_text("{")
+    (cache / "take03" / "files.json").write_bytes(b"\xff")
+    again = prepared(takes, cache, feature)
+    assert asked[4:] == ["take00", "take01", "take02"]
+    assert again.sha256 == first.sha256
+
+
+def test_the_hash_follows_what_is_known_of_takes(takes: TakeFolder, tmp_path: Path) -> None:
+    feature, _ = counting("digit", digit)
+    first = prepared(takes, tmp_path / "cache", feature)
+    fewer = TakeFolder(kind="beat", takes=takes.takes[1:], speakers=("scott",))
+    assert prepared(fewer, tmp_path / "cache", feature).sha256 != first.sha256
+
+
+def test_a_bad_take_is_named_and_skipped(takes: TakeFolder, tmp_path: Path) -> None:
+    def compute(take: Take) -> np.ndarray:
+        values = digit(take)
+        if take.name == "take00":
+            raise InputError("the motion is broken", where=take.motion, remedy="Copy it again")
+        if take.name == "take01":
+            values[3, 1] = np.nan
+        return values[:0] if take.name == "take02" else values
+
+    feature, _ = counting("digit", compute)
+    found = prepared(takes, tmp_path / "cache", feature)
+    assert [take.name for take in found.takes] == ["take03"]
+    broken, nan, empty = map(str, found.skipped)
+    assert "take00.bvh: take take00: the motion is broken. Copy it again." in broken
+    assert "take01: its digit is no number at frame 3, channel 1" in nan
+    assert "take02: its digit has shape (0, 2)" in empty
+
+
+def test_a_file_that_is_gone_costs_its_take_alone(takes: TakeFolder, tmp_path: Path) -> None:
+    takes.takes[1].motion.unlink()
+    feature, _ = counting("digit", digit)
+    found = prepared(takes, tmp_path / "cache", feature)
+    assert len(found.takes) == 3
+    assert "take01.bvh: take take01: the file cannot be read" in str(found.skipped[0])
+
+
+def test_sound_and_motion_of_unlike_length_are_no_take(takes: TakeFolder, tmp_path: Path) -> None:
+    longer = {"take00": 7, "take01": 8}
+    motion, _ = counting("motion", lambda take: np.zeros((30 + longer.get(take.name, 0), 3)))
+    sound, asked = counting("sound", digit)
+    costly, asked_costly = counting("costly", digit)
+    found = prepared(takes, tmp_path / "cache", motion, sound, costly)
+    assert [take.name for take in found.takes] == ["take00", "take02", "take03"]
+    assert len(asked) == 4
+    assert "take01" not in asked_costly
+    assert "motion lasts 2.53 s and sound 2.00 s, more than 0.5 s apart" in str(found.skipped[0])
+    assert {len(found.arrays[name][0]) for name in found.arrays} == {30}
+
+
+def test_no_usable_take_is_an_error_that_quotes_the_first(
+    takes: TakeFolder, tmp_path: Path
+) -> None:
+    feature, _ = counting("digit", lambda take: np.zeros(3))
+    with pytest.raises(InputError, match=r"none of the 4 takes.*take00: its digit has shape \(3,"):
+        prepared(takes, tmp_path / "cache", feature)
+
+
+def test_what_was_skipped_before_stays_said(takes: TakeFolder, tmp_path: Path) -> None:
+    before = TakeFolder(
+        kind="beat", takes=takes.takes, speakers=(), skipped=(InputError("no sound"),)
+    )
+    feature, _ = counting("digit", digit)
+    assert prepared(before, tmp_path / "cache", feature).skipped == before.skipped
+
+
+def test_stopping_keeps_what_was_done_and_leaves_nothing_half(
+    takes: TakeFolder, tmp_path: Path
+) -> None:
+    def stopped(take: Take) -> np.ndarray:
+        if take.name == "take02":
+            raise KeyboardInterrupt
+        return digit(take)
+
+    interrupted, _ = counting("digit", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        prepared(takes, tmp_path / "cache", interrupted)
+    feature, asked = counting("digit", digit)
+    prepared(takes, tmp_path / "cache", feature)
+    assert asked == ["take02", "take03"]
+    assert not list((tmp_path / "cache").rglob(".*"))
+
+
+def test_several_at_once_share_the_work(tmp_path: Path) -> None:
+    takes = takes_in(tmp_path / "data", 12)
+    feature, asked = counting("digit", digit)
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: prepared(takes, tmp_path / "cache", feature), range(4)))
+    assert sorted(asked) == [take.name for take in takes.takes]
+    assert len({one.sha256 for one in found}) == 1
+
+
+def test_progress_is_told_take_by_take(takes: TakeFolder, tmp_path: Path) -> None:
+    told: list[tuple[int, int, str]] = []
+    feature, _ = counting("digit", digit)
+    prepare(
+        takes,
+        [feature],
+        tmp_path / "cache",
+        frame_rate=RATE,
+        show=lambda done, total, name: told.append((done, total, name)),
+    )
+    assert told == [(index + 1, 4, f"take0{index}") for index in range(4)]
+
+
+def test_no_file_stays_open_however_many_takes_there_are(takes: TakeFolder, tmp_path: Path) -> None:
+    feature, _ = counting("digit", digit)
+    prepared(takes, tmp_path / "cache", feature)
+    before = open_files()
+    found = prepared(takes, tmp_path / "cache", feature)
+    assert open_files() == before
+    assert len(found.takes) == 4
+
+
+def test_a_cache_that_cannot_be_written_is_said(takes: TakeFolder, tmp_path: Path) -> None:
+    (tmp_path / "cache").write_text("a file")
+    feature, _ = counting("digit", digit)
+    with pytest.raises(InputError, match="features cannot be kept"):
+        prepared(takes, tmp_path / "cache", feature)

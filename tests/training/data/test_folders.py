@@ -1,0 +1,241 @@
+"""Folders of recordings, as researchers have them."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from tests.training.data.recordings import write_clicks, write_show, write_smplx, write_ted
+from training.data.any_folder import read_takes
+from training.data.take import TakeFolder
+
+
+def touch(*paths: Path) -> None:
+    for path in paths:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"not looked at yet")
+
+
+def beat_take(folder: Path, name: str, *endings: str) -> None:
+    touch(*(folder / f"{name}{ending}" for ending in (".bvh", ".wav", *endings)))
+
+
+def said(takes: TakeFolder) -> list[str]:
+    return [str(error) for error in takes.skipped]
+
+
+def test_beat_is_read_as_downloaded(tmp_path: Path) -> None:
+    beat_take(tmp_path / "2", "2_scott_0_9_9", ".json", ".txt", ".csv", ".TextGrid")
+    beat_take(tmp_path / "10", "10_kieks_0_66_66")
+    found = read_takes(tmp_path)
+    assert found.kind == "beat"
+    assert found.speakers == ("scott", "kieks")
+    assert [take.name for take in found.takes] == ["10_kieks_0_66_66", "2_scott_0_9_9"]
+    kieks, scott = found.takes
+    assert (scott.emotion, kieks.emotion) == ("neutral", "happiness")
+    assert scott.face == tmp_path / "2" / "2_scott_0_9_9.json"
+    assert scott.semantic == tmp_path / "2" / "2_scott_0_9_9.txt"
+    assert kieks.face is None
+    assert not found.skipped
+
+
+def test_annotations_of_beat_may_lie_in_a_folder_of_their_own(tmp_path: Path) -> None:
+    beat_take(tmp_path / "data" / "2", "2_scott_0_9_9")
+    touch(tmp_path / "annotations" / "2" / "2_scott_0_9_9.txt")
+    (take,) = read_takes(tmp_path).takes
+    assert take.semantic == tmp_path / "annotations" / "2" / "2_scott_0_9_9.txt"
+
+
+def test_flat_folders_of_beat_are_read(tmp_path: Path) -> None:
+    beat_take(tmp_path, "2_scott_0_9_9")
+    assert [take.name for take in read_takes(tmp_path).takes] == ["2_scott_0_9_9"]
+
+
+def test_what_is_no_take_of_beat_is_named_and_skipped(tmp_path: Path) -> None:
+    beat_take(tmp_path, "2_scott_0_9_9")
+    beat_take(tmp_path / "again", "2_scott_0_9_9")
+    touch(tmp_path / "2_scott_0_10_10.bvh", tmp_path / "2_scott_0_11_11.wav")
+    beat_take(tmp_path, "a walk")
+    beat_take(tmp_path, "2_scott_0_12_12")
+    (tmp_path / "2_scott_0_12_12.wav").write_bytes(b"")
+    found = read_takes(tmp_path)
+    assert [take.motion for take in found.takes] == [tmp_path / "2_scott_0_9_9.bvh"]
+    messages = {
+        "2_scott_0_10_10.bvh: the motion has no sound": "Put 2_scott_0_10_10.wav beside it",
+        "2_scott_0_11_11.wav: the sound has no motion": "Put 2_scott_0_11_11.bvh beside it",
+        "2_scott_0_12_12.wav: the file is empty": "Copy it again",
+        "a walk.bvh: the file is not named": "such as 2_scott_0_9_9",
+        "again/2_scott_0_9_9.bvh: take 2_scott_0_9_9 is there twice": "Rename or remove",
+    }
+    assert len(found.skipped) == len(messages)
+    for what, remedy in messages.items():
+        assert any(what in text and remedy in text for text in said(found)), what
+
+
+def test_hidden_files_are_no_recordings(tmp_path: Path) -> None:
+    beat_take(tmp_path, "2_scott_0_9_9")
+    touch(tmp_path / "._2_scott_0_9_9.bvh", tmp_path / ".cache" / "2_scott_0_10_10.bvh")
+    assert not read_takes(tmp_path).skipped
+
+
+def test_links_to_folders_are_followed_once(tmp_path: Path) -> None:
+    beat_take(tmp_path / "disk", "2_scott_0_9_9")
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "2").symlink_to(tmp_path / "disk")
+    (tmp_path / "disk" / "back").symlink_to(tmp_path / "data")
+    found = read_takes(tmp_path / "data")
+    assert [take.name for take in found.takes] == ["2_scott_0_9_9"]
+    assert not found.skipped
+
+
+def test_beat2_is_read_as_downloaded(tmp_path: Path) -> None:
+    write_smplx(tmp_path / "smplxflame_30" / "2_scott_0_65_65.npz", 1)
+    write_clicks(tmp_path / "wave16k" / "2_scott_0_65_65.wav", 1)
+    touch(tmp_path / "sem" / "2_scott_0_65_65.txt", tmp_path / "textgrid" / "x.TextGrid")
+    np.savez(tmp_path / "weights.npz", mean=np.zeros(3))
+    found = read_takes(tmp_path)
+    assert found.kind == "beat2"
+    (take,) = found.takes
+    assert (take.speaker, take.emotion, take.split) == ("scott", "happiness", "test")
+    assert take.speech == tmp_path / "wave16k" / "2_scott_0_65_65.wav"
+    assert take.semantic == tmp_path / "sem" / "2_scott_0_65_65.txt"
+    assert not found.skipped
+
+
+def test_folders_of_smplx_motion_are_speakers(tmp_path: Path) -> None:
+    for speaker in ("anna", "ben"):
+        write_smplx(tmp_path / speaker / f"{speaker} talks.npz", 1)
+        write_clicks(tmp_path / speaker / f"{speaker} talks.wav", 1)
+    found = read_takes(tmp_path)
+    assert found.speakers == ("anna", "ben")
+    assert [take.speaker for take in found.takes] == ["anna", "ben"]
+    assert all(" " not in take.name for take in found.takes)
+
+
+def test_who_speaks_in_a_flat_folder_is_unknown(tmp_path: Path) -> None:
+    write_smplx(tmp_path / "a.npz", 1)
+    write_clicks(tmp_path / "a.wav", 1)
+    assert read_takes(tmp_path).speakers == ("unknown",)
+
+
+def test_damaged_archives_are_named_and_skipped(tmp_path: Path) -> None:
+    for name in ("good", "bad", "other"):
+        write_smplx(tmp_path / f"{name}.npz", 1)
+        write_clicks(tmp_path / f"{name}.wav", 1)
+    whole = (tmp_path / "bad.npz").read_bytes()
+    (tmp_path / "bad.npz").write_bytes(whole[: len(whole) // 2])
+    np.savez(tmp_path / "other.npz", trans=np.zeros((3, 3)))
+    found = read_takes(tmp_path)
+    assert [take.name for take in found.takes] == ["good"]
+    bad, other = said(found)
+    assert "bad.npz: the file is no .npz archive, or is truncated" in bad
+    assert "other.npz: the file holds no poses" in other
+
+
+def show_clip(folder: Path, *, motion: bool = True) -> None:
+    """Write a clip as TalkSHOW lays it out: a folder that holds files of its name."""
+    if motion:
+        write_show(folder / f"{folder.name}.npy", 1)
+    write_clicks(folder / f"{folder.name}.wav", 1)
+
+
+def test_show_is_read_as_talkshow_sorts_it(tmp_path: Path) -> None:
+    for split in ("train", "val", "test"):
+        show_clip(tmp_path / "oliver" / "A talk (2020)" / split / f"{split}-00_01-00_02")
+    found = read_takes(tmp_path)
+    assert found.kind == "show"
+    assert {take.name: take.split for take in found.takes} == {
+        "oliver_train-00_01-00_02": "train",
+        "oliver_val-00_01-00_02": "validation",
+        "oliver_test-00_01-00_02": "test",
+    }
+    assert "1 recording cut into takes of several splits" in found.notes[1]
+
+
+def test_clips_of_one_video_are_in_one_split_where_no_folder_says_so(tmp_path: Path) -> None:
+    for video in range(6):
+        for clip in range(3):
+            show_clip(tmp_path / "oliver" / f"video {video}" / f"{video}-{clip}")
+    splits: dict[str, set[str]] = {}
+    for take in read_takes(tmp_path).takes:
+        splits.setdefault(take.motion.parent.parent.name, set()).add(take.split)
+    assert all(len(of_video) == 1 for of_video in splits.values())
+    assert set.union(*splits.values()) == {"train", "validation", "test"}
+
+
+def test_clips_of_the_same_name_get_names_of_their_own(tmp_path: Path) -> None:
+    for video in ("one", "two"):
+        show_clip(tmp_path / "oliver" / video / "00_01")
+    found = read_takes(tmp_path)
+    assert len({take.name for take in found.takes}) == 2
+    assert not found.skipped
+
+
+def test_shows_own_list_of_splits_is_understood(tmp_path: Path) -> None:
+    for clip in ("1-00_01", "2-00_02"):
+        show_clip(tmp_path / "oliver" / "A talk.webm" / clip)
+    (tmp_path / "train_val_test.json").write_text(
+        '{"train": ["oliver/A talk.webm/1-00_01"], "val": ["oliver/A talk.webm/2-00_02"],'
+        ' "test": ["seth/Gone.webm/3-00_03"]}'
+    )
+    found = read_takes(tmp_path)
+    assert [take.split for take in found.takes] == ["train", "validation"]
+    assert any("1 name (seth/Gone.webm/3-00_03) of the list not there" in n for n in found.notes)
+
+
+def test_pickles_are_never_opened_and_the_way_out_is_named(tmp_path: Path) -> None:
+    class Trap:
+        def __reduce__(self) -> tuple[object, tuple[str]]:
+            return Path.touch, (tmp_path / "sprung",)  # type: ignore[return-value]
+
+    clip = tmp_path / "oliver" / "video" / "00_01"
+    show_clip(clip, motion=False)
+    (clip / "00_01.pkl").write_bytes(pickle.dumps(Trap()))
+    with pytest.raises(InputError, match=r"pickled.*docs/data\.md"):
+        read_takes(tmp_path)
+    show_clip(tmp_path / "oliver" / "video" / "00_02")
+    found = read_takes(tmp_path)
+    assert len(found.takes) == 1
+    assert "00_01.pkl: the motion is pickled" in said(found)[0]
+    assert not (tmp_path / "sprung").exists()
+
+
+def test_ted_is_read_as_plain_arrays_by_split_and_talk(tmp_path: Path) -> None:
+    for split, talk in (("train", "talk1"), ("val", "talk2"), ("test", "talk3")):
+        write_ted(tmp_path / split / talk / "0.npz", 1)
+        write_clicks(tmp_path / split / talk / "0.wav", 1)
+    found = read_takes(tmp_path)
+    assert found.kind == "ted"
+    assert found.speakers == ("talk1", "talk2", "talk3")
+    assert [take.split for take in found.takes] == ["train", "validation", "test"]
+
+
+def test_teds_database_is_refused_with_the_way_out(tmp_path: Path) -> None:
+    touch(tmp_path / "lmdb_train" / "data.mdb", tmp_path / "lmdb_train" / "lock.mdb")
+    with pytest.raises(InputError, match=r"pickled.*docs/data\.md"):
+        read_takes(tmp_path)
+
+
+def test_a_folder_of_several_layouts_asks_which(tmp_path: Path) -> None:
+    write_smplx(tmp_path / "a.npz", 1)
+    write_clicks(tmp_path / "a.wav", 1)
+    write_show(tmp_path / "b.npy", 1)
+    write_clicks(tmp_path / "b.wav", 1)
+    with pytest.raises(InputError, match=r"may be beat2 and show.*Name its layout"):
+        read_takes(tmp_path)
+    assert [take.name for take in read_takes(tmp_path, kind="beat2").takes] == ["a"]
+
+
+def test_folders_without_recordings_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such folder"):
+        read_takes(tmp_path / "gone")
+    with pytest.raises(InputError, match="no recordings of a known layout"):
+        read_takes(tmp_path)
+    with pytest.raises(InputError, match="holds no take of beat"):
+        read_takes(tmp_path, kind="beat")
+    with pytest.raises(InputError, match="no layout 'genea'"):
+        read_takes(tmp_path, kind="genea")

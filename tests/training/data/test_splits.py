@@ -1,0 +1,135 @@
+"""Which take is for what."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.errors import InputError
+from training.data.any_folder import read_takes
+from training.data.split_list import read_split_list
+from training.data.splitting import split_by_hash
+from training.data.take import TakeFolder
+
+NAMES = ("2_scott_0_9_9", "2_scott_0_10_10", "2_scott_0_11_11")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in NAMES:
+        for ending in (".bvh", ".wav"):
+            (tmp_path / f"{name}{ending}").write_bytes(b"not looked at yet")
+    return tmp_path
+
+
+def splits_of(takes: TakeFolder) -> dict[str, str]:
+    return {take.name: take.split for take in takes.takes}
+
+
+WANTED = dict(zip(NAMES, ("train", "validation", "test"), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.csv", "name,split\n{0},train\n{1},validation\n{2},test\n"),
+        ("a.csv", "id,type\r\n{0},train\r\n{1},val\r\n{2},test\r\n"),
+        ("a.csv", "\ufeffspeaker,file,Set\ns,{0}.bvh,Training\ns,{1}.wav,dev\ns,{2},TEST\n\n"),
+        ("a.csv", "{0},train\n{1},valid\n{2},test\n"),
+        ("a.json", '{{"train": ["{0}"], "val": ["{1}"], "test": ["{2}.npz"]}}'),
+        ("a.json", '{{"{0}": "train", "{1}": "dev", "{2}": "test"}}'),
+    ],
+)
+def test_lists_are_read_in_the_forms_people_write(folder: Path, name: str, text: str) -> None:
+    path = folder / "lists" / name
+    path.parent.mkdir()
+    path.write_bytes(text.format(*NAMES).encode())
+    assert splits_of(read_takes(folder, split_list=path)) == WANTED
+
+
+def test_a_folder_of_names_a_split_is_a_list(folder: Path) -> None:
+    lists = folder / "lists"
+    lists.mkdir()
+    for name, split in zip(NAMES, ("train", "val", "test"), strict=True):
+        (lists / f"{split}.txt").write_text(f"{name}\n\n")
+    assert splits_of(read_takes(folder, split_list=lists)) == WANTED
+
+
+@pytest.mark.parametrize("name", ["splits.csv", "train_test_split.csv"])
+def test_a_folders_own_list_is_used(folder: Path, name: str) -> None:
+    rows = [f"{take},{split}" for take, split in WANTED.items()]
+    (folder / name).write_text("name,split\n" + "\n".join(rows))
+    found = read_takes(folder)
+    assert splits_of(found) == WANTED
+    assert found.notes == (f"splits by {name}: 1 train, 1 validation and 1 test",)
+
+
+def test_what_a_list_leaves_out_and_what_is_not_there_is_said(folder: Path) -> None:
+    (folder / "splits.csv").write_text(
+        f"name,split\n{NAMES[0]},train\n{NAMES[1]},additional\n2_scott_0_12_12,test\n"
+    )
+    found = read_takes(folder)
+    assert splits_of(found) == {NAMES[0]: "train"}
+    assert found.notes == (
+        "splits by splits.csv: 1 train, 0 validation and 0 test",
+        f"1 take ({NAMES[2]}) left out, which the list does not name",
+        "1 take left out as additional",
+        "1 name (2_scott_0_12_12) of the list not there",
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("a.csv", "name,split\na,train\na.wav,test\n", r"a\.csv, line 3: 'a' is in train and in t"),
+        ("a.csv", "name,split\na,additional\na,test\n", "'a' is in additional and in test"),
+        ("a.csv", "name,split\na\n", "line 2: the row has no name or no split"),
+        ("a.csv", "first,second,third\n1,2,3\n", "has the columns first, second, third"),
+        ("a.csv", "name,split\na,elsewhere\n", "names no split"),
+        ("a.csv", "", "is empty"),
+        ("a.json", '["a"]', "no JSON of names by split"),
+        ("a.json", "{", "no JSON of names by split"),
+        ("a.json", '{"train": "a", "test": ["b"]}', "no JSON of names by split"),
+    ],
+)
+def test_unusable_lists_say_what_is_wrong(
+    tmp_path: Path, name: str, text: str, message: str
+) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_split_list(tmp_path / name)
+
+
+def test_lists_that_are_not_there_or_of_other_takes_are_refused(folder: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        read_takes(folder, split_list=folder / "gone.csv")
+    (folder / "lists").mkdir()
+    with pytest.raises(InputError, match="holds no split list"):
+        read_takes(folder, split_list=folder / "lists")
+    (folder / "splits.csv").write_text("name,split\nother,train\n")
+    with pytest.raises(InputError, match="names none of the 3 takes"):
+        read_takes(folder)
+
+
+def test_without_a_list_the_published_rule_counts_and_says_so(folder: Path) -> None:
+    for ending in (".bvh", ".wav"):
+        (folder / f"2_scott_0_1_1{ending}").write_bytes(b"not looked at yet")
+    found = read_takes(folder)
+    assert splits_of(found) == {**dict.fromkeys(NAMES, "train"), "2_scott_0_1_1": "test"}
+    assert found.notes == (
+        "splits by the rule published with BEAT: 3 train, 0 validation and 1 test",
+    )
+
+
+@given(st.sets(st.text(min_size=1, max_size=5), max_size=60))
+def test_hashes_split_as_stated_whatever_the_order(names: set[str]) -> None:
+    splits = split_by_hash(sorted(names))
+    assert splits == split_by_hash(sorted(names, reverse=True))
+    number = Counter(splits.values())
+    kept = max(round(len(names) / 10), 1 if len(names) > 2 else 0)
+    assert number["test"] == number["validation"] == kept
+    assert number["train"] == len(names) - 2 * kept

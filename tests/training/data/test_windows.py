@@ -1,0 +1,105 @@
+"""Windows of takes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.errors import InputError
+from training.data.feature_cache import PreparedTakes
+from training.data.take import SPLITS, Take
+from training.data.windows import Windows
+
+
+def takes_of(*frames: int) -> PreparedTakes:
+    """Return takes whose feature tells take and frame; every third is for testing."""
+    takes = tuple(
+        Take(
+            name=f"take{index}",
+            speaker="scott",
+            emotion="",
+            split=SPLITS[index % 3],
+            speech=Path("a.wav"),
+            motion=Path("a.bvh"),
+        )
+        for index in range(len(frames))
+    )
+    arrays = tuple(
+        np.stack([np.full(count, index), np.arange(count)], axis=1).astype(np.float32)
+        for index, count in enumerate(frames)
+    )
+    other = tuple(-array for array in arrays)
+    return PreparedTakes(
+        takes=takes,
+        arrays={"one": arrays, "other": other},
+        frame_rate=15.0,
+        skipped=(),
+        sha256="",
+    )
+
+
+@given(
+    st.lists(st.integers(1, 60), min_size=1, max_size=6),
+    st.integers(1, 20),
+    st.integers(1, 12),
+)
+def test_window_k_of_a_take_begins_at_frame_k_strides_in_all_features(
+    counts: list[int], frames: int, stride: int
+) -> None:
+    prepared = takes_of(*counts)
+    if max(counts) < frames:
+        with pytest.raises(InputError, match="lasts the"):
+            Windows(prepared, split=None, frames=frames, stride=stride)
+        return
+    windows = Windows(prepared, split=None, frames=frames, stride=stride)
+    expected = [
+        (take, start)
+        for take, count in enumerate(counts)
+        for start in range(0, count - frames + 1, stride)
+    ]
+    assert len(windows) == len(expected)
+    rows = np.arange(len(windows))
+    batch = windows.batch(rows)
+    for row, (take, start) in enumerate(expected):
+        assert windows.take_of(row) is prepared.takes[take]
+        assert windows.start_of(row) == start
+        assert (batch["one"][row, :, 0] == take).all()
+        np.testing.assert_array_equal(batch["one"][row, :, 1], start + np.arange(frames))
+        np.testing.assert_array_equal(batch["other"][row], -batch["one"][row])
+
+
+def test_windows_are_of_one_split_and_too_short_takes_are_told() -> None:
+    prepared = takes_of(50, 50, 50, 5, 60)
+    windows = Windows(prepared, split="train", frames=34, stride=10)
+    assert {windows.take_of(row).name for row in range(len(windows))} == {"take0"}
+    assert [take.name for take in windows.too_short] == ["take3"]
+    assert windows.frame_rate == 15
+
+
+def test_rows_come_in_the_order_asked_for() -> None:
+    windows = Windows(takes_of(60), split=None, frames=10, stride=5)
+    found = windows.batch(np.array([3, 0, 3]))["one"]
+    assert found.shape == (3, 10, 2)
+    assert found[:, 0, 1].tolist() == [15, 0, 15]
+
+
+@pytest.mark.parametrize("row", [-1, 11])
+def test_rows_that_are_not_there_are_refused(row: int) -> None:
+    windows = Windows(takes_of(60), split=None, frames=10, stride=5)
+    with pytest.raises(IndexError, match="no window"):
+        windows.batch(np.array([row]))
+
+
+def test_a_split_without_takes_says_so() -> None:
+    with pytest.raises(InputError, match=r"none of 0 takes for validation lasts the 2\.27 s"):
+        Windows(takes_of(60), split="validation", frames=34, stride=10)
+
+
+@pytest.mark.parametrize(("frames", "stride"), [(0, 1), (1, 0)])
+def test_windows_of_nothing_are_refused(frames: int, stride: int) -> None:
+    with pytest.raises(InputError, match="cannot be cut"):
+        Windows(takes_of(60), split=None, frames=frames, stride=stride)

@@ -1,0 +1,148 @@
+"""HuBERT comes from a folder, whole or not at all; what stands in for it says so."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from safetensors.torch import load_file, save_file
+from transformers import HubertConfig, HubertModel
+
+from motion.errors import InputError
+from training.hearing.hubert import at_frames, load_hubert, stand_in
+
+
+def speech(seconds: float) -> np.ndarray:
+    rng = np.random.default_rng(4)
+    return (0.1 * rng.standard_normal(round(seconds * 16000))).astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A network of HuBERT-large's width, but with few channels elsewhere."""
+    folder = tmp_path_factory.mktemp("models") / "hubert"
+    config = HubertConfig(
+        hidden_size=1024,
+        num_hidden_layers=1,
+        num_attention_heads=4,
+        intermediate_size=16,
+        conv_dim=(8,) * 7,
+        num_conv_pos_embeddings=8,
+        num_conv_pos_embedding_groups=16,
+        feat_extract_norm="layer",
+        conv_bias=True,
+        do_stable_layer_norm=True,
+    )
+    HubertModel(config).save_pretrained(folder)
+    return folder
+
+
+def copied(folder: Path, to: Path) -> Path:
+    to.mkdir()
+    for path in folder.iterdir():
+        (to / path.name).write_bytes(path.read_bytes())
+    return to
+
+
+@pytest.mark.parametrize(
+    ("samples", "vectors"), [(0, 1), (399, 1), (400, 1), (720, 2), (16000, 49)]
+)
+def test_there_are_1024_channels_50_times_a_second(samples: int, vectors: int) -> None:
+    assert stand_in().hear(speech(1)[:samples]).shape == (vectors, 1024)
+
+
+def test_the_stand_in_is_the_same_every_time_and_takes_nothing_from_other_chance() -> None:
+    torch.manual_seed(3)
+    expected = torch.rand(3)
+    torch.manual_seed(3)
+    first = stand_in().hear(speech(0.5))
+    assert torch.equal(torch.rand(3), expected)
+    assert torch.equal(stand_in().hear(speech(0.5)), first)
+
+
+def test_the_stand_in_tells_speech_from_other_speech_and_calls_itself_one() -> None:
+    hubert = stand_in()
+    assert hubert.stands_in
+    assert "stand-in" in hubert.description
+    difference = hubert.hear(speech(1)) - hubert.hear(speech(2)[16000:])
+    assert float(difference.abs().mean()) > 0.01
+
+
+def test_loudness_and_offset_do_not_matter() -> None:
+    hubert = stand_in()
+    plain, other = (hubert.hear(each) for each in (speech(1), 0.3 * speech(1) + 0.2))
+    torch.testing.assert_close(plain, other, rtol=1e-3, atol=1e-3)
+
+
+@pytest.mark.slow
+def test_the_full_size_stand_in_is_as_large_as_hubert_large() -> None:
+    hubert = stand_in(full_size=True)
+    assert isinstance(hubert.network, HubertModel)
+    count = sum(weight.numel() for weight in hubert.network.parameters())
+    assert count == pytest.approx(315.4e6, rel=0.005)
+    assert hubert.hear(speech(0.5)).shape == (24, 1024)
+
+
+def test_weights_of_a_folder_are_heard_with_and_named_by_their_hash(saved: Path) -> None:
+    hubert = load_hubert(saved)
+    assert not hubert.stands_in
+    assert "hubert (sha256 " in hubert.description
+    samples = speech(1)
+    even = torch.from_numpy((samples - samples.mean()) / samples.std())[None]
+    with torch.inference_mode():
+        expected = HubertModel.from_pretrained(saved).eval()(even).last_hidden_state[0]
+    torch.testing.assert_close(hubert.hear(samples), expected, rtol=1e-3, atol=1e-4)
+
+
+def test_a_folder_that_lacks_a_weight_is_refused(saved: Path, tmp_path: Path) -> None:
+    folder = copied(saved, tmp_path / "hubert")
+    weights = load_file(folder / "model.safetensors")
+    weights.pop("encoder.layers.0.attention.k_proj.weight")
+    save_file(weights, folder / "model.safetensors", metadata={"format": "pt"})
+    with pytest.raises(InputError, match=r"lacks 1 weights \(encoder.layers.0.attention.k_proj"):
+        load_hubert(folder)
+
+
+@pytest.mark.parametrize("name", ["config.json", "model.safetensors"])
+def test_a_folder_without_one_of_its_files_says_how_to_make_them(
+    saved: Path, tmp_path: Path, name: str
+) -> None:
+    folder = copied(saved, tmp_path / "hubert")
+    (folder / name).unlink()
+    (folder / "pytorch_model.bin").write_bytes(b"not read")
+    with pytest.raises(InputError, match=name) as refusal:
+        load_hubert(folder)
+    assert "save_pretrained" in str(refusal.value.remedy)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"hidden_size": 768}, "768 channels"), ({"model_type": "wav2vec2"}, "type 'wav2vec2'")],
+)
+def test_another_network_is_refused(
+    saved: Path, tmp_path: Path, change: dict[str, object], said: str
+) -> None:
+    folder = copied(saved, tmp_path / "hubert")
+    config = json.loads((folder / "config.json").read_text())
+    (folder / "config.json").write_text(json.dumps(config | change))
+    with pytest.raises(InputError, match=said):
+        load_hubert(folder)
+
+
+def test_a_damaged_file_of_weights_is_refused(saved: Path, tmp_path: Path) -> None:
+    folder = copied(saved, tmp_path / "hubert")
+    (folder / "model.safetensors").write_bytes(b"\x10" * 64)
+    with pytest.raises(InputError, match="cannot be read"):
+        load_hubert(folder)
+
+
+@pytest.mark.parametrize(("vectors", "frames"), [(49, 15), (498, 149), (7, 1), (1, 4), (3, 20)])
+def test_vectors_come_to_frames_linearly_with_aligned_corners(vectors: int, frames: int) -> None:
+    features = torch.randn(vectors, 4, generator=torch.Generator().manual_seed(1))
+    expected = torch.nn.functional.interpolate(
+        features.T[None], size=frames, mode="linear", align_corners=True
+    )[0].T
+    torch.testing.assert_close(at_frames(features, frames), expected, rtol=1e-4, atol=1e-4)

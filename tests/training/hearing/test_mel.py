@@ -1,0 +1,100 @@
+"""Mel bands are what their definition says, and each row knows only its own moment."""
+
+from __future__ import annotations
+
+import librosa
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from motion.audio import Audio
+from motion.errors import InputError
+from training.hearing.mel import BANDS, RATE, REACH, WINDOW, mel_bands
+
+
+def noise(seconds: float, rate: int = RATE, seed: int = 1) -> Audio:
+    rng = np.random.default_rng(seed)
+    return Audio((0.1 * rng.standard_normal(round(seconds * rate))).astype(np.float32), rate)
+
+
+def mel_of(hertz: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Slaney's scale: linear up to 1 kHz, then 27 steps to 6.4 times as high."""
+    above = 15 + 27 * np.log(np.maximum(hertz, 1) / 1000) / np.log(6.4)
+    return np.where(hertz < 1000, hertz * 3 / 200, above)
+
+
+def hertz_of(mel: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(mel < 15, mel * 200 / 3, 1000 * 6.4 ** ((mel - 15) / 27))
+
+
+def defined(samples: NDArray[np.float32], moment: int) -> NDArray[np.float64]:
+    """The power of one frame in all bands, written out."""
+    around = np.zeros(WINDOW)
+    for place in range(WINDOW):
+        sample = moment - WINDOW // 2 + place
+        if 0 <= sample < len(samples):
+            around[place] = samples[sample]
+    hann = np.sin(np.pi * np.arange(WINDOW) / WINDOW) ** 2
+    bins = np.arange(WINDOW // 2 + 1)
+    turns = np.exp(-2j * np.pi * np.outer(bins, np.arange(WINDOW)) / WINDOW)
+    power = np.abs(turns @ (around * hann)) ** 2
+    edges = hertz_of(np.linspace(0, mel_of(np.array(RATE / 2)), BANDS + 2))
+    hertz = bins * RATE / WINDOW
+    rising = (hertz - edges[:-2, None]) / (edges[1:-1] - edges[:-2])[:, None]
+    falling = (edges[2:, None] - hertz) / (edges[2:] - edges[1:-1])[:, None]
+    triangles = np.maximum(0, np.minimum(rising, falling))
+    return (2 / (edges[2:] - edges[:-2]) * (triangles @ power.T)).astype(np.float64)
+
+
+@pytest.mark.parametrize(("frame_rate", "hop"), [(15, 1200), (30, 600)])
+def test_bands_are_those_of_the_definition(frame_rate: int, hop: int) -> None:
+    speech = noise(1.0)
+    found = mel_bands(speech, frame_rate)
+    for frame in (0, 3, frame_rate - 1):
+        assert found[frame] == pytest.approx(defined(speech.samples, frame * hop), rel=1e-4)
+
+
+def test_bands_are_those_that_librosa_gives_by_default() -> None:
+    speech = noise(2.0)
+    theirs = librosa.feature.melspectrogram(
+        y=speech.samples.astype(np.float64), sr=RATE, n_fft=WINDOW, hop_length=1200, n_mels=BANDS
+    )
+    np.testing.assert_allclose(mel_bands(speech, 15), theirs.T[:30], rtol=1e-4)
+
+
+@pytest.mark.parametrize("seconds", [0.01, 0.1, 1.0, 3.217, 3.99])
+@pytest.mark.parametrize("frame_rate", [15, 30])
+@pytest.mark.parametrize("rate", [16000, 44100])
+def test_there_are_as_many_rows_as_the_speech_has_frames(
+    seconds: float, frame_rate: int, rate: int
+) -> None:
+    speech = noise(seconds, rate)
+    assert mel_bands(speech, frame_rate).shape == (round(speech.duration * frame_rate), BANDS)
+
+
+def test_another_sampling_rate_puts_a_tone_into_the_same_band_with_the_same_power() -> None:
+    tones = [
+        Audio(np.sin(2 * np.pi * 440 * np.arange(2 * rate) / rate).astype(np.float32), rate)
+        for rate in (RATE, 16000, 44100)
+    ]
+    known, *others = (mel_bands(tone, 15)[15] for tone in tones)
+    for other in others:
+        assert other.argmax() == known.argmax()
+        assert other.max() == pytest.approx(known.max(), rel=0.01)
+
+
+def test_what_is_heard_further_away_than_the_stated_reach_changes_nothing() -> None:
+    frame_rate, frame = 15, 15
+    speech = noise(2.0, 16000)
+    times = np.arange(len(speech.samples)) / 16000 - frame / frame_rate
+    outside = np.abs(times) > REACH
+    other = np.where(outside, noise(2.0, 16000, seed=2).samples, speech.samples)
+    rows = [mel_bands(Audio(each, 16000), frame_rate) for each in (speech.samples, other)]
+    np.testing.assert_array_equal(rows[0][frame], rows[1][frame])
+    assert (rows[0][frame - 1] != rows[1][frame - 1]).any()
+
+
+@pytest.mark.parametrize("frame_rate", [0, -15, 29.97])
+def test_a_frame_rate_that_does_not_divide_the_sound_is_refused(frame_rate: float) -> None:
+    with pytest.raises(InputError, match="such as 15 or 30"):
+        mel_bands(noise(1.0), frame_rate)

@@ -1,0 +1,180 @@
+"""Speech that is heard while it is spoken, and the same speech heard as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from motion.audio import Audio
+from motion.errors import InputError
+from training.hearing.hubert import stand_in
+from training.hearing.speech_frames import (
+    LONG,
+    LONGEST_WHOLE,
+    HearingWindow,
+    SpeechFrames,
+    hear,
+    hear_stream,
+    hear_whole,
+    hearing_of,
+)
+
+HUBERT = stand_in()
+WINDOW = HearingWindow(past=1, ahead=0.5)
+
+
+def speech(seconds: float) -> np.ndarray:
+    rng = np.random.default_rng(6)
+    return (0.1 * rng.standard_normal(round(seconds * 16000))).astype(np.float32)
+
+
+def streamed(
+    pieces: list[np.ndarray], window: HearingWindow = WINDOW, rate: int = 15
+) -> SpeechFrames:
+    first, *others = hear_stream(pieces, rate, HUBERT, window)
+    for frames in others:
+        first = first.then(frames)
+    return first
+
+
+SPEECH = speech(3.3)
+
+
+@pytest.fixture(scope="module")
+def at_once(one_thread: None) -> SpeechFrames:
+    """Return what comes of all speech at once, by as many threads as in the tests."""
+    return streamed([SPEECH])
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.lists(st.integers(0, len(SPEECH)), max_size=6))
+def test_how_speech_comes_in_changes_no_bit(at_once: SpeechFrames, cuts: list[int]) -> None:
+    found = streamed(np.split(SPEECH, sorted(cuts)))
+    assert torch.equal(found.mel, at_once.mel)
+    assert torch.equal(found.hubert, at_once.hubert)
+
+
+def test_mel_bands_are_those_of_the_whole_speech(at_once: SpeechFrames) -> None:
+    whole = hear_whole(Audio(SPEECH, 16000), 15, HUBERT)
+    torch.testing.assert_close(at_once.mel, whole.mel, rtol=1e-4, atol=1e-6)
+
+
+def test_a_window_over_all_of_it_hears_at_each_moment_what_is_said_then() -> None:
+    found = streamed([SPEECH], HearingWindow(past=4, ahead=4.0)).hubert
+    vectors = HUBERT.hear(SPEECH)
+    frame = np.arange(0, len(found), 3)  # every third frame lies on a feature, 0.2 s apart
+    torch.testing.assert_close(found[frame[:-1]], vectors[10 * frame[:-1] // 3])
+
+
+@pytest.mark.parametrize("rate", [15, 30])
+@pytest.mark.parametrize("seconds", [0.02, 0.4, 1.0, 1.04, 2.0, 2.5])
+def test_there_are_as_many_frames_as_the_speech_lasts(seconds: float, rate: int) -> None:
+    pieces = [speech(seconds)]
+    count = sum(len(frames) for frames in hear_stream(pieces, rate, HUBERT, WINDOW))
+    assert count == round(seconds * rate)
+
+
+def test_a_second_is_heard_as_soon_as_what_lies_ahead_of_it_is_known() -> None:
+    given_out: list[int] = []
+
+    def pieces() -> Iterator[np.ndarray]:
+        for piece in np.split(speech(4), 40):
+            given_out.append(len(piece))
+            yield piece
+
+    frames = hear_stream(pieces(), 15, HUBERT, WINDOW)
+    assert len(next(frames)) == 15
+    assert sum(given_out) == round(1.5 * 16000)
+    assert len(next(frames)) == 15
+    assert sum(given_out) == round(2.5 * 16000)
+
+
+@pytest.mark.parametrize(
+    ("second", "changed", "other_second"),
+    [(2, slice(0, 16000), 1), (1, slice(round(2.5 * 16000), None), 2)],
+    ids=["before", "after"],
+)
+def test_speech_outside_the_stated_window_changes_nothing(
+    at_once: SpeechFrames, second: int, changed: slice, other_second: int
+) -> None:
+    other = SPEECH.copy()
+    other[changed] = 0
+    found = streamed([other])
+    same, not_same = (slice(15 * one, 15 * one + 15) for one in (second, other_second))
+    assert torch.equal(found.hubert[same], at_once.hubert[same])
+    assert torch.equal(found.mel[same], at_once.mel[same])
+    assert not torch.equal(found.hubert[not_same], at_once.hubert[not_same])
+
+
+def test_nothing_said_gives_no_frame() -> None:
+    assert list(hear_stream([], 15, HUBERT, WINDOW)) == []
+
+
+@pytest.mark.parametrize(("past", "ahead", "at_once"), [(0, 1.0, 1), (4, 0.0, 1), (4, 1.0, 0)])
+def test_a_window_that_is_too_narrow_is_refused(past: int, ahead: float, at_once: int) -> None:
+    with pytest.raises(InputError, match="Give whole seconds"):
+        HearingWindow(past=past, ahead=ahead, at_once=at_once)
+
+
+def test_several_seconds_at_once_are_as_many_frames_and_how_they_come_in_changes_no_bit() -> None:
+    window = HearingWindow(past=1, ahead=0.5, at_once=2)
+    whole, cut = streamed([SPEECH], window), streamed(np.array_split(SPEECH, 7), window)
+    assert len(whole) == round(3.3 * 15)
+    assert torch.equal(whole.hubert, cut.hubert)
+    assert torch.equal(whole.mel, cut.mel)
+
+
+class Listening:
+    """A network of HuBERT's shape that takes down how much it hears at once."""
+
+    def __init__(self) -> None:
+        self.seconds: list[float] = []
+
+    def to(self, device: str) -> Listening:
+        raise AssertionError(device)
+
+    def __call__(self, samples: torch.Tensor) -> SimpleNamespace:
+        self.seconds.append(samples.shape[-1] / 16000)
+        count = (samples.shape[-1] - 400) // 320 + 1
+        places = torch.arange(count, dtype=torch.float32)[:, None]
+        return SimpleNamespace(last_hidden_state=places.expand(1, count, 1024))
+
+
+def test_long_speech_is_never_heard_at_once() -> None:
+    network = Listening()
+    hubert = replace(HUBERT, network=network)
+    audio = Audio(np.zeros(round(200.2 * 16000), np.float32), 16000)
+    assert hearing_of(audio) == LONG
+    parts = list(hear(audio, 15, hubert))
+    assert sum(len(part) for part in parts) == round(200.2 * 15)
+    assert max(network.seconds) == 68
+    assert len(network.seconds) == 4
+    # Places count from where a part's hearing begins, 4 s before all but the first.
+    assert float(parts[0].hubert[0, 0]) == 0
+    assert float(parts[1].hubert[0, 0]) == 4 * 50
+
+
+def test_speech_of_up_to_ninety_seconds_is_heard_as_a_whole() -> None:
+    audio = Audio(SPEECH, 16000)
+    (found,) = hear(audio, 15, HUBERT)
+    assert torch.equal(found.hubert, hear_whole(audio, 15, HUBERT).hubert)
+    longest = Audio(np.zeros(round(LONGEST_WHOLE * 16000), np.float32), 16000)
+    assert hearing_of(longest) is None
+
+
+def test_long_speech_sounds_the_same_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    audio = Audio(speech(6.5), 16000)
+    whole = hear_whole(audio, 15, HUBERT).mel
+    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_WHOLE", 4.0)
+    monkeypatch.setattr(
+        "training.hearing.speech_frames.LONG", HearingWindow(past=1, ahead=1.0, at_once=2)
+    )
+    found = torch.cat([part.mel for part in hear(audio, 15, HUBERT)])
+    torch.testing.assert_close(found, whole, rtol=1e-4, atol=1e-6)

@@ -1,0 +1,115 @@
+"""Learning a line, in this process or in one of several.
+
+As a program: the run folder, a JSON object of changed settings, and the step after which to stop.
+"""
+
+from __future__ import annotations
+
+import atexit
+import json
+import os
+import signal
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from motion.errors import InputError
+from tests.training.lines import ENTRIES, VALUES, Line
+from training.config import Decay, TrainingConfig
+from training.loop import TrainingStopped, train
+from training.run_folder import RunFolder
+
+CONFIG = TrainingConfig(
+    steps=8,
+    batch_size=14,
+    learning_rate=0.02,
+    accumulate=4,
+    decay=Decay(factor=0.5),
+    gradient_clip=0.5,
+    weight_decay=0.1,
+    ema_decay=0.9,
+    validate_every=3,
+)
+
+
+class PlainNetwork(nn.Module):
+    """Layers that all examples pass, one that the first example alone passes, and an idle one."""
+
+    def __init__(self, dropout: float, *, normed: bool = False) -> None:
+        super().__init__()
+        norms = [nn.BatchNorm1d(8) if normed else nn.Identity() for _ in range(2)]
+        self.common = nn.Sequential(
+            # Before a layer that takes the mean off, a bias would move by rounding alone.
+            nn.Linear(3, 8, bias=not normed),
+            *(norms[0], nn.Tanh(), nn.Dropout(dropout)),
+            *(nn.Linear(8, 8, bias=False), norms[1], nn.Tanh()) if normed else (),
+            nn.Linear(8, 1),
+        )
+        self.rare = nn.Linear(3, 1)
+        self.idle = nn.Linear(3, 1)
+
+    def forward(self, entries: Tensor, first: Tensor | None = None) -> Tensor:
+        found: Tensor = self.common(entries)
+        if first is not None and first.any():
+            found = found + first[:, None] * self.rare(entries)
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlainLine(Line):
+    """Learns through dropout and noise, or without chance; with batch statistics, or without."""
+
+    chance: bool = True
+    normed: bool = False
+
+    def network(self) -> PlainNetwork:
+        return PlainNetwork(dropout=0.2 if self.chance else 0.0, normed=self.normed)
+
+    def losses(self, network: PlainNetwork, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+        chosen = torch.from_numpy(rows)
+        entries = ENTRIES[chosen]
+        if self.chance:
+            entries = entries + 0.3 * torch.randn(len(rows), 3)
+        found = network(entries, chosen == 0)
+        loss = nn.functional.mse_loss(found, VALUES[chosen])
+        return {"loss": self.factor * loss, "size": found.abs().mean()}
+
+
+def learn(folder: Path, changed: dict[str, Any], stop: int) -> None:
+    """Train in `folder`, and have the leading process stopped after `stop` steps."""
+
+    def show(done: int, total: int, detail: str) -> None:
+        if done == stop:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    task = PlainLine(normed=changed.pop("normed", False))
+    config = TrainingConfig(**{**_plain(CONFIG), **changed})
+    train(task, config, RunFolder(folder), show=show)
+
+
+def _plain(config: TrainingConfig) -> dict[str, Any]:
+    return {name: getattr(config, name) for name in config.facts()}
+
+
+def leave_alone() -> None:
+    """Fail where a thread still serves the group: after Python's end it may break the process."""
+    threads = {path.read_text().strip() for path in Path("/proc/self/task").glob("*/comm")}
+    if threads & {"pt_gloo_runloop", "gloo_tcp_loop"}:
+        os._exit(70)
+
+
+if __name__ == "__main__":
+    atexit.register(leave_alone)
+    try:
+        learn(Path(sys.argv[1]), json.loads(sys.argv[2]), int(sys.argv[3]))
+    except TrainingStopped as stopped:
+        sys.exit(40 + stopped.step)
+    except InputError as error:
+        sys.exit(str(error))

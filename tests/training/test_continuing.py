@@ -1,0 +1,94 @@
+"""Stopping and going on, with all that a training may hold besides weights and optimizer."""
+
+from __future__ import annotations
+
+import os
+import signal
+import tempfile
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.training.lines import Line
+from training.config import Decay, TrainingConfig
+from training.loop import TrainingStopped, train
+from training.run_folder import RunFolder
+from training.weights_file import read_weights
+
+PLAIN = TrainingConfig(steps=9, batch_size=8, learning_rate=0.05, validate_every=4)
+CONFIGS = {
+    "averaged, in parts, slower from epoch to epoch": replace(
+        PLAIN, ema_decay=0.9, accumulate=3, decay=Decay(factor=0.7)
+    ),
+    "bfloat16": replace(PLAIN, precision="bfloat16", ema_decay=0.5),
+    "float16": replace(PLAIN, precision="float16"),
+}
+
+
+def run(config: TrainingConfig, *stops: int) -> dict[str, bytes]:
+    """Return the files of a run that was stopped after each of `stops`."""
+    asked = set(stops)
+
+    def show(done: int, total: int, detail: str) -> None:
+        if done in asked:
+            asked.remove(done)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with tempfile.TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
+        # Drawing takes longer than all the rest, and test_loop has it.
+        patch.setattr("training.loop.draw_curves", lambda lines, path: None)
+        folder = RunFolder(Path(name))
+        for _ in stops:
+            with pytest.raises(TrainingStopped):
+                train(Line(), config, folder, show=show)
+        train(Line(), config, folder, show=show)
+        kept = (folder.checkpoint, folder.best, folder.log)
+        return {path.name: path.read_bytes() for path in kept}
+
+
+@cache
+def whole(kind: str) -> dict[str, bytes]:
+    return run(CONFIGS[kind])
+
+
+@settings(max_examples=8)
+@given(st.sampled_from(list(CONFIGS)), st.sets(st.integers(1, 8), min_size=1, max_size=2))
+def test_a_run_stopped_at_any_step_ends_in_the_same_bytes(kind: str, stops: set[int]) -> None:
+    assert run(CONFIGS[kind], *stops) == whole(kind)
+
+
+def test_averaged_weights_are_what_is_measured_and_kept(tmp_path: Path) -> None:
+    averaged = CONFIGS["averaged, in parts, slower from epoch to epoch"]
+    trained = train(Line(), averaged, RunFolder(tmp_path))
+    state = read_weights(tmp_path / "checkpoint.safetensors")
+    best = read_weights(tmp_path / "best.safetensors").part("network")
+    assert trained.best.step == best_step(tmp_path) == 9
+    assert best["0.weight"].equal(state.tensors["average.module.0.weight"])
+    assert not best["0.weight"].equal(state.tensors["network.0.weight"])
+    assert trained.network[0].weight.equal(best["0.weight"])
+    assert trained.best.measured == Line().validation_of(trained.network)
+
+
+def best_step(folder: Path) -> int:
+    return int(read_weights(folder / "best.safetensors").facts["step"])
+
+
+def test_a_scale_that_is_too_large_is_lowered_and_kept(tmp_path: Path) -> None:
+    train(Line(factor=30), CONFIGS["float16"], RunFolder(tmp_path))
+    scaler = read_weights(tmp_path / "checkpoint.safetensors").facts["learner"]["scaler"]
+    assert 0 < scaler["scale"] < 2**16
+
+
+def test_lower_precision_changes_the_weights_a_little(tmp_path: Path) -> None:
+    found = {}
+    for precision in ("float32", "bfloat16"):
+        folder = RunFolder(tmp_path / precision)
+        config = replace(PLAIN, precision=precision)
+        found[precision] = train(Line(), config, folder).network[0].weight
+    assert found["float32"].dtype == found["bfloat16"].dtype
+    difference = (found["float32"] - found["bfloat16"]).abs().max()
+    assert 1e-6 < difference < 0.1

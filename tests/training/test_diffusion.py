@@ -1,0 +1,35 @@
+"""The diffusion schedule against its definition."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+import torch
+
+from training.diffusion import LINEAR, LinearSchedule
+
+
+def test_what_is_kept_is_the_product_of_what_each_step_keeps() -> None:
+    schedule = LinearSchedule(first=0.1, last=0.3, steps=3)
+    assert schedule.alpha_bar == pytest.approx([0.9, 0.9 * 0.8, 0.9 * 0.8 * 0.7])
+
+
+def test_the_first_and_the_last_of_a_thousand_steps_keep_what_the_papers_schedule_keeps() -> None:
+    assert LINEAR.alpha_bar[0] == pytest.approx(1 - 1e-4)
+    logarithm = sum(math.log1p(-(1e-4 + (0.02 - 1e-4) * step / 999)) for step in range(1000))
+    assert LINEAR.alpha_bar[-1] == pytest.approx(math.exp(logarithm))
+
+
+def test_a_motion_is_found_again_under_the_noise_that_was_added() -> None:
+    random = torch.Generator().manual_seed(1)
+    clean = torch.randn(3, 5, 2, generator=random)
+    noise = torch.randn(3, 5, 2, generator=random)
+    steps = torch.tensor([0, 400, 900])
+    found = LINEAR.x0_hat(LINEAR.x_t(clean, noise, steps), noise, steps)
+    assert torch.allclose(found, clean, atol=1e-3)
+
+
+def test_noise_of_the_last_step_leaves_next_to_nothing_of_the_motion() -> None:
+    clean, noise = torch.ones(1, 1, 1), torch.zeros(1, 1, 1)
+    assert float(LINEAR.x_t(clean, noise, torch.tensor([999]))) < 0.01

@@ -1,0 +1,240 @@
+"""What DiffSHEG is told of takes, computed from files as data sets have them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+import torch
+
+from motion.audio import Audio, read_audio
+from motion.errors import InputError
+from motion.face import ARKIT_NAMES
+from tests.training.data.recordings import (
+    DOWN,
+    write_beat_motion,
+    write_beat_take,
+    write_clicks,
+    write_show,
+    write_smplx,
+)
+from training import features
+from training.data.any_folder import read_takes
+from training.data.beat_bvh import read_beat_bvh
+from training.data.feature_cache import prepare
+from training.data.take import Take
+from training.features import features_of, read_smplx
+from training.hearing.hubert import FEATURES, Hubert, stand_in
+from training.hearing.speech_frames import hear, hear_whole
+from training.spaces.beat import body_values
+from training.spaces.beat_skeleton import TOLD_JOINTS
+from training.spaces.show import show_values
+
+ARM = TOLD_JOINTS.index("RightArm")
+
+
+@pytest.fixture
+def take(tmp_path: Path) -> Take:
+    """A take of BEAT that lasts two seconds, the arm down during the second one."""
+    write_beat_take(tmp_path, seconds=2, moments=(1,))
+    (take,) = read_takes(tmp_path).takes
+    return take
+
+
+@pytest.fixture(scope="module")
+def hubert() -> Hubert:
+    return stand_in()
+
+
+def named(dataset: str, hubert: Hubert, frame_rate: float = 15) -> dict[str, features.Feature]:
+    return {one.name: one for one in features_of(dataset, hubert, frame_rate)}
+
+
+def test_beats_features_are_as_wide_and_long_as_the_network_wants(
+    take: Take, hubert: Hubert
+) -> None:
+    wanted = {"gesture": 141, "expression": 51, "mel": 128, "hubert": 1024, "semantic": 1}
+    found = {name: one.compute(take) for name, one in named("beat", hubert).items()}
+    assert {name: values.shape for name, values in found.items()} == {
+        name: (30, width) for name, width in wanted.items()
+    }
+    assert {values.dtype for values in found.values()} == {np.dtype(np.float32)}
+
+
+def test_shows_features_are_as_wide_and_long_as_the_network_wants(
+    tmp_path: Path, hubert: Hubert
+) -> None:
+    write_smplx(tmp_path / "a.npz", 2)
+    write_clicks(tmp_path / "a.wav", 2)
+    (take,) = read_takes(tmp_path).takes
+    widths = {name: one.compute(take).shape for name, one in named("show", hubert, 30).items()}
+    assert widths == {
+        "gesture": (60, 129),
+        "expression": (60, 103),
+        "mel": (60, 128),
+        "hubert": (60, 1024),
+    }
+
+
+def test_bad_takes_are_named_and_cost_nobody_else_anything(tmp_path: Path, hubert: Hubert) -> None:
+    data = tmp_path / "data"
+    for text in range(9, 17):
+        write_beat_take(data, f"2_scott_0_{text}_{text}", 1, rate=30)
+
+    def path(text: int, ending: str) -> Path:
+        return data / f"2_scott_0_{text}_{text}{ending}"
+
+    rows = path(10, ".bvh").read_text().splitlines()
+    path(10, ".bvh").write_text("\n".join([*rows[:-1], rows[-1][:50]]))
+    path(11, ".bvh").write_text("\n".join([*rows[:-1], rows[-1].replace("0 0", "0 nan", 1)]))
+    path(12, ".json").write_text('{"names": []}')
+    path(13, ".wav").write_bytes(path(13, ".wav").read_bytes()[:9000])
+    write_clicks(path(14, ".wav"), 1.7)
+    path(15, ".wav").write_bytes(b"")
+    noise = np.random.default_rng(1).uniform(-0.5, 0.5, 44100)
+    soundfile.write(path(16, ".wav"), noise, 44100, format="MP3")
+    found = prepare(
+        read_takes(data), features_of("beat", hubert, 15), tmp_path / "cache", frame_rate=15
+    )
+    assert [take.name for take in found.takes] == ["2_scott_0_16_16", "2_scott_0_9_9"]
+    messages = {
+        10: "values, the skeleton has",
+        11: "not finite",
+        12: "no JSON of facial weights",
+        13: "truncated",
+        14: "more than 0.5 s apart",
+        15: "the file is empty",
+    }
+    assert len(found.skipped) == len(messages)
+    for text, message in messages.items():
+        name = f"2_scott_0_{text}_{text}"
+        assert any(name in str(one) and message in str(one) for one in found.skipped), message
+
+
+def test_motion_of_nobody_is_refused(hubert: Hubert) -> None:
+    with pytest.raises(InputError, match=r"'ted'.*Use 'beat' or 'show'"):
+        features_of("ted", hubert, 15)
+
+
+def test_frames_that_were_recorded_are_told_as_they_were(take: Take) -> None:
+    motion = read_beat_bvh(take)
+    recorded = body_values(replace(motion, values=motion.values[::8]))
+    np.testing.assert_allclose(features.beat_gesture(15).compute(take), recorded, atol=1e-6)
+
+
+def test_frames_between_recorded_ones_lie_on_the_shortest_turn(take: Take) -> None:
+    # Frame 95 of 95.2 a second, of which one in four is recorded, lies 0.8 of the way down.
+    values = features.beat_gesture(119.9).compute(take).reshape(-1, 47, 3)[:, ARM]
+    turned = np.degrees(np.linalg.norm(values, axis=1))
+    inside = (turned > 1e-3) & (turned < DOWN - 1e-3)
+    times = np.arange(len(turned)) / 119.9
+    assert inside.sum() == 1
+    assert 1 - 1 / 120 < times[inside][0] < 1
+    share = times[inside][0] * 120 - 119
+    assert turned[inside][0] == pytest.approx(share * DOWN, rel=1e-3)
+
+
+def test_faces_are_told_by_the_weights_recorded_then(take: Take) -> None:
+    found = features.beat_expression(15).compute(take)
+    jaw = found[:, ARKIT_NAMES.index("jawOpen")]
+    np.testing.assert_allclose(jaw, np.repeat([0, 0.5], 15), atol=1e-6)
+
+
+def test_a_take_without_a_face_says_what_is_missing(take: Take) -> None:
+    with pytest.raises(InputError, match=r"no facial weights.*2_scott_0_9_9\.json"):
+        features.beat_expression(15).compute(replace(take, face=None))
+
+
+def test_annotated_gestures_have_their_score_and_others_none(take: Take, tmp_path: Path) -> None:
+    path = tmp_path / "scores.txt"
+    path.write_text("beat\t0.5\t1.0\t0.5\t0.8\tyes\n")
+    scored = features.semantic_scores(15).compute(replace(take, semantic=path))
+    np.testing.assert_allclose(scored[:, 0], [0] * 8 + [0.8] * 7 + [0] * 15, atol=1e-6)
+    assert not features.semantic_scores(15).compute(take).any()
+
+
+def test_thinned_out_motion_is_read_at_the_rate_that_fits_the_sound(tmp_path: Path) -> None:
+    write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", 2, (1,), 15, promised=240)
+    write_clicks(tmp_path / "2_scott_0_9_9.wav", 2.1)
+    (take,) = read_takes(tmp_path).takes
+    assert read_beat_bvh(take).frame_rate == 15
+    assert len(features.beat_gesture(15).compute(take)) == 30
+
+
+def test_a_row_more_or_less_than_promised_is_no_matter(tmp_path: Path) -> None:
+    write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", 2, (1,), promised=241)
+    write_clicks(tmp_path / "2_scott_0_9_9.wav", 2)
+    (take,) = read_takes(tmp_path).takes
+    assert read_beat_bvh(take).frame_rate == 120
+
+
+def test_truncated_motion_is_refused(tmp_path: Path) -> None:
+    write_beat_motion(tmp_path / "2_scott_0_9_9.bvh", 3, (1,), promised=600)
+    write_clicks(tmp_path / "2_scott_0_9_9.wav", 5)
+    (take,) = read_takes(tmp_path).takes
+    with pytest.raises(InputError, match=r"360 rows.*the sound lasts 5\.00 s"):
+        features.beat_gesture(15).compute(take)
+
+
+def test_show_is_read_from_rows_and_from_its_own_arrays(tmp_path: Path) -> None:
+    write_show(tmp_path / "rows.npy", 2, (1,))
+    rows = np.load(tmp_path / "rows.npy")
+    first, parts = 0, {}
+    for name, width in (
+        *(("jaw_pose", 3), ("leye_pose", 3), ("reye_pose", 3), ("global_orient", 3)),
+        *(("body_pose_axis", 63), ("left_hand_pose", 45), ("right_hand_pose", 45)),
+        ("expression", 100),
+    ):
+        parts[name], first = rows[:, first : first + width], first + width
+    np.savez(tmp_path / "parts.npz", **parts)
+    found = []
+    for name in ("rows.npy", "parts.npz"):
+        write_clicks((tmp_path / name).with_suffix(".wav"), 2)
+    for take in read_takes(tmp_path).takes:
+        found.append(show_values(read_smplx(take)))
+    assert len(found) == 2
+    np.testing.assert_array_equal(found[0], found[1])
+    assert found[0].any()
+
+
+def test_versions_tell_which_network_hears() -> None:
+    one = stand_in()
+    other = replace(one, identity="another")
+    assert features.heard(15, one).version != features.heard(15, other).version
+
+
+def test_speech_is_heard_as_while_generating(take: Take, hubert: Hubert) -> None:
+    audio = read_audio(take.speech)
+    heard = hear_whole(audio, 15, hubert)
+    np.testing.assert_array_equal(features.mel(15).compute(take), heard.mel.numpy())
+    found = features.heard(15, hubert).compute(take)
+    np.testing.assert_array_equal(found, heard.hubert.numpy())
+
+
+def test_long_speech_is_heard_in_pieces_that_join() -> None:
+    longest = []
+
+    class Loudness:
+        """Hears in every 320 samples how loud they are."""
+
+        def __call__(self, samples: torch.Tensor) -> object:
+            longest.append(samples.shape[1])
+            count = (samples.shape[1] - 400) // 320 + 1
+            loud = samples[0].unfold(0, 400, 320)[:count].abs().mean(dim=1)
+            heard = type("Heard", (), {})()
+            heard.last_hidden_state = loud[None, :, None].expand(1, count, FEATURES)
+            return heard
+
+    hubert = Hubert(network=Loudness(), description="", stands_in=True, identity="")
+    seconds = 200
+    times = np.arange(seconds * 16000) / 16000
+    slow = 1 + 0.5 * np.sin(2 * np.pi * times / 2)
+    sound = (slow * np.sin(2 * np.pi * 200 * times) * 0.5).astype(np.float32)
+    found = np.concatenate([part.hubert for part in hear(Audio(sound, 16000), 15, hubert)])
+    assert found.shape == (seconds * 15, FEATURES)
+    assert max(longest) <= 68 * 16000
+    expected = np.interp(np.arange(seconds * 15) / 15 + 200 / 16000, times, slow)
+    np.testing.assert_allclose(found[:, 0] / found[:, 0].mean(), expected, rtol=0.03)

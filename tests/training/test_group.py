@@ -1,0 +1,75 @@
+"""Several processes on one machine, which tell each other their gradients through gloo."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from tests.training.plain_lines import CONFIG, PlainLine
+from training.config import TrainingConfig
+from training.launching import run_in_processes
+from training.loop import train
+from training.run_folder import RunFolder
+from training.weights_file import WeightsFile, read_weights
+
+pytestmark = pytest.mark.slow
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(autouse=True)
+def from_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+
+
+def learn_in_two(folder: Path, stop: int = 0, **changed: object) -> int:
+    program = (sys.executable, "-W", "error", "-m", "tests.training.plain_lines")
+    return run_in_processes(2, [*program, str(folder), json.dumps(changed), str(stop)])
+
+
+def alone(folder: Path, config: TrainingConfig) -> WeightsFile:
+    train(PlainLine(), config, RunFolder(folder))
+    return state_of(folder)
+
+
+def state_of(folder: Path) -> WeightsFile:
+    return read_weights(folder / "checkpoint.safetensors")
+
+
+def test_two_processes_come_to_what_one_does_and_go_on_from_ctrl_c(tmp_path: Path) -> None:
+    assert learn_in_two(tmp_path / "two", stop=3) == 43
+    assert state_of(tmp_path / "two").facts["step"] == 3
+    assert learn_in_two(tmp_path / "two") == 0
+    together, one = state_of(tmp_path / "two"), alone(tmp_path / "one", CONFIG)
+    assert together.facts["step"] == 8
+    assert together.tensors.keys() == one.tensors.keys()
+    assert together.tensors["network.idle.weight"].equal(one.tensors["network.idle.weight"])
+    for name, tensor in one.tensors.items():
+        torch.testing.assert_close(together.tensors[name], tensor, rtol=1e-5, atol=1e-6)
+    assert together.facts["best"]["measured"] == pytest.approx(one.facts["best"]["measured"])
+    for name in ("log.jsonl", "timing.jsonl"):
+        lines = [(tmp_path / way / name).read_text().splitlines() for way in ("two", "one")]
+        assert len(lines[0]) == len(lines[1]) + (name == "timing.jsonl")
+
+
+def test_two_processes_see_the_batch_statistics_of_one(tmp_path: Path) -> None:
+    changed = {"steps": 4, "accumulate": 2}
+    assert learn_in_two(tmp_path / "two", normed=True, **changed) == 0
+    config = replace(CONFIG, **changed)
+    train(PlainLine(normed=True), config, RunFolder(tmp_path / "one"))
+    together, one = state_of(tmp_path / "two"), state_of(tmp_path / "one")
+    assert any(name.endswith("running_var") for name in one.tensors)
+    for name, tensor in one.tensors.items():
+        torch.testing.assert_close(together.tensors[name], tensor, rtol=1e-4, atol=1e-5)
+    assert together.facts["best"]["measured"] == pytest.approx(one.facts["best"]["measured"])
+
+
+def test_what_every_process_refuses_is_said_once(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert learn_in_two(tmp_path, batch_size=1) == 1
+    assert capfd.readouterr().err.count("2 processes share steps of 1 examples") == 1

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from training.launching import group_size, is_leader, run_in_processes
+
+SAYS = "import os, sys; rank = os.environ['RANK']; print('rank', rank, file=sys.stderr); "
+
+
+def run(code: str, count: int = 3) -> int:
+    return run_in_processes(count, [sys.executable, "-c", f"{SAYS}{code}"])
+
+
+def test_each_process_learns_which_one_it_is(tmp_path: Path) -> None:
+    code = (
+        f"open(r'{tmp_path}/' + rank, 'w').write(' '.join(os.environ[name] for name in "
+        "('WORLD_SIZE', 'LOCAL_RANK', 'MASTER_ADDR')))"
+    )
+    assert run(code) == 0
+    found = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert found == {rank: f"3 {rank} 127.0.0.1" for rank in ("0", "1", "2")}
+
+
+def test_the_leading_process_alone_is_heard(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run("print('done')") == 0
+    assert capfd.readouterr() == ("done\n", "rank 0\n")
+
+
+def test_the_leader_speaks_for_all_where_all_fail(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run("sys.exit(4)") == 4
+    assert capfd.readouterr().err == "rank 0\n"
+
+
+def test_one_that_fails_alone_is_heard_and_ends_the_others(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("training.launching._SETTLING", 0.2)
+    assert run("import signal; sys.exit(5) if rank == '2' else signal.pause()") == 5
+    assert capfd.readouterr().err == "rank 0\nrank 2\n"
+
+
+def test_a_process_that_a_signal_ended_gives_the_status_of_a_shell() -> None:
+    assert run("os.kill(os.getpid(), 9)", count=1) == 128 + 9
+
+
+def test_without_a_launcher_a_process_leads_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("WORLD_SIZE", "RANK", "LOCAL_RANK"):
+        monkeypatch.delenv(name, raising=False)
+    assert (group_size(), is_leader()) == (1, True)
+    # Set by batch systems for reasons of their own.
+    monkeypatch.setenv("WORLD_SIZE", "4")
+    monkeypatch.setenv("RANK", "2")
+    assert (group_size(), is_leader()) == (1, True)
+    monkeypatch.setenv("LOCAL_RANK", "2")
+    assert (group_size(), is_leader()) == (4, False)

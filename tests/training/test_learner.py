@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import torch
+
+from tests.training.lines import ENTRIES
+from tests.training.plain_lines import PlainLine
+from training.config import Decay, TrainingConfig
+from training.group import Group
+from training.learner import Learner
+
+CONFIG = TrainingConfig(steps=8, batch_size=10, learning_rate=0.02, gradient_clip=0.5)
+
+
+def learned(config: TrainingConfig, *, steps: int, chance: bool) -> Learner:
+    torch.manual_seed(0)
+    learner = Learner(PlainLine(chance=chance), config, Group("cpu"))
+    for step in range(steps):
+        learner.learn(step)
+    return learner
+
+
+@pytest.mark.parametrize("accumulate", [3, 10, 50])
+def test_a_step_in_parts_comes_to_what_it_does_in_one(accumulate: int) -> None:
+    one = learned(CONFIG, steps=6, chance=False)
+    parts = learned(replace(CONFIG, accumulate=accumulate), steps=6, chance=False)
+    torch.testing.assert_close(parts.tensors(), one.tensors(), rtol=1e-5, atol=1e-6)
+    assert parts.learn(6) == pytest.approx(one.learn(6))
+
+
+def test_each_part_draws_chance_of_its_own() -> None:
+    one = learned(CONFIG, steps=1, chance=True)
+    parts = learned(replace(CONFIG, accumulate=2), steps=1, chance=True)
+    assert not one.network.common[0].weight.equal(parts.network.common[0].weight)
+
+
+def test_the_mean_of_the_weights_follows_fast_at_first() -> None:
+    learner = learned(replace(CONFIG, ema_decay=0.9), steps=0, chance=True)
+    expected = torch.zeros(8, 3)
+    for step in range(30):
+        learner.learn(step)
+        weight = learner.tensors()["network.common.0.weight"].clone()
+        kept = 0 if step == 0 else min(0.9, (1 + step) / (10 + step))
+        expected = kept * expected + (1 - kept) * weight
+    torch.testing.assert_close(learner.network.common[0].weight.detach(), expected)
+
+
+def test_the_learning_rate_falls_from_epoch_to_epoch() -> None:
+    # 32 examples make three steps of ten an epoch.
+    config = replace(CONFIG, decay=Decay(factor=0.85, from_epoch=2))
+    learner = learned(config, steps=0, chance=True)
+    rates = [learner.learning_rate(step) for step in (0, 5, 6, 8, 9, 12)]
+    assert rates == pytest.approx([0.02, 0.02, 0.017, 0.017, 0.01445, 0.0122825])
+    constant = learned(CONFIG, steps=0, chance=True)
+    assert constant.learning_rate(10**6) == 0.02
+
+
+def test_what_was_measured_at_the_lowered_rate_moved_the_weights_less() -> None:
+    fast = learned(CONFIG, steps=3, chance=False)
+    slow = learned(replace(CONFIG, decay=Decay(factor=1e-6)), steps=3, chance=False)
+    for learner, moves in ((fast, True), (slow, False)):
+        before = learner.tensors()["network.common.0.weight"].clone()
+        learner.learn(3)
+        moved = (learner.tensors()["network.common.0.weight"] - before).abs().max()
+        assert (moved > 1e-4) == moves
+
+
+NORMED = replace(CONFIG, batch_size=12, gradient_clip=None)
+
+
+def _held_out(learner: Learner) -> float:
+    return learner._task.validation_of(learner.network)["loss"]
+
+
+def test_batch_statistics_are_those_of_the_whole_step_however_it_is_cut() -> None:
+    found = []
+    for accumulate in (1, 2, 4):
+        torch.manual_seed(0)
+        config = replace(NORMED, accumulate=accumulate, ema_decay=0.9)
+        learner = Learner(PlainLine(chance=False, normed=True), config, Group("cpu"))
+        losses = [learner.learn(step)["loss"] for step in range(8)]
+        found.append((*losses, _held_out(learner)))
+    assert found[1] == pytest.approx(found[0], rel=2e-5)
+    assert found[2] == pytest.approx(found[0], rel=2e-5)
+
+
+def test_gradients_of_a_step_in_parts_are_those_of_one_part() -> None:
+    grads = []
+    for accumulate in (1, 5):
+        torch.manual_seed(0)
+        learner = Learner(
+            PlainLine(chance=False, normed=True),
+            replace(NORMED, accumulate=accumulate, learning_rate=1e-9),
+            Group("cpu"),
+        )
+        learner.learn(0)
+        network = learner.network
+        grads.append({n: w.grad for n, w in network.named_parameters() if w.grad is not None})
+        statistics = {n: b.clone() for n, b in network.named_buffers()}
+        grads[-1] |= statistics
+    for name, wanted in grads[0].items():
+        torch.testing.assert_close(grads[1][name], wanted, rtol=1e-5, atol=1e-6)
+
+
+def test_a_mean_of_weights_has_batch_statistics_of_its_own() -> None:
+    torch.manual_seed(0)
+    config = replace(NORMED, batch_size=32, ema_decay=0.9)
+    learner = Learner(PlainLine(chance=False, normed=True), config, Group("cpu"))
+    mean, variance = torch.zeros(8), torch.ones(8)
+    for step in range(5):
+        learner.learn(step)
+        with torch.no_grad():
+            seen = learner.network.common[0](ENTRIES[:32])
+        mean, variance = 0.9 * mean + 0.1 * seen.mean(dim=0), 0.9 * variance + 0.1 * seen.var(dim=0)
+    layer = learner.network.common[1]
+    torch.testing.assert_close(layer.running_mean, mean)
+    torch.testing.assert_close(layer.running_var, variance)
+    assert not layer.running_var.equal(learner.tensors()["network.common.1.running_var"])

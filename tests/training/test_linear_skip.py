@@ -1,0 +1,81 @@
+"""The linear estimate of the noise, beside the law it is derived from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import torch
+
+from training.diffusion import LINEAR
+from training.linear_skip import LinearSkip
+
+FRAMES, PART = 12, 3
+STEPS = (0, 300, 700)
+
+
+def smooth_windows(count: int = 4000) -> np.ndarray:
+    """Return windows of one slow curve, which moves the first two of three values together."""
+    chance = np.random.default_rng(5)
+    times = (np.arange(FRAMES) + 0.5) / FRAMES
+    amounts = chance.standard_normal((count, 2))
+    curves = amounts[:, :1] + amounts[:, 1:] * np.cos(np.pi * times)
+    windows = np.stack([curves, 0.5 * curves, np.zeros_like(curves)], axis=-1)
+    return windows.astype(np.float32)
+
+
+def told() -> LinearSkip:
+    skip = LinearSkip(FRAMES, PART)
+    skip.tell(smooth_windows())
+    return skip
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_no_other_linear_estimate_of_gaussian_motion_is_better(step: int) -> None:
+    windows = smooth_windows().astype(np.float64)
+    flat = windows.reshape(len(windows), -1)
+    kept = LINEAR.alpha_bar[step]
+    covariance = kept * flat.T @ flat / len(flat) + (1 - kept) * np.eye(flat.shape[1])
+    noisy = np.random.default_rng(1).standard_normal((4, FRAMES, PART))
+    # The expectation of the noise, given the sum: its covariance with it over the sum's own.
+    expected = np.sqrt(1 - kept) * np.linalg.solve(covariance, noisy.reshape(4, -1).T).T
+    found = told()(torch.zeros(4, FRAMES, PART), torch.from_numpy(noisy), torch.tensor([step]))
+    np.testing.assert_allclose(found.reshape(4, -1), expected, rtol=0.02, atol=0.02)
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_the_clean_motion_is_further_off_by_no_more_than_the_answer(step: int) -> None:
+    skip, steps = told(), torch.tensor([step])
+    noisy = torch.randn(2, FRAMES, PART, generator=torch.Generator().manual_seed(2))
+    answer = torch.full_like(noisy, 3.0)
+    plain, moved = (
+        LINEAR.x0_hat(noisy, skip(one, noisy, steps), steps) for one in (0 * answer, answer)
+    )
+    expected = -np.sqrt(1 - LINEAR.alpha_bar[step]) * answer
+    torch.testing.assert_close(moved - plain, expected.float(), rtol=1e-3, atol=2e-3)
+
+
+def test_until_it_is_told_the_motion_it_takes_values_for_independent_and_normalised() -> None:
+    noisy = torch.randn(3, FRAMES, PART, generator=torch.Generator().manual_seed(3))
+    steps = torch.tensor(STEPS)
+    kept = torch.tensor(LINEAR.alpha_bar[steps], dtype=torch.float32)[:, None, None]
+    found = LinearSkip(FRAMES, PART)(torch.zeros_like(noisy), noisy, steps)
+    torch.testing.assert_close(found, (1 - kept).sqrt() * noisy, rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("frames", [1, 5, 11])
+def test_shorter_windows_keep_slow_motion_too(frames: int) -> None:
+    clean = torch.from_numpy(smooth_windows(1)[:, :frames])
+    noise = torch.randn(clean.shape, generator=torch.Generator().manual_seed(4))
+    steps = torch.tensor([200])
+    noisy = LINEAR.x_t(clean, noise, steps)
+    found = told()(torch.zeros_like(noisy), noisy, steps)
+    missed = LINEAR.x0_hat(noisy, found, steps) - clean
+    assert missed.square().mean() < 0.5 * (noisy - clean).square().mean()
+
+
+def test_what_was_told_is_kept_with_the_weights() -> None:
+    other = LinearSkip(FRAMES, PART)
+    other.load_state_dict(told().state_dict())
+    noisy = torch.randn(1, FRAMES, PART, generator=torch.Generator().manual_seed(6))
+    steps = torch.tensor([400])
+    assert torch.equal(other(noisy, noisy, steps), told()(noisy, noisy, steps))

@@ -1,0 +1,179 @@
+from __future__ import annotations
+
+import json
+import os
+import signal
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+from motion.errors import InputError
+from tests.training.lines import ENTRIES, VALUES, Line
+from training.config import TrainingConfig
+from training.loop import TrainingStopped, train
+from training.run_folder import RunFolder
+from training.weights_file import read_weights
+
+CONFIG = TrainingConfig(
+    steps=23, batch_size=8, learning_rate=0.05, weight_decay=0.01, validate_every=5
+)
+FILES = ("checkpoint.safetensors", "best.safetensors", "log.jsonl", "curves.png")
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {name: (folder / name).read_bytes() for name in FILES}
+
+
+def stop_after(step: int):
+    """Return a listener that asks the run to stop, as Ctrl-C does, after a step."""
+
+    def show(done: int, total: int, detail: str) -> None:
+        if done == step:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    return show
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Return the files of a run that nothing interrupted."""
+    folder = tmp_path_factory.mktemp("whole")
+    train(Line(), CONFIG, RunFolder(folder))
+    return content(folder)
+
+
+@pytest.fixture
+def finished(whole: dict[str, bytes], tmp_path: Path) -> Path:
+    """Return the folder of such a run."""
+    for name, bytes_of_file in whole.items():
+        (tmp_path / name).write_bytes(bytes_of_file)
+    return tmp_path
+
+
+@pytest.mark.parametrize("stops", [(1, 12), (4, 5), (22,)])
+def test_a_run_that_goes_on_from_any_step_ends_in_the_same_bytes(
+    stops: tuple[int, ...], whole: dict[str, bytes], tmp_path: Path
+) -> None:
+    for stop in stops:
+        with pytest.raises(TrainingStopped) as stopped:
+            train(Line(), CONFIG, RunFolder(tmp_path), show=stop_after(stop))
+        assert (stopped.value.step, stopped.value.steps) == (stop, 23)
+        assert read_weights(tmp_path / FILES[0]).facts["step"] == stop
+    train(Line(), CONFIG, RunFolder(tmp_path))
+    assert content(tmp_path) == whole
+
+
+def test_a_run_killed_between_two_saves_goes_on_from_the_last_one(
+    whole: dict[str, bytes], tmp_path: Path
+) -> None:
+    config = replace(CONFIG, checkpoint_every=6)
+    saved: dict[str, bytes] = {}
+
+    def show(done: int, total: int, detail: str) -> None:
+        if done == 12:
+            saved["checkpoint"] = (tmp_path / FILES[0]).read_bytes()
+        if done == 17:
+            raise RuntimeError("killed")
+
+    with pytest.raises(RuntimeError, match="killed"):
+        train(Line(), config, RunFolder(tmp_path), show=show)
+    assert (tmp_path / FILES[0]).read_bytes() == saved["checkpoint"]
+    train(Line(), replace(config, checkpoint_every=500), RunFolder(tmp_path))
+    assert content(tmp_path) == whole
+
+
+def test_a_finished_run_is_not_trained_again(finished: Path, whole: dict[str, bytes]) -> None:
+    trained = train(Line(), CONFIG, RunFolder(finished), show=pytest.fail)
+    assert content(finished) == whole
+    best = read_weights(finished / "best.safetensors")
+    assert (trained.steps, trained.best.step) == (23, best.facts["step"])
+    for name, tensor in trained.network.state_dict().items():
+        assert torch.equal(tensor, best.tensors[f"network.{name}"])
+
+
+def test_more_steps_may_be_asked_for_and_fewer_may_not(finished: Path) -> None:
+    with pytest.raises(InputError, match="made 23 steps, more than the 10 wanted"):
+        train(Line(), replace(CONFIG, steps=10), RunFolder(finished))
+    assert train(Line(), replace(CONFIG, steps=30), RunFolder(finished)).steps == 30
+
+
+@pytest.mark.parametrize(
+    ("task", "config", "said"),
+    [
+        (Line(), replace(CONFIG, learning_rate=0.1), "learning_rate was 0.05 and is 0.1"),
+        (Line(), replace(CONFIG, seed=1), "training seed was 0 and is 1"),
+        (Line(settings={"kind": "arc"}), CONFIG, "task kind was 'line' and is 'arc'"),
+        (Line(data_sha256="b" * 64), CONFIG, "data sha256 was 'aaaa"),
+    ],
+)
+def test_a_run_of_other_settings_or_data_is_not_continued_and_the_difference_is_named(
+    task: Line, config: TrainingConfig, said: str, finished: Path, whole: dict[str, bytes]
+) -> None:
+    with pytest.raises(InputError, match=said) as refused:
+        train(task, config, RunFolder(finished))
+    assert refused.value.where == str(finished)
+    assert content(finished) == whole
+
+
+def test_another_seed_gives_other_weights(whole: dict[str, bytes], tmp_path: Path) -> None:
+    train(Line(), replace(CONFIG, seed=1), RunFolder(tmp_path))
+    assert (tmp_path / "best.safetensors").read_bytes() != whole["best.safetensors"]
+
+
+def test_the_network_that_is_returned_did_best_on_held_out_examples(tmp_path: Path) -> None:
+    trained = train(Line(), replace(CONFIG, steps=60, learning_rate=0.3), RunFolder(tmp_path))
+    assert trained.best.measured["loss"] < 0.3 * float(VALUES[32:].square().mean())
+    lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    held_out = {line["step"]: line["held_out"]["loss"] for line in lines if "held_out" in line}
+    assert [line["step"] for line in lines if "loss" in line] == list(range(1, 61))
+    assert {line["learning_rate"] for line in lines if "loss" in line} == {0.3}
+    assert set(held_out) == set(range(5, 61, 5))
+    assert trained.best.step == min(held_out, key=held_out.__getitem__) != 60
+    with torch.no_grad():
+        found = torch.nn.functional.mse_loss(trained.network(ENTRIES[32:]), VALUES[32:])
+    assert float(found) == trained.best.measured["loss"] == min(held_out.values())
+
+
+def test_training_leaves_the_callers_chance_and_settings_alone(tmp_path: Path) -> None:
+    torch.manual_seed(3)
+    expected = torch.rand(4)
+    torch.manual_seed(3)
+    before = signal.getsignal(signal.SIGINT)
+    train(Line(), replace(CONFIG, steps=2), RunFolder(tmp_path))
+    assert torch.equal(torch.rand(4), expected)
+    assert not torch.are_deterministic_algorithms_enabled()
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_loss_that_is_no_number_stops_the_run_and_says_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"loss is no number.*step 1.*smaller learning rate"):
+        train(Line(factor=float("inf")), CONFIG, RunFolder(tmp_path))
+    assert not (tmp_path / "checkpoint.safetensors").exists()
+
+
+def test_a_damaged_state_or_log_is_named(finished: Path, whole: dict[str, bytes]) -> None:
+    (finished / "log.jsonl").write_bytes(whole["log.jsonl"][:200])
+    with pytest.raises(InputError, match=r"log\.jsonl: the log tells of \d of the 23 steps"):
+        train(Line(), CONFIG, RunFolder(finished))
+    (finished / "checkpoint.safetensors").write_bytes(b"cut off")
+    with pytest.raises(InputError, match=r"checkpoint\.safetensors: .* damaged"):
+        train(Line(), CONFIG, RunFolder(finished))
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="there is a graphics processor here")
+def test_a_missing_graphics_processor_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no graphics processor"):
+        train(Line(device="cuda"), CONFIG, RunFolder(tmp_path))
+
+
+def test_an_unknown_device_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="unknown device 'tpu'"):
+        train(Line(device="tpu"), CONFIG, RunFolder(tmp_path))
+
+
+def test_a_place_that_cannot_be_written_costs_no_training(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("no folder")
+    with pytest.raises(OSError, match="file"):
+        train(Line(), CONFIG, RunFolder(tmp_path / "file" / "run"), show=pytest.fail)

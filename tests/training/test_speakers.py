@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from training.speakers import Speakers
+
+KNOWN = Speakers(("2", "4", "anna"), 5)
+
+
+@pytest.mark.parametrize(("asked", "number"), [("anna", 3), ("2", 1), (2, 1), ("4", 2), ("3", 3)])
+def test_a_speaker_is_found_by_name_and_else_by_number(asked: int | str, number: int) -> None:
+    assert KNOWN.number(asked) == number
+
+
+@pytest.mark.parametrize("asked", ["zoe", 0, "5", -1])
+def test_who_is_not_known_is_refused_with_those_who_are(asked: int | str) -> None:
+    with pytest.raises(InputError, match=f"no speaker '{asked}'.*1 to 3, or one of 2, 4 and anna"):
+        KNOWN.number(asked)
+
+
+def test_an_unknown_speaker_is_always_the_same_known_one_and_not_all_are_one() -> None:
+    names = [f"stranger {number}" for number in range(30)]
+    found = [KNOWN.stand_in(name) for name in names]
+    assert found == [KNOWN.stand_in(name) for name in names]
+    assert set(found) == {1, 2, 3}
+
+
+def test_a_known_speaker_stands_in_for_nobody() -> None:
+    assert [KNOWN.stand_in(name) for name in KNOWN.names] == [1, 2, 3]
+
+
+def test_the_vector_has_the_networks_width() -> None:
+    np.testing.assert_array_equal(KNOWN.one_hot("4"), [0, 1, 0, 0, 0])
+
+
+def test_more_speakers_than_places_are_an_error() -> None:
+    with pytest.raises(ValueError, match="3 speakers for a vector of 2"):
+        Speakers(("a", "b", "c"), 2)

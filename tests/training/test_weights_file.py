@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import torch
+from safetensors.torch import save_file
+
+from motion.errors import InputError
+from training import weights_file
+from training.weights_file import read_weights, write_weights
+
+TENSORS = {"a.weight": torch.arange(6.0).reshape(2, 3).T, "b": torch.tensor([1], dtype=torch.uint8)}
+
+
+def test_what_is_read_is_what_was_written(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "w.safetensors"
+    write_weights(path, TENSORS, {"name": "ä", "steps": [1, 2]})
+    found = read_weights(path)
+    assert found.facts == {"name": "ä", "steps": [1, 2]}
+    assert torch.equal(found.tensors["a.weight"], TENSORS["a.weight"])
+    assert list(found.part("a")) == ["weight"]
+
+
+def test_equal_content_makes_equal_bytes(tmp_path: Path) -> None:
+    for name, facts in (("1", {"a": 1, "b": 2}), ("2", {"b": 2, "a": 1})):
+        write_weights(tmp_path / name, TENSORS, facts)
+    assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
+
+
+def test_a_file_that_cannot_be_used_is_named_with_a_remedy(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_weights(tmp_path / "none.safetensors")
+    damaged = tmp_path / "damaged.safetensors"
+    damaged.write_bytes(b"\x80\x04pickle?")
+    with pytest.raises(InputError, match=r"damaged\.safetensors: .*motionjury train"):
+        read_weights(damaged)
+    foreign = tmp_path / "foreign.safetensors"
+    save_file({"b": TENSORS["b"]}, foreign, metadata={"format": "pt"})
+    with pytest.raises(InputError, match="does not say what its weights are"):
+        read_weights(foreign)
+    for text in ("{", "[]"):
+        save_file({"b": TENSORS["b"]}, foreign, metadata={"motionjury": text})
+        with pytest.raises(InputError, match="does not say what its weights are"):
+            read_weights(foreign)
+
+
+def test_what_cannot_be_stored_is_named_and_leaves_the_old_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, elsewhere = tmp_path / "w.safetensors", tmp_path / "gone" / "w"
+    write_weights(path, TENSORS, {})
+    before = path.read_bytes()
+    save = weights_file.save_file
+    monkeypatch.setattr(
+        weights_file, "save_file", lambda tensors, draft, **rest: save(tensors, elsewhere, **rest)
+    )
+    with pytest.raises(InputError, match=r"w\.safetensors: .*cannot be stored.*Make room"):
+        write_weights(path, TENSORS, {"new": 1})
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]

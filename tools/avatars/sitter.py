@@ -1,0 +1,178 @@
+"""The person to be dressed: cuts pieces out of its mesh, with all that belongs to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.face import ARKIT_NAMES
+from motion.skeleton import joint_index
+from tools.avatars.anny_source import AnnyPerson
+from tools.avatars.exercise import bent
+from tools.avatars.patch import Patch, vertex_normals
+from tools.avatars.pieces import Piece
+from tools.avatars.simplify import simplified
+from tools.avatars.smplx_rig import stance_rotations, t_pose_joints
+
+Array = NDArray[np.float64]
+
+_TELLING_ACTIONS: Final = (
+    "jawOpen", "eyeBlinkLeft", "eyeBlinkRight", "mouthSmileLeft", "mouthSmileRight",
+    "mouthPucker", "browInnerUp", "browDownLeft", "browDownRight", "mouthFunnel",
+)  # fmt: skip
+"""The facial actions in which a simplified face is compared with the whole one."""
+
+_AROUND_ARM: Final = 0.16
+"""Metres from an arm's bones within which all is arm or hand."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sitter:
+    """The person to be dressed, with its joints and skin weights in SMPL-X's terms."""
+
+    person: AnnyPerson
+    joints: Array
+    weights: Array
+
+    @cached_property
+    def poses(self) -> Array:
+        """The poses that bring the T-pose into the stance, axis-angle, shape (55, 3)."""
+        return stance_rotations(self.joints, self.person)
+
+    @cached_property
+    def t_pose(self) -> Array:
+        """Where the joints are in T-pose, shape (55, 3)."""
+        return t_pose_joints(self.joints, self.poses)
+
+    @cached_property
+    def actions(self) -> Array:
+        """Facial actions of all source vertices, shape (52, V, 3)."""
+        return np.stack([self.person.actions[name] for name in ARKIT_NAMES])
+
+    def joint(self, name: str) -> Array:
+        """Return where joint `name` is, shape (3,)."""
+        return np.asarray(self.joints[joint_index(name)])
+
+    def patch(self, *parts: str) -> Patch:
+        """Return the patch of the named mesh parts."""
+        quads = np.concatenate([self.person.parts[part] for part in parts])
+        return Patch.of(quads, len(self.person.vertices))
+
+    def along_arm(self, vertices: Array, side: str) -> Array:
+        """Return how far along the arm `vertices` lie: 0 at shoulder, 1 elbow, 2 wrist; -1 off."""
+        outward = 1 if side == "left" else -1
+        shoulder, elbow, wrist = (
+            self.joint(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist")
+        )
+        upper, lower = elbow - shoulder, wrist - elbow
+        above = (vertices - shoulder) @ upper / (upper @ upper)
+        below = (vertices - elbow) @ lower / (lower @ lower)
+        share = np.where(above < 1, above, 1 + np.maximum(below, 0.0))
+        aside = vertices - np.where(
+            (above < 1)[:, None], shoulder + above[:, None] * upper, elbow + below[:, None] * lower
+        )
+        off = np.linalg.norm(aside, axis=1) > _AROUND_ARM
+        return np.where(off | (vertices[:, 0] * outward < abs(shoulder[0])), -1.0, share)
+
+    def outwards(self, part: str) -> Array:
+        """Return unit normals of mesh part `part` at the source vertices, shape (V, 3)."""
+        quads = self.person.parts[part]
+        faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        return vertex_normals(self.person.vertices, faces)
+
+    def piece(
+        self,
+        material: str,
+        patch: Patch,
+        *,
+        part: str = "body",
+        actions: bool = False,
+        triangles: int | None = None,
+        mixed: Mapping[str, Array] = MappingProxyType({}),
+    ) -> Piece:
+        """Return all of `patch` as one piece; see `pieces`."""
+        whole = {material: np.ones(len(patch.faces), bool)}
+        return self.pieces(
+            patch, whole, part=part, actions=actions, triangles=triangles, mixed=mixed
+        )[0]
+
+    def pieces(
+        self,
+        patch: Patch,
+        materials: Mapping[str, NDArray[np.bool_]],
+        *,
+        part: str = "body",
+        actions: bool = False,
+        triangles: int | None = None,
+        importance: Array | None = None,
+        mixed: Mapping[str, Array] = MappingProxyType({}),
+    ) -> list[Piece]:
+        """Return `patch` as one piece per material, which meet without a gap.
+
+        Parameters
+        ----------
+        patch : Patch
+            The whole surface.
+        materials : mapping of str to ndarray, shape (F,)
+            Which faces are of which material.
+        part : str
+            The mesh part over which the patch is lifted. Its normals know nothing of where the
+            patch was cut, so that hems stay straight.
+        actions : bool
+            Whether facial actions move it.
+        triangles : int or None
+            How many triangles may remain; all by default.
+        importance : ndarray, shape (V,), or None
+            How much an error counts when triangles are left out, by source vertex.
+        mixed : mapping of str to ndarray, shape (V,)
+            Further colours, and how much of each is mixed in, by source vertex.
+        """
+        labels = np.full(len(patch.faces), -1)
+        for number, faces in enumerate(materials.values()):
+            labels[faces] = number
+        if triangles is not None:
+            weight = None if importance is None else patch.take(importance)
+            shapes = self._shapes(patch, part, actions)
+            patch, labels = simplified(patch, shapes, triangles, importance=weight, labels=labels)
+        raised, weights = self.raised(patch, part), patch.take(self.weights)
+        moves = np.zeros((len(ARKIT_NAMES), len(patch), 3))
+        if actions:
+            moves = np.stack([patch.take(action) for action in self.actions])
+        shares = {name: patch.take(share) for name, share in mixed.items()}
+        result = []
+        for number, material in enumerate(materials):
+            used, flat = np.unique(patch.faces[labels == number], return_inverse=True)
+            result.append(
+                Piece(
+                    material=material,
+                    vertices=raised[used],
+                    faces=flat.reshape(-1, 3),
+                    weights=weights[used],
+                    actions=moves[:, used],
+                    mixed={name: share[used] for name, share in shares.items()},
+                )
+            )
+        return result
+
+    def raised(self, patch: Patch, part: str = "body") -> Array:
+        """Return where the vertices of `patch`, which stands off mesh part `part`, are."""
+        normals = patch.take(self.outwards(part))
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        return np.asarray(patch.take(self.person.vertices) + patch.lift[:, None] * normals)
+
+    def _shapes(self, patch: Patch, part: str, actions: bool) -> list[Array]:
+        """Return where the vertices of `patch` are in the shapes that it takes."""
+        rest = self.raised(patch, part)
+        if not actions:
+            return [
+                rest,
+                bent(rest, patch.take(self.weights), self.t_pose, self.poses, self.joints),
+            ]
+        chosen = [self.person.actions[name] for name in _TELLING_ACTIONS]
+        return [rest, *(rest + patch.take(action) for action in chosen)]

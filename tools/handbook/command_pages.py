@@ -1,0 +1,104 @@
+"""The pages of ``docs/commands``: options from the code, all else by hand in the same file.
+
+A page holds a block for its command and for each of its subcommands, between two marks; what is
+between them is written anew, the rest is kept. A command without a page gets one with the headings
+to be filled, and the tests ask for the words below them.
+
+``python -m tools.handbook.command_pages`` brings all pages up to date.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import click
+
+from motion.files import write_text
+from tools.handbook.command_reference import commands, described, summary
+
+PAGES: Final = Path(__file__).resolve().parents[2] / "docs" / "commands"
+INDEX: Final = "README"
+HEADINGS: Final = ("What for", "Example", "What it writes", "What it refuses")
+"""What every page says by hand."""
+
+_BLOCK: Final = re.compile(r"<!-- from the code: (?P<name>[^>]+?) -->\n.*?<!-- end -->", re.DOTALL)
+
+
+def block(name: str, words: str) -> str:
+    """Return the part of a page that is written by the program."""
+    return f"<!-- from the code: {name} -->\n{words}\n<!-- end -->"
+
+
+def blocks(page: str) -> dict[str, str]:
+    """Return the parts of a page that the program writes, marks included, by what they are of."""
+    return {found["name"]: found[0] for found in _BLOCK.finditer(page)}
+
+
+def by_hand(page: str) -> str:
+    """Return what somebody wrote on a page."""
+    return _BLOCK.sub("", page)
+
+
+def pages(before: Mapping[str, str]) -> dict[str, str]:
+    """Return every page up to date.
+
+    Parameters
+    ----------
+    before : mapping of str to str
+        The pages there are, by command; and `INDEX`.
+
+    Returns
+    -------
+    dict of str to str
+        A page for each command, and the index. Pages of commands that are gone are not in it.
+    """
+    every = commands()
+    tops = [name for name in every if " " not in name]
+    made = {name: _page(name, every, before.get(name, _empty(name))) for name in tops}
+    table = ["| command | |", "|---|---|"]
+    table += [f"| [`{name}`]({name}.md) | {summary(every[name])} |" for name in tops]
+    index = before.get(INDEX, f"# The commands\n\n{block('all commands', '')}\n")
+    return {**made, INDEX: _replaced(index, {"all commands": "\n".join(table)})}
+
+
+def _page(name: str, every: Mapping[str, click.Context], before: str) -> str:
+    own = [each for each in every if each.split()[0] == name]
+    words = {f"motionjury {each}": described(every[each]) for each in own}
+    there = blocks(before)
+    new = "".join(f"## `{each}`\n\n{block(each, '')}\n\n" for each in words if each not in there)
+    before = before.replace("## Example", f"{new}## Example", 1)
+    return _replaced(before, words)
+
+
+def _empty(name: str) -> str:
+    parts = [f"# `motionjury {name}`", block(f"motionjury {name}", "")]
+    parts += [f"## {heading}" for heading in HEADINGS]
+    return "\n\n".join(parts) + "\n"
+
+
+def _replaced(page: str, words: Mapping[str, str]) -> str:
+    """Return `page` with the program's words anew; a block of what is gone is taken out."""
+    text = _BLOCK.sub(
+        lambda found: block(found["name"], words[found["name"]]) if found["name"] in words else "",
+        page,
+    )
+    return re.sub(r"\n{3,}", "\n\n", text)
+
+
+def main() -> None:
+    """Bring the pages in ``docs/commands`` up to date."""
+    PAGES.mkdir(parents=True, exist_ok=True)
+    before = {path.stem: path.read_text(encoding="utf-8") for path in PAGES.glob("*.md")}
+    for name, page in pages(before).items():
+        if before.get(name) != page:
+            write_text(PAGES / f"{name}.md", page)
+            click.echo(f"Wrote {PAGES / f'{name}.md'}")
+    for gone in sorted(set(before) - set(pages(before))):
+        click.echo(f"{PAGES / f'{gone}.md'} is of no command: remove it.")
+
+
+if __name__ == "__main__":
+    main()

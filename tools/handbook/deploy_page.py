@@ -1,0 +1,54 @@
+"""The files that ``docs/deploy.md`` shows: each block is what `motionjury deploy` writes.
+
+A block says behind its language that it is a file, which one, and of which deployment.
+
+``python -m tools.handbook.deploy_page`` brings the page up to date.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from motion.files import write_text
+from studyapp.stages.deploying.deployment import STUDIES, Deployment, planned_deployment
+from studyapp.stages.deploying.files import deployed_file
+from tools.handbook.fenced import Fenced, fenced_blocks, with_body
+
+PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "deploy.md"
+MARK: Final = "file"
+
+FIRST: Final = planned_deployment(
+    title="Gestures and speech",
+    folder=STUDIES / "my-study",
+    host="study.example.org",
+    contact="ada@example.org",
+)
+
+DEPLOYMENTS: Final[Mapping[str, Deployment]] = MappingProxyType(
+    {
+        "": FIRST,
+        "second": replace(FIRST, proxy="nginx", database="postgresql", prefix="/studies/one"),
+    }
+)
+"""What the page deploys, by the word behind a file's name."""
+
+
+def shown_files(page: str) -> list[Fenced]:
+    """Return the blocks of the page that are files, in order."""
+    return [block for block in fenced_blocks(page) if block.words[:1] == (MARK,)]
+
+
+def up_to_date(page: str) -> str:
+    """Return the page with every file as it is written."""
+    for block in reversed(shown_files(page)):
+        name, deployment = (*block.words[1:], "")[:2]
+        page = with_body(page, block, deployed_file(DEPLOYMENTS[deployment], name).text)
+    return page
+
+
+if __name__ == "__main__":
+    write_text(PAGE, up_to_date(PAGE.read_text("utf-8")))

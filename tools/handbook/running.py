@@ -1,0 +1,154 @@
+"""Running the commands of a page in a folder, and writing what they print into the page.
+
+- ``sh``: run, all lines as one script. ``sh elsewhere`` needs a server or an account and is not
+  run; ``sh fails`` is expected to be refused.
+- ``text``, right behind such a block: what it printed, its first and last lines.
+  ``text 6+2`` keeps six and two.
+- ``toml FILE``: what a reader is told to set in FILE; ``toml FILE -conditions.ours`` takes the
+  section ``conditions.ours`` out first.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import IO, Any, Final, cast
+
+import tomlkit
+from tomlkit.items import Table
+
+from motion.errors import InputError
+from motion.files import write_text
+from tools.handbook.fenced import Fenced, fenced_blocks, follows, with_body
+from tools.handbook.printed import shortened, steady
+
+KEPT: Final = "14+3"
+"""Lines that are shown of a longer output, unless the page says how many."""
+
+ELSEWHERE: Final = "elsewhere"
+_FAILS: Final = "fails"
+_SERVES: Final = "motionjury serve "
+_IS_SERVED: Final = "/research/"
+
+
+def run_page(
+    page: str,
+    folder: Path,
+    *,
+    on_block: Callable[[str], None] | None = None,
+    since: str = "",
+    until: str = "",
+) -> str:
+    """Run the commands of a page in `folder` and return the page with what they printed.
+
+    Parameters
+    ----------
+    page : str
+        Markdown.
+    folder : Path
+        Where they are run.
+    on_block : callable, optional
+        Called with each script before it is run.
+    since, until : str
+        Begin with these words of the page, and stop before those; run all of it by default.
+
+    Raises
+    ------
+    InputError
+        If a script fails that should not, or the other way round.
+    """
+    start = page.index(since) if since else 0
+    end = page.index(until) if until else len(page)
+    blocks = [block for block in fenced_blocks(page) if start <= block.start < end]
+    printed: list[tuple[Fenced, str]] = []
+    for at, block in enumerate(blocks):
+        if block.language == "toml" and block.words:
+            _edit(folder / block.words[0], block.body, without=block.words[1:])
+        if block.language != "sh" or ELSEWHERE in block.words:
+            continue
+        if on_block is not None:
+            on_block(block.body)
+        lines = _run(block, folder)
+        shown = blocks[at + 1] if at + 1 < len(blocks) else None
+        if shown is not None and shown.language == "text" and follows(page, block, shown):
+            kept = shortened(lines, shown.words[0] if shown.words else KEPT)
+            printed.append((shown, "".join(f"{line}\n" for line in kept)))
+    for shown, text in reversed(printed):
+        page = with_body(page, shown, text)
+    return page
+
+
+def _run(block: Fenced, folder: Path) -> list[str]:
+    script = block.body
+    environment = {
+        **os.environ,
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+    }
+    arguments = ["bash", "-e", "-o", "pipefail", "-c", script]
+    if script.startswith(_SERVES):
+        return steady(_served(arguments, folder, environment), folder)
+    done = subprocess.run(  # noqa: S603 — the pages are the project's own
+        arguments,
+        cwd=folder,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    if (done.returncode != 0) != (_FAILS in block.words):
+        what = "failed" if done.returncode else "was expected to fail"
+        raise InputError(f"{script.strip()!r} {what}: {done.stdout.strip()[-2000:]}")
+    return steady(done.stdout, folder)
+
+
+def _served(arguments: list[str], folder: Path, environment: dict[str, str]) -> str:
+    """Return what a server says once it listens, and stop it as a person would."""
+    server = subprocess.Popen(  # noqa: S603 — the pages are the project's own
+        arguments,
+        cwd=folder,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    said = []
+    try:
+        for line in cast("IO[str]", server.stdout):
+            said.append(line)
+            if _IS_SERVED in line:
+                break
+        else:
+            raise InputError(f"the server ended: {''.join(said)}")
+    finally:
+        os.killpg(server.pid, signal.SIGINT)
+        server.communicate(timeout=60)
+    return "".join(said)
+
+
+def _edit(path: Path, words: str, *, without: Sequence[str]) -> None:
+    """Take sections out of a TOML file and put others in, keeping the rest and its comments."""
+    document = tomlkit.parse(path.read_text(encoding="utf-8"))
+    for section in without:
+        *above, last = section.removeprefix("-").split(".")
+        table: Any = document
+        for key in above:
+            table = table[key]
+        table.pop(last)
+    _merge(document, tomlkit.parse(words))
+    write_text(path, tomlkit.dumps(document))
+
+
+def _merge(into: tomlkit.TOMLDocument | Table, new: tomlkit.TOMLDocument | Table) -> None:
+    for key, value in new.items():
+        there = into.get(key)
+        if isinstance(value, Table) and isinstance(there, Table):
+            _merge(there, value)
+        else:
+            into[key] = value

@@ -1,0 +1,161 @@
+"""Table A.5 of AMUSE turned back into counts, and what tests of those counts say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from analysis.holm import holm
+from analysis.robustness.pooled import pooled_tests
+from analysis.robustness.sign_test import sign_test
+from tools.worked_examples.amuse_study import PAIRS, TABLE_A5, Claim, PrintedPreference
+from tools.worked_examples.rounded import counts_behind
+from tools.worked_examples.spread import SharedAnswers, Spread, with_spread
+
+SPREADS: Final = (
+    Spread(participants=0.0, items=0.0),
+    Spread(participants=0.6, items=0.0),
+    Spread(participants=0.6, items=0.45),
+    Spread(participants=1.0, items=0.8),
+)
+"""From no differences at all to large ones."""
+
+LEVEL: Final = 0.05
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rebuilt:
+    """One row and criterion as counts, with what may be made of them.
+
+    Attributes
+    ----------
+    printed : PrintedPreference
+        The percentages.
+    ours, others : range
+        Every count that is printed as its percentage.
+    binomial_p : float
+        Sign test of the counts nearest to the percentages.
+    binomial_range : tuple of (float, float)
+        Its smallest and largest p over all counts in `ours` and `others`.
+    wilcoxon_p : float
+        Signed ranks of the nearest counts where half of either side's preferences are strong:
+        how many are is not printed.
+    binomial_holm : float
+        `binomial_p` corrected over all of the table.
+    shared : tuple of SharedAnswers
+        Under each of `SPREADS`.
+    shared_holm : tuple of float
+        The p of each, corrected over all of the table.
+    """
+
+    printed: PrintedPreference
+    ours: range
+    others: range
+    binomial_p: float
+    binomial_range: tuple[float, float]
+    wilcoxon_p: float
+    binomial_holm: float
+    shared: tuple[SharedAnswers, ...]
+    shared_holm: tuple[float, ...]
+
+    @property
+    def nearest(self) -> tuple[int, int]:
+        """Counts of preferences for AMUSE and for the other, nearest to the percentages."""
+        return _nearest(self.printed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Supported:
+    """How much of a claim the table supports.
+
+    Attributes
+    ----------
+    claim : Claim
+        The sentence.
+    tests : int
+        On how many comparisons it rests.
+    naive : int
+        How many of them the corrected sign test of pooled answers supports.
+    shared : tuple of int
+        How many of them are supported under each of `SPREADS`, corrected.
+    """
+
+    claim: Claim
+    tests: int
+    naive: int
+    shared: tuple[int, ...]
+
+
+def rebuild() -> tuple[Rebuilt, ...]:
+    """Rebuild every row and criterion of Table A.5; together they are one family of tests."""
+    naive = [_pooled(*_nearest(row), row.answers) for row in TABLE_A5]
+    naive_holm = holm([p for p, _ in naive])
+    shared = [[_shared(row, spread) for spread in SPREADS] for row in TABLE_A5]
+    by_spread = [holm([row[place].p_value for row in shared]) for place in range(len(SPREADS))]
+    rebuilt = []
+    for place, row in enumerate(TABLE_A5):
+        ours, others = (counts_behind(p, row.answers) for p in (row.ours, row.others))
+        possible = [_sign_p(first, second) for first in ours for second in others]
+        rebuilt.append(
+            Rebuilt(
+                printed=row,
+                ours=ours,
+                others=others,
+                binomial_p=naive[place][0],
+                binomial_range=(min(possible), max(possible)),
+                wilcoxon_p=naive[place][1],
+                binomial_holm=naive_holm[place],
+                shared=tuple(shared[place]),
+                shared_holm=tuple(corrected[place] for corrected in by_spread),
+            )
+        )
+    return tuple(rebuilt)
+
+
+def supported(claim: Claim, rebuilt: tuple[Rebuilt, ...]) -> Supported:
+    """Count what of `claim` is significant and points where it says."""
+    rows = [
+        row
+        for row in rebuilt
+        if claim.rests_on(row.printed) and (row.printed.win_share > 0.5) == claim.amuse_wins
+    ]
+    return Supported(
+        claim=claim,
+        tests=sum(claim.rests_on(row.printed) for row in rebuilt),
+        naive=sum(row.binomial_holm < LEVEL for row in rows),
+        shared=tuple(
+            sum(row.shared_holm[place] < LEVEL for row in rows) for place in range(len(SPREADS))
+        ),
+    )
+
+
+def _nearest(row: PrintedPreference) -> tuple[int, int]:
+    ours, others = (round(percent * row.answers / 100) for percent in (row.ours, row.others))
+    return ours, others
+
+
+def _pooled(ours: int, others: int, answers: int) -> tuple[float, float]:
+    """Return p of the sign test and of Wilcoxon's, half of either side's preferences strong."""
+    sizes = (2, 1, 0, -1, -2)
+    strong, also_strong = ours // 2, others // 2
+    counts = (
+        strong, ours - strong, answers - ours - others, others - also_strong, also_strong,
+    )  # fmt: skip
+    tests = pooled_tests(np.repeat(np.array(sizes), counts))
+    return tests.binomial.p_value, tests.wilcoxon.p_value
+
+
+def _sign_p(ours: int, others: int) -> float:
+    return sign_test(np.repeat([1.0, -1.0], [ours, others])).p_value
+
+
+def _shared(row: PrintedPreference, spread: Spread) -> SharedAnswers:
+    return with_spread(
+        row.ours / 100,
+        row.others / 100,
+        participants=row.participants,
+        items=PAIRS,
+        spread=spread,
+    )

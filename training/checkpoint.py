@@ -1,0 +1,120 @@
+"""The state of a run after a step: everything that the steps after it depend on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from motion.errors import InputError
+from training.config import UNCOMPARED, TrainingConfig
+from training.learner import Learner
+from training.task import Network, Task
+from training.weights_file import WeightsFile, read_weights, write_weights
+
+
+@dataclass(frozen=True, kw_only=True)
+class Best:
+    """The step that did best on held-out examples.
+
+    Attributes
+    ----------
+    step : int
+        Steps that had been made.
+    measured : mapping of str to float
+        What was measured then; ``loss`` among it.
+    """
+
+    step: int
+    measured: Mapping[str, float]
+
+
+def write_checkpoint(
+    path: Path,
+    task: Task[Network],
+    config: TrainingConfig,
+    learner: Learner[Network],
+    *,
+    step: int,
+    best: Best | None,
+) -> None:
+    """Save the state after `step` steps.
+
+    Order of examples and chance need no state: `training.batch_order` tells both from
+    the seed and the step.
+    """
+    facts = {
+        "step": step,
+        "best": None if best is None else asdict(best),
+        "learner": learner.facts(),
+        "training": config.facts(),
+        "task": dict(task.settings),
+        "data_sha256": task.data_sha256,
+    }
+    write_weights(path, learner.tensors(), facts)
+
+
+def restore_checkpoint(
+    path: Path, task: Task[Network], config: TrainingConfig, learner: Learner[Network]
+) -> tuple[int, Best | None]:
+    """Put a saved state into `learner`.
+
+    Returns
+    -------
+    step : int
+        Steps that were made.
+    best : Best or None
+        The best of them.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is of another task, configuration or data; the message
+        names every difference.
+    """
+    saved = read_weights(path)
+    _check_same(saved, path, task, config)
+    parts = {name: saved.part(name) for name in ("network", "optimizer", "average")}
+    learner.restore(parts, saved.facts["learner"])
+    best = saved.facts["best"]
+    return int(saved.facts["step"]), None if best is None else Best(**best)
+
+
+def _check_same(
+    saved: WeightsFile, path: Path, task: Task[Network], config: TrainingConfig
+) -> None:
+    """Raise where the saved run is another one, or has made more steps than are wanted."""
+    if not saved.facts.keys() >= {"step", "best", "learner", "training", "task", "data_sha256"}:
+        raise InputError(
+            "the file is no saved state of a training run, or one of an older version",
+            where=path,
+            remedy="Remove it, or name another run folder",
+        )
+    before = {
+        "training": dict(saved.facts["training"]),
+        "task": dict(saved.facts["task"]),
+        "data": {"sha256": saved.facts["data_sha256"]},
+    }
+    wanted = {
+        "training": config.facts(),
+        "task": dict(task.settings),
+        "data": {"sha256": task.data_sha256},
+    }
+    differences = [
+        f"{part} {name} was {before[part].get(name)!r} and is {wanted[part].get(name)!r}"
+        for part in wanted
+        for name in sorted(before[part].keys() | wanted[part].keys())
+        if name not in UNCOMPARED and before[part].get(name) != wanted[part].get(name)
+    ]
+    if differences:
+        raise InputError(
+            f"the run that was begun here is another one: {'; '.join(differences)}",
+            where=path.parent,
+            remedy="Give the same settings and data to go on, or begin anew in another place",
+        )
+    if saved.facts["step"] > config.steps:
+        raise InputError(
+            f"the run has made {saved.facts['step']} steps, more than the {config.steps} wanted",
+            where=path.parent,
+            remedy="Ask for at least as many steps, or begin anew in another place",
+        )

@@ -1,0 +1,142 @@
+"""How a network is trained: numbers that check themselves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Final, Literal, get_args
+
+from motion.errors import InputError
+
+Optimizer = Literal["adam", "adamw"]
+Precision = Literal["float32", "bfloat16", "float16"]
+
+UNCOMPARED: Final = ("steps", "checkpoint_every")
+"""Settings that may change when a run goes on: the steps already made stay what they are."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decay:
+    """A learning rate that is multiplied from epoch to epoch.
+
+    Attributes
+    ----------
+    factor : float
+        Above 0 and at most 1.
+    from_epoch : int
+        The first epoch whose rate is multiplied, counted from 0; the epoch after it has the square
+        of the factor, and so on.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range; the message names it.
+    """
+
+    factor: float
+    from_epoch: int = 1
+
+    def __post_init__(self) -> None:
+        _check("decay factor", self.factor, 0 < self.factor <= 1, "a number above 0, at most 1")
+        _check("decay from_epoch", self.from_epoch, self.from_epoch >= 0, "a whole number")
+
+    def __call__(self, epoch: int) -> float:
+        """Return what the learning rate is multiplied by in `epoch`."""
+        return float(self.factor ** max(0, epoch - self.from_epoch + 1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingConfig:
+    """How a network is trained.
+
+    Attributes
+    ----------
+    steps : int
+        Updates of the weights, at least 1.
+    batch_size : int
+        Examples in an update, at least 1; all of them where there are fewer.
+    accumulate : int
+        Parts into which the examples of an update are cut, at least 1; gradients are summed over
+        them, so that memory need hold but one. Several processes share the parts, and make more
+        of them where they are too few: see `training.batch_order.parts_of_step`.
+    learning_rate : float
+        Above 0 and at most 1.
+    decay : Decay or None
+        How the learning rate falls from epoch to epoch; None is the same in every step.
+    optimizer : {'adam', 'adamw'}
+        Kingma & Ba 2015, or with decoupled weight decay, Loshchilov & Hutter 2019.
+    betas : pair of float
+        Decay of the optimizer's two running means, each in [0, 1).
+    weight_decay : float
+        At least 0.
+    gradient_clip : float or None
+        Longest gradient, over all weights together; longer ones are shortened to it.
+    ema_decay : float or None
+        Share that a running mean of the weights keeps of itself in a step, in (0, 1); what is
+        measured of held-out examples, and the weights that come out, are the mean's. None is no
+        mean. See `training.averaging`.
+    precision : {'float32', 'bfloat16', 'float16'}
+        What layers are computed in that bear less than float32 (torch's autocast); weights stay
+        float32. Losses of float16 are scaled, so that small gradients do not vanish.
+    validate_every : int
+        Steps from one look at held-out examples to the next; the last step is always followed by
+        one.
+    checkpoint_every : int
+        Steps after which the state is saved, beside the end and an interruption.
+    seed : int
+        Decides first weights, order of examples and dropout.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range; the message names it.
+    """
+
+    steps: int
+    batch_size: int
+    learning_rate: float
+    accumulate: int = 1
+    decay: Decay | None = None
+    optimizer: Optimizer = "adamw"
+    betas: tuple[float, float] = (0.9, 0.999)
+    weight_decay: float = 0.0
+    gradient_clip: float | None = 1.0
+    ema_decay: float | None = None
+    precision: Precision = "float32"
+    validate_every: int = 100
+    checkpoint_every: int = 500
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("steps", "batch_size", "accumulate", "validate_every", "checkpoint_every"):
+            self._check(name, getattr(self, name) >= 1, "a whole number of 1 or more")
+        self._check("learning_rate", 0 < self.learning_rate <= 1, "a number above 0, at most 1")
+        for name, words in (("optimizer", Optimizer), ("precision", Precision)):
+            self._check(name, getattr(self, name) in get_args(words), " or ".join(get_args(words)))
+        betas_fit = len(self.betas) == 2 and all(0 <= beta < 1 for beta in self.betas)
+        self._check("betas", betas_fit, "two numbers from 0 to below 1")
+        self._check("weight_decay", 0 <= self.weight_decay < math.inf, "a number of 0 or more")
+        clip, decay = self.gradient_clip, self.ema_decay
+        self._check("gradient_clip", clip is None or 0 < clip < math.inf, "a number above 0")
+        self._check("ema_decay", decay is None or 0 < decay < 1, "a number above 0 and below 1")
+        self._check("seed", 0 <= self.seed < 2**63, "a whole number of 0 or more")
+
+    def _check(self, name: str, fits: bool, wanted: str) -> None:
+        _check(name, getattr(self, name), fits, wanted)
+
+    def facts(self) -> dict[str, Any]:
+        """Return the settings as JSON holds them."""
+        return asdict(self) | {"betas": list(self.betas)}
+
+    @classmethod
+    def from_facts(cls, facts: Mapping[str, Any]) -> TrainingConfig:
+        """Return the settings that `facts` returned."""
+        known = {field.name: facts[field.name] for field in fields(cls)}
+        decay = None if known["decay"] is None else Decay(**known["decay"])
+        return cls(**known | {"betas": tuple(known["betas"]), "decay": decay})
+
+
+def _check(name: str, value: object, fits: bool, wanted: str) -> None:
+    if not fits:
+        raise InputError(f"{name} of the training is {value!r}", remedy=f"Give {wanted}")

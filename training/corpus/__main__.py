@@ -1,0 +1,78 @@
+"""``python -m training.corpus FOLDER [--write FILE]``: measure a corpus.
+
+Prints the tables of docs/corpus.md, or puts them between the marks in FILE.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from motion.files import write_text
+from training.corpus.measuring import MeasuredTake, decided, minutes, read_measured, told
+from training.corpus.pace import BEAT, paces
+
+_STILL = "it does not change"
+_ALONE = "nobody speaks two texts of an emotion"
+
+BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+
+
+def main() -> None:
+    """Measure the corpus that the command line names."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=Path, help="what 'motionjury corpus' made")
+    parser.add_argument(
+        "--write", type=Path, metavar="FILE", help="a page with marks for the tables"
+    )
+    given = parser.parse_args()
+    takes = read_measured(given.folder)
+    size = sum(path.stat().st_size for path in given.folder.rglob("*") if path.is_file())
+    text = "\n".join(tables(takes, size))
+    if given.write is None:
+        print(text)
+        return
+    before, _, rest = given.write.read_text(encoding="utf-8").partition(BEGIN)
+    _, mark, after = rest.partition(END)
+    if not mark:
+        raise SystemExit(f"{given.write}: there is no place between {BEGIN} and {END}")
+    write_text(given.write, f"{before}{BEGIN}\n{text}\n{END}{after}")
+
+
+def tables(takes: Sequence[MeasuredTake], size: int) -> Iterator[str]:
+    """Yield the lines of what was measured, as Markdown; `size` is in bytes."""
+    lengths = minutes(takes)
+    parts = ", ".join(f"{length:.1f} for {split}" for split, length in lengths.items())
+    yield f"{len(takes)} takes, {sum(lengths.values()):.1f} minutes ({parts}), {size / 1e6:.0f} MB."
+    yield ""
+    yield "| curve | variance explained | correlation within takes | with other speech | takes |"
+    yield "|---|---|---|---|---|"
+    for curve in decided(takes):
+        yield (
+            f"| {curve.curve.replace('_', ' ')} | {_number(curve.explained, _STILL)} "
+            f"| {_number(curve.correlation, _STILL)} | {_number(curve.of_other_speech, _ALONE)} "
+            f"| {curve.takes} |"
+        )
+    yield ""
+    yield "| told by the nearest mean | right | chance | test takes |"
+    yield "|---|---|---|---|"
+    for found in told(takes):
+        right = f"{found.share:.0%}" if found.takes else "– (there is no such take)"
+        yield f"| {found.what} | {right} | {found.chance:.0%} | {found.takes} |"
+    yield ""
+    yield "| wrists | mean | median | 95th percentile |"
+    yield "|---|---|---|---|"
+    for whose, found_paces in (("here", paces(take.wrists for take in takes)), ("BEAT", BEAT)):
+        for pace in found_paces:
+            values = f"{pace.mean:.2f} | {pace.median:.2f} | {pace.high:.2f}"
+            yield f"| {pace.quantity}, {whose} | {values} |"
+
+
+def _number(value: float, why_not: str) -> str:
+    return f"– ({why_not})" if math.isnan(value) else f"{value:.2f}"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,156 @@
+"""How the corpus' speakers hold and move their bodies: angles over time, in degrees.
+
+Every angle is a sum: what it is at rest, what speaker and emotion add, what the speech adds, and
+drift. Strokes of a hand are added up over time, each as `stroke_shape` says; they push the angles
+of the arm in a direction that is the speaker's own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from training.corpus.chance import Chance
+from training.corpus.emotion_motion import EMOTION_MOTION
+from training.corpus.heard_speech import HeardSpeech
+from training.corpus.speakers import CorpusSpeaker
+from training.corpus.strokes import find_strokes, stroke_shape
+
+FloatArray = NDArray[np.float64]
+
+ARM_ANGLES: Final = ("lift", "spread", "turn", "bend", "roll", "wrist", "curl", "shrug")
+"""Of an arm: upper arm raised forward and to the side, turned so that the forearm points inward;
+elbow bent; forearm turned palm up; hand bent back; fingers bent; shoulder raised."""
+
+_OUTWARD: Final = np.array([18.0, 12.0, -58.0, -8.0, 40.0, 10.0, -16.0, 0.0])
+_UPWARD: Final = np.array([34.0, 8.0, -16.0, 46.0, 0.0, 16.0, -12.0, 3.0])
+_FORWARD: Final = np.array([50.0, 4.0, -18.0, -40.0, 18.0, 12.0, -14.0, 0.0])
+"""What a stroke of size 1 adds to the eight angles."""
+
+_ARM_AT_REST: Final = np.array([11.0, 19.0, 27.0, 86.0, -35.0, 0.0, 12.0, 0.0])
+_ARM_DRIFT: Final = np.array([6.0, 3.0, 7.0, 8.0, 8.0, 5.0, 5.0, 0.6])
+_LOWEST: Final = np.array([-20.0, 4.0, -50.0, 8.0, -85.0, -50.0, -26.0, -18.0])
+_HIGHEST: Final = np.array([80.0, 60.0, 50.0, 138.0, 65.0, 60.0, 80.0, 28.0])
+"""Joint limits of the eight angles, approached smoothly from `_KNEE` before."""
+_KNEE: Final = 12.0
+
+_UPRIGHT: Final = 12.0
+_CHIN: Final = -5.0
+_TRUNK_DRIFT: Final = np.array([1.2, 2.0, 1.6])
+_HEAD_DRIFT: Final = np.array([2.5, 5.0, 2.5])
+
+_RISE_WITH_LOUDNESS: Final = 28.0
+_REACH_WITH_LOUDNESS: Final = 14.0
+_LEAN_WITH_LOUDNESS: Final = 4.0
+_CHIN_UP_WITH_PITCH: Final = 10.0
+_USUAL_LOUDNESS: Final = 0.5
+_NOD_ATTACK, _NOD_RELEASE = 0.2, 0.32
+_TWIST_OF_STROKE: Final = 3.0
+
+_TRUNK_STREAM, _HEAD_STREAM, _ARM_STREAM = 1, 2, 3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyAngles:
+    """Angles over time, in degrees.
+
+    Attributes
+    ----------
+    trunk, head : ndarray, shape (T, 3)
+        Forward or chin down, turned to the left, tilted to the left.
+    arms : ndarray, shape (T, 2, 8)
+        `ARM_ANGLES` of the right and of the left arm.
+    """
+
+    trunk: FloatArray
+    head: FloatArray
+    arms: FloatArray
+
+
+def body_angles(
+    heard: HeardSpeech,
+    melody: FloatArray,
+    emotion: str,
+    speaker: CorpusSpeaker,
+    chance: Chance,
+    times: FloatArray,
+) -> BodyAngles:
+    """Return how a speaker moves to speech.
+
+    Parameters
+    ----------
+    heard : HeardSpeech
+        The speech.
+    melody : ndarray, shape (T,)
+        Octaves above the voice's usual pitch, at `times`.
+    emotion : str
+        One of `motion.segment.EMOTIONS`.
+    speaker : CorpusSpeaker
+        Who moves.
+    chance : Chance
+        Random numbers, or expected values.
+    times : ndarray, shape (T,)
+        Seconds.
+    """
+    feeling = EMOTION_MOTION[emotion]
+    strokes = find_strokes(heard, feeling.spacing)
+    drawn = chance.strokes(len(strokes.times))
+    since = times[:, None] - (strokes.times + drawn.delays)
+    shape = stroke_shape(since, speaker.attack / feeling.tempo, speaker.release / feeling.tempo)
+    hands = shape @ (drawn.gains * strokes.sizes[:, None])  # (T, 2): leading, other
+    right_left = hands if speaker.right_handed else hands[:, ::-1]
+    loud = heard.at(heard.slow_loudness, times) - _USUAL_LOUDNESS
+    restless = speaker.restlessness * feeling.restlessness
+
+    nods = stroke_shape(since, _NOD_ATTACK, _NOD_RELEASE) @ (strokes.sizes * drawn.gains.max(1))
+    # The head looks along where the other half of the body goes, a little.
+    towards = _TWIST_OF_STROKE * (right_left[:, 1] - right_left[:, 0])
+    trunk = chance.drift(times, 3, _TRUNK_STREAM) * _TRUNK_DRIFT * restless
+    trunk[:, 0] += _UPRIGHT + speaker.lean + feeling.lean + _LEAN_WITH_LOUDNESS * loud
+    trunk[:, 1] += towards
+    head = chance.drift(times, 3, _HEAD_STREAM) * _HEAD_DRIFT * restless
+    head[:, 0] += _CHIN + feeling.head_down + speaker.nod * nods - _CHIN_UP_WITH_PITCH * melody
+    head[:, 1] += speaker.head_turn + feeling.head_turn + towards
+    head[:, 2] += speaker.head_tilt + feeling.head_tilt
+
+    rest = _ARM_AT_REST + np.array(
+        [
+            feeling.reach,
+            speaker.elbow_width,
+            -speaker.hand_width - feeling.hand_width,
+            speaker.hand_height + feeling.hand_height,
+            0.0,
+            feeling.wrist,
+            feeling.curl,
+            feeling.shrug,
+        ]
+    )
+    direction = speaker.amplitude * feeling.amplitude * stroke_direction(speaker)
+    drift = chance.drift(times, 2 * len(ARM_ANGLES), _ARM_STREAM).reshape(len(times), 2, -1)
+    arms = rest + right_left[:, :, None] * direction + drift * _ARM_DRIFT * restless
+    arms[:, :, ARM_ANGLES.index("lift")] += (_REACH_WITH_LOUDNESS * loud)[:, None]
+    arms[:, :, ARM_ANGLES.index("bend")] += (_RISE_WITH_LOUDNESS * loud)[:, None]
+    return BodyAngles(trunk=trunk, head=head, arms=within_limits(arms))
+
+
+def stroke_direction(speaker: CorpusSpeaker) -> FloatArray:
+    """Return what a stroke of size 1 adds to the eight angles of an arm, before its amplitude."""
+    direction: FloatArray = (
+        speaker.outward * _OUTWARD + speaker.upward * _UPWARD + speaker.forward * _FORWARD
+    )
+    return direction
+
+
+def within_limits(arms: FloatArray) -> FloatArray:
+    """Return arm angles (..., 8) that approach the joints' limits smoothly and never pass them."""
+    above = np.maximum(arms - (_HIGHEST - _KNEE), 0)
+    below = np.maximum((_LOWEST + _KNEE) - arms, 0)
+    limited: FloatArray = (
+        arms
+        - (above - _KNEE * (1 - np.exp(-above / _KNEE)))
+        + (below - _KNEE * (1 - np.exp(-below / _KNEE)))
+    )
+    return limited

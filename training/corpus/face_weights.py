@@ -1,0 +1,111 @@
+"""How the corpus' speakers move their faces: 51 ARKit weights over time.
+
+A weight is what the emotion gives it, then as much of the rest as the speech takes: ``base + (1 -
+base) * speech``. Mouth and jaw follow loudness and brightness, brows the melody.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from training.corpus.chance import Chance
+from training.corpus.emotion_motion import EMOTION_MOTION
+from training.corpus.heard_speech import HeardSpeech
+from training.corpus.speakers import CorpusSpeaker
+from training.spaces.beat import FACIAL_WEIGHTS
+
+FloatArray = NDArray[np.float64]
+
+_AT_REST: Final = 0.03
+_OPEN: Final = 0.42
+_ROUND: Final = 0.4
+_WIDE: Final = 0.5
+_LIPS_DOWN: Final = 0.4
+_LIPS_UP: Final = 0.2
+_BROWS: Final = 0.8
+_LOWERED: Final = 0.5
+_WANDERING: Final = 0.05
+_GAZE: Final = 0.14
+_BLINK: Final = 0.12
+"""Seconds that lids take to close, and to open again."""
+
+_FACE_STREAM, _GAZE_STREAM = 4, 5
+
+
+def face_weights(
+    heard: HeardSpeech,
+    melody: FloatArray,
+    emotion: str,
+    speaker: CorpusSpeaker,
+    chance: Chance,
+    times: FloatArray,
+) -> FloatArray:
+    """Return facial weights, shape (T, 51) in [0, 1], in ARKit's order.
+
+    The parameters are those of `training.corpus.body_angles.body_angles`.
+    """
+    lively = speaker.expressiveness
+    base = _AT_REST + np.zeros(len(FACIAL_WEIGHTS))
+    for name, weight in EMOTION_MOTION[emotion].face.items():
+        base[FACIAL_WEIGHTS.index(name)] += lively * weight
+    moved = _speech(heard, melody, times)
+    weights = np.tile(base, (len(times), 1))
+    for name, share in moved.items():
+        column = FACIAL_WEIGHTS.index(name)
+        weights[:, column] += (1 - base[column]) * lively * share
+    weights *= 1 + _WANDERING * chance.drift(times, len(FACIAL_WEIGHTS), _FACE_STREAM)
+    for name, share in (_gaze(chance, times) | _blinks(chance, times)).items():
+        weights[:, FACIAL_WEIGHTS.index(name)] += share
+    limited: FloatArray = np.clip(weights, 0, 1)
+    return limited
+
+
+def _speech(heard: HeardSpeech, melody: FloatArray, times: FloatArray) -> dict[str, FloatArray]:
+    """Return what speech adds to each weight, on average faces."""
+    loud = np.minimum(heard.at(heard.loudness, times), 1.5)
+    bright = heard.at(heard.brightness, times)
+    dark = 1 - bright
+    raised = _BROWS * np.maximum(melody, 0)
+    lowered = _LOWERED * np.maximum(-melody, 0)
+    both = {
+        "mouthLowerDown": _LIPS_DOWN * loud,
+        "mouthUpperUp": _LIPS_UP * loud,
+        "mouthStretch": _WIDE * loud * bright,
+        "browOuterUp": raised,
+        "browDown": lowered,
+    }
+    return {
+        "jawOpen": _OPEN * loud * (0.5 + 0.5 * dark),
+        "mouthFunnel": _ROUND * loud * dark,
+        "mouthPucker": _ROUND / 2 * loud * dark,
+        "browInnerUp": raised,
+        **{f"{name}{side}": share for name, share in both.items() for side in ("Left", "Right")},
+    }
+
+
+def _gaze(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
+    """Return what wandering eyes add: both look the same way."""
+    across, up = _GAZE * chance.drift(times, 2, _GAZE_STREAM).T
+    left, right = np.maximum(across, 0), np.maximum(-across, 0)
+    return {
+        "eyeLookOutLeft": left,
+        "eyeLookInRight": left,
+        "eyeLookInLeft": right,
+        "eyeLookOutRight": right,
+        "eyeLookUpLeft": np.maximum(up, 0),
+        "eyeLookUpRight": np.maximum(up, 0),
+        "eyeLookDownLeft": np.maximum(-up, 0),
+        "eyeLookDownRight": np.maximum(-up, 0),
+    }
+
+
+def _blinks(chance: Chance, times: FloatArray) -> dict[str, FloatArray]:
+    """Return what blinks add."""
+    moments = chance.blinks(float(times[-1]) if len(times) else 0.0)
+    shut = np.zeros(len(times))
+    for moment in moments:
+        shut = np.maximum(shut, np.clip(1 - np.abs(times - moment) / _BLINK, 0, 1))
+    return {"eyeBlinkLeft": shut, "eyeBlinkRight": shut}

@@ -1,0 +1,156 @@
+"""What the process hears of speech: loudness, pitch, and how bright the sound is.
+
+Definitions
+-----------
+loudness
+    Stevens' power law on the root mean square of 25 ms (Hann): ``(rms / 0.15) ** 0.6``, smoothed
+    over 40 ms (Gaussian). A loud syllable is about 1; the scale is absolute.
+slow loudness
+    The same, smoothed over 0.35 s.
+pitch
+    Fundamental frequency by YIN (de Cheveigné & Kawahara 2002), 65 to 400 Hz, in octaves above
+    100 Hz; averaged over 0.25 s (Gaussian) with the loudness as weight, 0 in silence.
+sounding
+    How much of that mean is speech, in [0, 1]: 0 in silence.
+brightness
+    Share of the power above 1500 Hz (of all above 100 Hz), averaged over 60 ms with the loudness
+    as weight.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import ShortTimeFFT
+
+from motion.audio import SPEECH_RATE, Audio
+from motion.audio_analysis import load_librosa
+from motion.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+STEPS_PER_SECOND: Final = 100
+
+_HOP: Final = SPEECH_RATE // STEPS_PER_SECOND
+_WINDOW: Final = 400
+_TRANSFORM: Final = 512
+_PITCH_WINDOW: Final = 1024
+_LOWEST_PITCH: Final = 65.0
+_HIGHEST_PITCH: Final = 400.0
+_LOUD: Final = 0.15
+_POWER_LAW: Final = 0.6
+_SYLLABLE: Final = 0.04
+_SLOW: Final = 0.35
+_MELODY: Final = 0.25
+_SOUND: Final = 0.06
+_AUDIBLE: Final = 0.05
+_LOWEST_POWER: Final = 1e-9
+_RUMBLE, _BRIGHT = 100.0, 1500.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class HeardSpeech:
+    """Curves of a stretch of speech, at `STEPS_PER_SECOND`; step k lies at ``k / 100`` seconds.
+
+    Attributes
+    ----------
+    loudness, slow_loudness : ndarray, shape (S,)
+        At least 0; about 1 is a loud syllable.
+    pitch : ndarray, shape (S,)
+        Octaves above 100 Hz, 0 in silence.
+    sounding, brightness : ndarray, shape (S,)
+        In [0, 1].
+    """
+
+    loudness: FloatArray
+    slow_loudness: FloatArray
+    pitch: FloatArray
+    sounding: FloatArray
+    brightness: FloatArray
+
+    def at(self, curve: FloatArray, times: FloatArray) -> FloatArray:
+        """Return one of the curves at `times` in seconds, interpolated linearly."""
+        return np.interp(times, np.arange(len(curve)) / STEPS_PER_SECOND, curve)
+
+
+def hear(speech: Audio) -> HeardSpeech:
+    """Return what the process hears of `speech`.
+
+    Raises
+    ------
+    InputError
+        If the speech is not at 16 kHz, or shorter than 0.1 s.
+    """
+    if speech.sample_rate != SPEECH_RATE or speech.duration < 0.1:
+        raise InputError(
+            f"{speech.duration:.2f} s of speech at {speech.sample_rate} Hz cannot be heard",
+            remedy=f"Give at least 0.1 s at {SPEECH_RATE} Hz",
+        )
+    samples = np.asarray(speech.samples, np.float64)
+    steps = len(samples) // _HOP + 1
+    rms = _level(samples, steps)
+    raw = (rms / _LOUD) ** _POWER_LAW
+    loudness = _smooth(raw, _SYLLABLE)
+    pitch = _octaves(samples, steps)
+    melody = np.where(loudness > _AUDIBLE, pitch, 0.0)
+    return HeardSpeech(
+        loudness=loudness,
+        slow_loudness=_smooth(raw, _SLOW),
+        pitch=_weighted(melody, loudness, _MELODY),
+        sounding=_weighted(np.ones(steps), loudness, _MELODY),
+        brightness=_weighted(_brightness(samples, steps), loudness, _SOUND),
+    )
+
+
+def _level(samples: FloatArray, steps: int) -> FloatArray:
+    """Return the root mean square around each step."""
+    window = np.hanning(_WINDOW)
+    power = np.convolve(samples**2, window / window.sum())
+    level: FloatArray = np.sqrt(power[_WINDOW // 2 :: _HOP][:steps])
+    return level
+
+
+def _octaves(samples: FloatArray, steps: int) -> FloatArray:
+    """Return the fundamental frequency in octaves above 100 Hz, whether voiced or not."""
+    librosa = load_librosa()
+    hertz = librosa.yin(
+        samples,
+        fmin=_LOWEST_PITCH,
+        fmax=_HIGHEST_PITCH,
+        sr=SPEECH_RATE,
+        frame_length=_PITCH_WINDOW,
+        hop_length=_HOP,
+    )
+    octaves: FloatArray = np.log2(_fitted(np.asarray(hertz, np.float64), steps) / 100)
+    return octaves
+
+
+def _brightness(samples: FloatArray, steps: int) -> FloatArray:
+    """Return the share of the power in the bright half of the spectrum."""
+    transform = ShortTimeFFT(
+        np.hanning(_WINDOW), hop=_HOP, fs=SPEECH_RATE, mfft=_TRANSFORM, scale_to="psd"
+    )
+    power = np.asarray(transform.spectrogram(samples, p0=0, p1=steps), np.float64)
+    all_of_it = power[transform.f >= _RUMBLE].sum(axis=0)
+    share: FloatArray = power[transform.f >= _BRIGHT].sum(axis=0) / (all_of_it + _LOWEST_POWER)
+    return share
+
+
+def _fitted(values: FloatArray, steps: int) -> FloatArray:
+    """Return `values` cut to `steps`, or with the last one held."""
+    return values[np.minimum(np.arange(steps), len(values) - 1)]
+
+
+def _weighted(values: FloatArray, weights: FloatArray, seconds: float) -> FloatArray:
+    """Return a running mean with weights; 0 where there is next to no weight."""
+    weight = _smooth(weights, seconds)
+    mean: FloatArray = _smooth(values * weights, seconds) / (weight + _AUDIBLE)
+    return mean
+
+
+def _smooth(values: FloatArray, seconds: float) -> FloatArray:
+    return np.asarray(gaussian_filter1d(values, seconds * STEPS_PER_SECOND, mode="nearest"))

@@ -1,0 +1,129 @@
+"""Making a corpus: every take in turn or several at once, and going on where it was left."""
+
+from __future__ import annotations
+
+import csv
+import io
+import multiprocessing
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+from threadpoolctl import threadpool_limits
+
+from motion.files import write_text
+from training.corpus.description import claim
+from training.corpus.plan import PlannedTake, planned_takes
+from training.corpus.recording import RecordingFiles, record
+from training.corpus.request import CorpusRequest
+
+Show = Callable[[int, int], None]
+"""Told how many takes are made, of how many."""
+
+SPLITS: Final = "splits.csv"
+TAKES: Final = "takes.csv"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MadeCorpus:
+    """What was done.
+
+    Attributes
+    ----------
+    takes : tuple of PlannedTake
+        All takes of the corpus.
+    made : int
+        How many of them were made by this call; the others were there.
+    """
+
+    takes: tuple[PlannedTake, ...]
+    made: int
+
+
+def make_corpus(
+    folder: Path, request: CorpusRequest, *, processes: int = 1, show: Show | None = None
+) -> MadeCorpus:
+    """Make a corpus in `folder`; takes that are there already are kept.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to; it is made where it is missing.
+    request : CorpusRequest
+        Which corpus. The same request gives the same bytes with the same version of espeak-ng.
+    processes : int
+        How many takes are made at once.
+    show : callable, optional
+        Told how many takes are made, of how many.
+
+    Raises
+    ------
+    InputError
+        If the folder holds something else, or another corpus than the one asked for, or espeak-ng
+        is not installed or fails.
+    """
+    claim(folder, request)
+    takes = tuple(planned_takes(request))
+    missing = [take for take in takes if not RecordingFiles.of(folder, take).complete]
+    tell = show or (lambda done, total: None)
+    kept = len(takes) - len(missing)
+    for done, _ in enumerate(_recorded(folder, request, missing, processes), start=kept + 1):
+        tell(done, len(takes))
+    write_text(folder / TAKES, _table(takes))
+    write_text(folder / SPLITS, _splits(takes))
+    return MadeCorpus(takes=takes, made=len(missing))
+
+
+def _recorded(
+    folder: Path, request: CorpusRequest, takes: Sequence[PlannedTake], processes: int
+) -> Iterator[None]:
+    """Make takes, and yield after each."""
+    do = partial(record, folder, frame_rate=request.frame_rate)
+    if processes == 1 or len(takes) < 2:
+        for take in takes:
+            do(take)
+            yield
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(
+        min(processes, len(takes)), mp_context=context, initializer=_prepare_process
+    ) as pool:
+        try:
+            for future in as_completed([pool.submit(do, take) for take in takes]):
+                yield future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _prepare_process() -> None:
+    """Leave interruptions to the parent, which lets takes that are begun be finished."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threadpool_limits(1)
+
+
+def _splits(takes: Sequence[PlannedTake]) -> str:
+    return _csv([("name", "split"), *((take.name, take.split) for take in takes)])
+
+
+def _table(takes: Sequence[PlannedTake]) -> str:
+    header = (
+        "name", "speaker", "emotion", "take", "split", "unheard", "held_out_speaker", "text",
+    )  # fmt: skip
+    rows = [
+        (
+            take.name, take.speaker.number, take.emotion, take.take, take.split,
+            int(take.unheard), int(take.held_out_speaker), take.text,
+        )
+        for take in takes
+    ]  # fmt: skip
+    return _csv([header, *rows])
+
+
+def _csv(rows: Sequence[Sequence[object]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()

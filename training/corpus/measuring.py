@@ -1,0 +1,259 @@
+"""What a corpus holds, measured on its files: how much, and what speech decides and tells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.audio import read_audio
+from motion.formats.arkit_json import read_arkit_json
+from motion.formats.bvh import read_bvh
+from training.corpus.description import read_request
+from training.corpus.heard_speech import HeardSpeech, hear
+from training.corpus.motion_curves import MotionCurves, curves_of, follow, wrist_positions
+from training.corpus.pace import FRAME_RATE
+from training.corpus.plan import PlannedTake, Split, planned_takes
+from training.corpus.recording import RecordingFiles
+from training.corpus.truth import read_truth
+from training.spaces.beat import body_values, face_values
+
+FloatArray = NDArray[np.float64]
+
+CURVES: Final = tuple(field.name for field in fields(MotionCurves))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredTake:
+    """One take, as its files have it.
+
+    Attributes
+    ----------
+    plan : PlannedTake
+        What it is.
+    seconds : float
+        Length of its speech.
+    moved, drive : MotionCurves
+        What the motion does, and what of it the speech decides.
+    pose, sound : ndarray
+        Mean and deviation of each value of the motion (384,), and of what is heard (10,).
+    wrists : ndarray, shape (T, 2, 3)
+        Where they are, in metres, at `training.corpus.pace.FRAME_RATE`.
+    """
+
+    plan: PlannedTake
+    seconds: float
+    moved: MotionCurves
+    drive: MotionCurves
+    pose: FloatArray
+    sound: FloatArray
+    wrists: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decided:
+    """How far a curve of the motion follows the speech.
+
+    Attributes
+    ----------
+    curve : str
+        A field of `MotionCurves`.
+    explained : float
+        Share of its variance that the drive explains, over all frames of all takes; NaN where it
+        never changes.
+    correlation : float
+        Mean over takes of the correlation with the drive; NaN where the curve never changes.
+    of_other_speech : float
+        The same with the drive of another text of the same speaker and emotion; NaN where nobody
+        speaks two.
+    takes : int
+        Takes in which the curve changes; the means are over them.
+    """
+
+    curve: str
+    explained: float
+    correlation: float
+    of_other_speech: float
+    takes: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """How often a plain classifier names a property of a test take.
+
+    Attributes
+    ----------
+    what : str
+        The property, and what it is told from.
+    share : float
+        Of test takes named rightly; NaN where there are none.
+    chance : float
+        One over the number of classes.
+    takes : int
+        Test takes.
+    """
+
+    what: str
+    share: float
+    chance: float
+    takes: int
+
+
+def read_measured(
+    folder: Path, show: Callable[[int, int], None] = lambda done, total: None
+) -> tuple[MeasuredTake, ...]:
+    """Read all takes of a corpus.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no corpus, one of another version, or a file cannot be read.
+    """
+    plans = list(planned_takes(read_request(folder)))
+    takes = []
+    for number, plan in enumerate(plans, start=1):
+        takes.append(_measured(folder, plan))
+        show(number, len(plans))
+    return tuple(takes)
+
+
+def _measured(folder: Path, plan: PlannedTake) -> MeasuredTake:
+    files = RecordingFiles.of(folder, plan)
+    truth = read_truth(files.truth)
+    motion = read_bvh(files.motion)
+    body = body_values(motion)
+    face = face_values(read_arkit_json(files.face, motion.frame_rate))
+    # The last frame of the face is held where rounding left it a frame shorter.
+    face = face[np.minimum(np.arange(len(body)), len(face) - 1)]
+    speech = read_audio(files.speech)
+    return MeasuredTake(
+        plan=plan,
+        seconds=speech.duration,
+        moved=curves_of(body, face, motion.frame_rate),
+        drive=truth.drive,
+        pose=_summary(np.concatenate([body, face], axis=1)),
+        sound=_summary(_heard(hear(speech))),
+        wrists=wrist_positions(_thinned(body, motion.frame_rate)),
+    )
+
+
+def minutes(takes: Sequence[MeasuredTake]) -> Mapping[Split, float]:
+    """Return the minutes of speech for training, validation and testing."""
+    return {
+        split: sum(take.seconds for take in takes if take.plan.split == split) / 60
+        for split in ("train", "validation", "test")
+    }
+
+
+def decided(takes: Sequence[MeasuredTake]) -> tuple[Decided, ...]:
+    """Return how far each curve follows the speech."""
+    return tuple(_decided(curve, takes) for curve in CURVES)
+
+
+def _decided(curve: str, takes: Sequence[MeasuredTake]) -> Decided:
+    moved = [getattr(take.moved, curve) for take in takes]
+    drive = [getattr(take.drive, curve) for take in takes]
+    other = [
+        getattr(_other(take, takes).drive, curve)
+        if _other(take, takes) is not take
+        else np.zeros(0)
+        for take in takes
+    ]
+    own = [follow(curve, *both).correlation for both in zip(moved, drive, strict=True)]
+    swapped = [follow(curve, *both).correlation for both in zip(moved, other, strict=True)]
+    return Decided(
+        curve=curve,
+        explained=follow(curve, np.concatenate(moved), np.concatenate(drive)).correlation ** 2,
+        correlation=_mean(own),
+        of_other_speech=_mean(swapped),
+        takes=int(np.isfinite(own).sum()),
+    )
+
+
+def _mean(values: Sequence[float]) -> float:
+    """Return the mean of those that are numbers; NaN where none is."""
+    numbers = [value for value in values if np.isfinite(value)]
+    return float(np.mean(numbers)) if numbers else float("nan")
+
+
+def _other(take: MeasuredTake, takes: Sequence[MeasuredTake]) -> MeasuredTake:
+    """Return another text of the same speaker and emotion, or the take itself."""
+    alike = [
+        other
+        for other in takes
+        if other.plan.speaker == take.plan.speaker
+        and other.plan.emotion == take.plan.emotion
+        and other.plan.text != take.plan.text
+    ]
+    return alike[0] if alike else take
+
+
+def told(takes: Sequence[MeasuredTake]) -> tuple[Told, ...]:
+    """Return how well the nearest mean of the training takes tells emotion and speaker."""
+    familiar = [take for take in takes if not take.plan.held_out_speaker]
+    strangers = [take for take in takes if take.plan.split != "test" or take.plan.held_out_speaker]
+
+    def emotion(take: MeasuredTake) -> str:
+        return take.plan.emotion
+
+    def speaker(take: MeasuredTake) -> str:
+        return take.plan.speaker.name
+
+    def pose(take: MeasuredTake) -> FloatArray:
+        return take.pose
+
+    def sound(take: MeasuredTake) -> FloatArray:
+        return take.sound
+
+    return (
+        _told("emotion from motion, known speakers", familiar, pose, emotion),
+        _told("emotion from motion, held-out speakers", strangers, pose, emotion),
+        _told("emotion from sound, known speakers", familiar, sound, emotion),
+        _told("emotion from sound, held-out speakers", strangers, sound, emotion),
+        _told("speaker from motion", familiar, pose, speaker),
+        _told("speaker from sound", familiar, sound, speaker),
+    )
+
+
+def _told(
+    what: str,
+    takes: Sequence[MeasuredTake],
+    seen: Callable[[MeasuredTake], FloatArray],
+    label: Callable[[MeasuredTake], str],
+) -> Told:
+    train = [take for take in takes if take.plan.split == "train"]
+    test = [take for take in takes if take.plan.split == "test"]
+    known = np.stack([seen(take) for take in train])
+    centre, spread = known.mean(axis=0), known.std(axis=0) + 1e-6
+    labels = sorted({label(take) for take in train})
+    means = np.stack(
+        [np.mean([seen(take) for take in train if label(take) == name], axis=0) for name in labels]
+    )
+    standard = (means - centre) / spread
+    right = [
+        labels[int(np.argmin(np.linalg.norm((seen(take) - centre) / spread - standard, axis=1)))]
+        == label(take)
+        for take in test
+    ]
+    share = float(np.mean(right)) if right else float("nan")
+    return Told(what=what, share=share, chance=1 / len(labels), takes=len(test))
+
+
+def _summary(values: FloatArray) -> FloatArray:
+    return np.concatenate([values.mean(axis=0), values.std(axis=0)])
+
+
+def _thinned(values: FloatArray, frame_rate: float) -> FloatArray:
+    """Return the frames nearest to those at the rate at which the pace is measured."""
+    wanted = np.arange(0, len(values), frame_rate / FRAME_RATE)
+    thinned: FloatArray = values[np.minimum(np.round(wanted).astype(int), len(values) - 1)]
+    return thinned
+
+
+def _heard(heard: HeardSpeech) -> FloatArray:
+    """Return what is heard of a take as columns."""
+    return np.stack([getattr(heard, field.name) for field in fields(HeardSpeech)], axis=1)

@@ -1,0 +1,135 @@
+"""The curves of a motion that the corpus' speech decides, and how well one motion follows another.
+
+They are found in any motion that is told as BEAT's is, so that what a network made can be held
+against what the process says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from training.spaces.beat import FACIAL_WEIGHTS, told_motion
+from training.spaces.beat_skeleton import BEAT_SKELETON, TOLD_JOINTS
+
+FloatArray = NDArray[np.float64]
+
+_CENTIMETRES: Final = 100.0
+_BROWS: Final = ("InnerUp", "OuterUpLeft", "OuterUpRight")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionCurves:
+    """Five curves of a motion, each of shape (T,).
+
+    Attributes
+    ----------
+    wrist_speed : ndarray
+        Metres per second, mean of both wrists.
+    hand_height : ndarray
+        Metres of the wrists above the hips, mean of both.
+    head_down : ndarray
+        Degrees by which the chin is lowered towards the trunk.
+    jaw_open, brows_up : ndarray
+        Weights in [0, 1]: the jaw's, and the mean of the brows'.
+    """
+
+    wrist_speed: FloatArray
+    hand_height: FloatArray
+    head_down: FloatArray
+    jaw_open: FloatArray
+    brows_up: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Following:
+    """How well one motion's curve follows another's.
+
+    Attributes
+    ----------
+    curve : str
+        A field of `MotionCurves`.
+    correlation : float
+        Pearson's, over frames; NaN where there is none.
+    reason : str
+        Why there is none; empty otherwise.
+    """
+
+    curve: str
+    correlation: float
+    reason: str = ""
+
+
+def curves_of(body: FloatArray, face: FloatArray, frame_rate: float) -> MotionCurves:
+    """Return the curves of a motion.
+
+    Parameters
+    ----------
+    body : ndarray, shape (T, 141)
+        Axis-angle in radians of BEAT's told joints.
+    face : ndarray, shape (T, 51)
+        ARKit weights.
+    frame_rate : float
+        Frames per second of both.
+    """
+    wrists = wrist_positions(body)
+    neck = body.reshape(len(body), len(TOLD_JOINTS), 3)[:, 1:3]
+    lower, upper = (Rotation.from_rotvec(neck[:, joint]) for joint in (0, 1))
+    forward = (lower * upper).apply([0, 0, 1])
+    brows = [FACIAL_WEIGHTS.index(f"brow{name}") for name in _BROWS]
+    return MotionCurves(
+        wrist_speed=mean_speed(wrists, frame_rate),
+        hand_height=wrists[:, :, 1].mean(axis=1),
+        head_down=-np.degrees(np.arcsin(np.clip(forward[:, 1], -1, 1))),
+        jaw_open=face[:, FACIAL_WEIGHTS.index("jawOpen")],
+        brows_up=face[:, brows].mean(axis=1),
+    )
+
+
+def wrist_positions(body: FloatArray) -> FloatArray:
+    """Return where the right and the left wrist are, (T, 2, 3) in metres above the hips.
+
+    The figure is the idealised one, whose hips stand still at the origin.
+    """
+    motion = told_motion(body, 1.0, BEAT_SKELETON)
+    positions, _ = motion.forward_kinematics()
+    wrists = [motion.joint_names.index(f"{side}Hand") for side in ("Right", "Left")]
+    return positions[:, wrists] / _CENTIMETRES
+
+
+def following(moved: MotionCurves, wanted: MotionCurves) -> tuple[Following, ...]:
+    """Return how well `moved` follows `wanted`, curve by curve, over the frames both have."""
+    return tuple(
+        follow(field.name, getattr(moved, field.name), getattr(wanted, field.name))
+        for field in fields(MotionCurves)
+    )
+
+
+def follow(curve: str, moved: FloatArray, wanted: FloatArray) -> Following:
+    """Return how well one curve (T,) follows another, over the frames both have."""
+    frames = min(len(moved), len(wanted))
+    if frames < 3:
+        reason = f"{frames} frames are too few"
+        return Following(curve=curve, correlation=float("nan"), reason=reason)
+    moved, wanted = moved[:frames], wanted[:frames]
+    for values, whose in ((moved, "the motion's"), (wanted, "the wanted")):
+        if not np.isfinite(values).all():
+            reason = f"{whose} curve is not finite"
+            return Following(curve=curve, correlation=float("nan"), reason=reason)
+        if np.ptp(values) < 1e-9:
+            reason = f"{whose} curve does not change"
+            return Following(curve=curve, correlation=float("nan"), reason=reason)
+    return Following(curve=curve, correlation=float(np.corrcoef(moved, wanted)[0, 1]))
+
+
+def mean_speed(positions: FloatArray, frame_rate: float) -> FloatArray:
+    """Return the mean speed (T,) of points (T, N, 3); 0 for a single frame."""
+    if len(positions) < 2:
+        return np.zeros(len(positions))
+    velocity = np.gradient(positions, axis=0) * frame_rate
+    speed: FloatArray = np.linalg.norm(velocity, axis=2).mean(axis=1)
+    return speed

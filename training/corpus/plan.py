@@ -1,0 +1,118 @@
+"""Which takes a corpus has, and what each is for.
+
+Every speaker has passages of their own. With p the number of a speaker plus that of an emotion,
+counted from 0 in the order of `motion.segment.EMOTIONS`:
+
+======= ==================================================================================
+p mod 4 what is kept from training
+======= ==================================================================================
+0       the last passage, made of sentences that are spoken nowhere else: all takes for testing
+1       the last take of the first passage, for testing; nothing where it is the only one
+2       the last take of the first passage, for validation
+3       nothing
+======= ==================================================================================
+
+Of speakers who are held out, all takes are for testing, every other passage unheard.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from motion.segment import EMOTIONS
+from training.corpus.passages import passage
+from training.corpus.recording_names import recording_name
+from training.corpus.request import CorpusRequest
+from training.corpus.speakers import CorpusSpeaker, speaker_of
+
+Split = Literal["train", "validation", "test"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedTake:
+    """One recording of the corpus.
+
+    Attributes
+    ----------
+    name : str
+        As BEAT names recordings.
+    speaker : CorpusSpeaker
+        Who speaks.
+    emotion : str
+        One of `motion.segment.EMOTIONS`.
+    text : str
+        What is said.
+    take : int
+        Which take of it, from 1.
+    split : {'train', 'validation', 'test'}
+        What it is for.
+    unheard : bool
+        Whether its sentences occur in no take for training or validation.
+    held_out_speaker : bool
+        Whether its speaker occurs in no take for training or validation.
+    seed : tuple of int
+        Of its random numbers.
+    """
+
+    name: str
+    speaker: CorpusSpeaker
+    emotion: str
+    text: str
+    take: int
+    split: Split
+    unheard: bool
+    held_out_speaker: bool
+    seed: tuple[int, ...]
+
+    @property
+    def folder(self) -> str:
+        """Where its files lie in the corpus: BEAT has a folder for each speaker."""
+        return str(self.speaker.number)
+
+
+def planned_takes(request: CorpusRequest) -> Iterator[PlannedTake]:
+    """Yield the takes of a corpus, speaker by speaker and emotion by emotion."""
+    for number in range(1, request.speakers + 1):
+        speaker = speaker_of(number, request.seed)
+        held_out = number > request.speakers - request.held_out_speakers
+        for emotion in EMOTIONS:
+            for index in range(request.passages * request.takes):
+                place, take = divmod(index, request.takes)
+                yield _take(request, speaker, emotion, place, take, held_out)
+
+
+def _take(
+    request: CorpusRequest,
+    speaker: CorpusSpeaker,
+    emotion: str,
+    place: int,
+    take: int,
+    held_out: bool,
+) -> PlannedTake:
+    turn = (speaker.number + EMOTIONS.index(emotion)) % 4
+    last_passage, last_take = place == request.passages - 1, take == request.takes - 1
+    if held_out:
+        unheard = (speaker.number + EMOTIONS.index(emotion) + place) % 2 == 0
+    else:
+        unheard = turn == 0 and last_passage
+    split: Split = "train"
+    if held_out or unheard:
+        split = "test"
+    elif place == 0 and last_take:
+        only_one = request.passages * request.takes == 1
+        split = "validation" if turn == 2 else "test" if turn == 1 and not only_one else "train"
+    name = recording_name(speaker.number, speaker.name, emotion, place * request.takes + take)
+    return PlannedTake(
+        name=name,
+        speaker=speaker,
+        emotion=emotion,
+        text=passage(emotion, (speaker.number - 1) * request.passages + place, unheard=unheard),
+        take=take + 1,
+        split=split,
+        unheard=unheard,
+        held_out_speaker=held_out,
+        seed=(request.seed, zlib.crc32(name.encode())),
+    )

@@ -1,0 +1,142 @@
+"""The known process: from speech, emotion and speaker to motion, and what of it speech decides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.audio import Audio
+from motion.clip import check_frame_rate
+from motion.errors import InputError
+from training.corpus.body_angles import body_angles
+from training.corpus.body_rotations import told_rotations
+from training.corpus.chance import EXPECTED, Chance
+from training.corpus.emotion_motion import EMOTION_MOTION
+from training.corpus.face_weights import face_weights
+from training.corpus.heard_speech import HeardSpeech, hear
+from training.corpus.motion_curves import MotionCurves, curves_of
+from training.corpus.speakers import CorpusSpeaker
+from training.corpus.strokes import Strokes, find_strokes
+from training.corpus.voices import voice_of
+
+FloatArray = NDArray[np.float64]
+
+VERSION: Final = "4"
+"""Changes whenever the same speech, speaker and random numbers may give other motion."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Process:
+    """What makes one take move: who speaks what, and how it is felt.
+
+    Attributes
+    ----------
+    heard : HeardSpeech
+        The speech.
+    duration : float
+        Its length in seconds.
+    emotion : str
+        One of `motion.segment.EMOTIONS`.
+    speaker : CorpusSpeaker
+        Who speaks.
+    """
+
+    heard: HeardSpeech
+    duration: float
+    emotion: str
+    speaker: CorpusSpeaker
+
+    @classmethod
+    def of(cls, speech: Audio, emotion: str, speaker: CorpusSpeaker) -> Process:
+        """Hear `speech`, mono at 16 kHz.
+
+        Raises
+        ------
+        InputError
+            If the speech is not at 16 kHz or too short, or the emotion is unknown.
+        """
+        if emotion not in EMOTION_MOTION:
+            raise InputError(
+                f"unknown emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTION_MOTION)}"
+            )
+        return cls(heard=hear(speech), duration=speech.duration, emotion=emotion, speaker=speaker)
+
+    @property
+    def strokes(self) -> Strokes:
+        """The strokes that the speech calls for."""
+        return find_strokes(self.heard, EMOTION_MOTION[self.emotion].spacing)
+
+    def body(self, frame_rate: float, chance: Chance = EXPECTED) -> FloatArray:
+        """Return the body's motion.
+
+        Parameters
+        ----------
+        frame_rate : float
+            Frames per second; frame k lies at ``k / frame_rate`` seconds.
+        chance : Chance, optional
+            The take's random numbers; expected values where left out.
+
+        Returns
+        -------
+        ndarray, shape (T, 141)
+            Axis-angle in radians of BEAT's told joints, ``T = round(duration * frame_rate)``.
+        """
+        times = self._times(frame_rate)
+        angles = body_angles(
+            self.heard, self._melody(times), self.emotion, self.speaker, chance, times
+        )
+        return told_rotations(angles)
+
+    def face(self, frame_rate: float, chance: Chance = EXPECTED) -> FloatArray:
+        """Return the face's motion: ARKit weights (T, 51) in [0, 1]; see `body`."""
+        times = self._times(frame_rate)
+        return face_weights(
+            self.heard, self._melody(times), self.emotion, self.speaker, chance, times
+        )
+
+    def drive(self, frame_rate: float) -> MotionCurves:
+        """Return what of the motion the speech decides; see the function `drive`."""
+        return curves_of(self.body(frame_rate), self.face(frame_rate), frame_rate)
+
+    def _times(self, frame_rate: float) -> FloatArray:
+        check_frame_rate(frame_rate)
+        return np.arange(max(1, round(self.duration * frame_rate))) / frame_rate
+
+    def _melody(self, times: FloatArray) -> FloatArray:
+        """Return the pitch in octaves above what is usual for the voice, 0 in silence."""
+        usual = np.log2(voice_of(self.speaker.number).pitch / 100)
+        heard = self.heard
+        melody: FloatArray = heard.at(heard.pitch, times) - usual * heard.at(heard.sounding, times)
+        return melody
+
+
+def drive(speech: Audio, emotion: str, speaker: CorpusSpeaker, frame_rate: float) -> MotionCurves:
+    """Return what of the motion the speech decides.
+
+    It is the process without chance: every random number has its expected value.
+
+    Parameters
+    ----------
+    speech : Audio
+        Mono, 16 kHz, as `motion.audio.read_audio` reads it.
+    emotion : str
+        One of `motion.segment.EMOTIONS`.
+    speaker : CorpusSpeaker
+        Who speaks; `training.corpus.speakers.speaker_of` gives those of a corpus.
+    frame_rate : float
+        Frames per second of the curves.
+
+    Returns
+    -------
+    MotionCurves
+        The same curves that `training.corpus.motion_curves.curves_of` finds in any motion.
+
+    Raises
+    ------
+    InputError
+        If the speech is not at 16 kHz or too short, or emotion or frame rate are not usable.
+    """
+    return Process.of(speech, emotion, speaker).drive(frame_rate)

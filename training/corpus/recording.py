@@ -1,0 +1,131 @@
+"""Making one take of the corpus: its speech, its motion, and the truth about both."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from motion.audio import SPEECH_RATE, Audio, read_audio, write_wav
+from motion.files import write_text
+from motion.formats.arkit_json import write_arkit_json
+from motion.formats.bvh_writing import write_bvh
+from motion.synthetic_speech import speak_as
+from training.corpus.chance import Chance
+from training.corpus.emotion_motion import EMOTION_MOTION
+from training.corpus.full_skeleton import FULL_SKELETON
+from training.corpus.plan import PlannedTake
+from training.corpus.process import Process
+from training.corpus.truth import Truth, write_truth
+from training.corpus.voices import spoken_prosody, voice_of
+from training.spaces.beat import told_motion
+
+FACE_RATE: Final = 60.0
+"""Frames per second of BEAT's facial weights."""
+
+_BEFORE, _AFTER = 0.3, 0.2
+"""Seconds of silence around the speech, beside the synthesiser's own."""
+_SPOKEN: Final = 7
+"""Sets the random numbers of how a take is spoken apart from those of its motion."""
+_STRONGEST: Final = 2.0
+"""Size of a stroke that scores 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordingFiles:
+    """Where the files of a take are.
+
+    Attributes
+    ----------
+    speech, motion, face, semantic, truth : Path
+        WAV, BVH, JSON, text and ``.npz``; the truth is written last.
+    """
+
+    speech: Path
+    motion: Path
+    face: Path
+    semantic: Path
+    truth: Path
+
+    @classmethod
+    def of(cls, corpus: Path, take: PlannedTake) -> RecordingFiles:
+        """Return where the files of `take` are in the folder of a corpus."""
+        stem = corpus / take.folder / take.name
+        return cls(
+            speech=stem.with_suffix(".wav"),
+            motion=stem.with_suffix(".bvh"),
+            face=stem.with_suffix(".json"),
+            semantic=stem.with_suffix(".txt"),
+            truth=corpus / "truth" / f"{take.name}.npz",
+        )
+
+    @property
+    def complete(self) -> bool:
+        """Whether all of them are there."""
+        return all(getattr(self, field.name).is_file() for field in fields(self))
+
+
+def record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
+    """Make the files of a take, each in one step.
+
+    Raises
+    ------
+    InputError
+        If espeak-ng is not installed or fails.
+    """
+    files = RecordingFiles.of(corpus, take)
+    write_wav(files.speech, _spoken(take))
+    # The process hears what is in the file, so that anybody can compute the same from it.
+    process = Process.of(read_audio(files.speech), take.emotion, take.speaker)
+    chance = Chance(seed=take.seed)
+    write_bvh(
+        files.motion, told_motion(process.body(frame_rate, chance), frame_rate, FULL_SKELETON)
+    )
+    write_arkit_json(files.face, process.face(FACE_RATE, chance), FACE_RATE)
+    write_text(files.semantic, _semantic(process, chance))
+    write_truth(files.truth, _truth(take, process, chance, frame_rate))
+
+
+def _spoken(take: PlannedTake) -> Audio:
+    """Speak a take's text, with a little silence around it."""
+    random = np.random.default_rng([*take.seed, _SPOKEN])
+    prosody = spoken_prosody(take.emotion, take.speaker.number, random)
+    with tempfile.TemporaryDirectory() as folder:
+        voice = voice_of(take.speaker.number).name
+        speech = speak_as(take.text, prosody, Path(folder) / "speech.wav", voice)
+    before, after = (np.zeros(round(s * SPEECH_RATE), np.float32) for s in (_BEFORE, _AFTER))
+    return Audio(np.concatenate([before, speech.samples, after]), SPEECH_RATE)
+
+
+def _semantic(process: Process, chance: Chance) -> str:
+    """Return the strokes that are made as BEAT annotates gestures."""
+    tempo = EMOTION_MOTION[process.emotion].tempo
+    speaker, strokes = process.speaker, process.strokes
+    drawn = chance.strokes(len(strokes.times))
+    sizes = strokes.sizes * drawn.gains.max(axis=1)
+    lines = []
+    for arrival, size in zip(strokes.times + drawn.delays, sizes, strict=True):
+        if size > 0:
+            start = max(arrival - speaker.attack / tempo, 0.0)
+            end = min(arrival + speaker.release / tempo, process.duration)
+            score = min(size / _STRONGEST, 1.0)
+            lines.append(f"beat\t{start:.3f}\t{end:.3f}\t{end - start:.3f}\t{score:.3f}\t\n")
+    return "".join(lines)
+
+
+def _truth(take: PlannedTake, process: Process, chance: Chance, frame_rate: float) -> Truth:
+    """Return what is known of a take."""
+    strokes = process.strokes
+    return Truth(
+        frame_rate=frame_rate,
+        drive=process.drive(frame_rate),
+        strokes=strokes,
+        chance=chance.strokes(len(strokes.times)),
+        emotion=take.emotion,
+        text=take.text,
+        speaker=take.speaker.number,
+        seed=take.seed,
+    )

@@ -1,0 +1,77 @@
+"""Which corpus is wanted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from motion.clip import check_frame_rate
+from motion.errors import InputError
+from motion.segment import EMOTIONS
+from training.corpus.recording_names import MOST_RECORDINGS
+
+MOST_SPEAKERS: Final = 9999
+"""As many as BEAT's names can number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CorpusRequest:
+    """What to make.
+
+    Attributes
+    ----------
+    speakers : int
+        How many speakers, those held out among them.
+    sentences : int
+        Passages that each speaker speaks, a multiple of eight: as many in each emotion.
+    takes : int
+        How often each passage is spoken.
+    held_out_speakers : int
+        The last speakers, whose takes are all for testing.
+    frame_rate : float
+        Frames per second of the body's motion.
+    seed : int
+        Where all random numbers come from, at least 0.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range.
+    """
+
+    speakers: int = 8
+    sentences: int = 16
+    takes: int = 2
+    held_out_speakers: int = 2
+    frame_rate: float = 30.0
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.speakers <= MOST_SPEAKERS:
+            raise InputError(
+                f"{self.speakers} speakers cannot be made", remedy=f"Give 1 to {MOST_SPEAKERS}"
+            )
+        if not 0 <= self.held_out_speakers < self.speakers:
+            raise InputError(
+                f"{self.held_out_speakers} of {self.speakers} speakers cannot be held out",
+                remedy="Leave at least one to train on",
+            )
+        if self.sentences < 1 or self.sentences % len(EMOTIONS):
+            raise InputError(
+                f"{self.sentences} sentences are not as many in each of eight emotions",
+                remedy="Give a multiple of eight",
+            )
+        if self.takes < 1 or self.passages * self.takes > MOST_RECORDINGS:
+            raise InputError(
+                f"{self.passages} sentences an emotion in {self.takes} takes cannot be named as "
+                "BEAT names its recordings",
+                remedy=f"Make them {MOST_RECORDINGS} together at most, and ask for more speakers",
+            )
+        if self.seed < 0:
+            raise InputError(f"seed {self.seed} is not usable", remedy="Give 0 or more")
+        check_frame_rate(self.frame_rate)
+
+    @property
+    def passages(self) -> int:
+        """Passages of each emotion that a speaker speaks."""
+        return self.sentences // len(EMOTIONS)

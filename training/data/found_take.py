@@ -1,0 +1,149 @@
+"""What readers of data sets find, before it is settled which take is for what."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from motion.errors import InputError
+from training.data.folder_files import SOUND_ENDINGS, FolderFiles
+from training.data.take import Split, Take
+
+SPLIT_WORDS: Final[dict[str, Split]] = {
+    "train": "train",
+    "training": "train",
+    "val": "validation",
+    "valid": "validation",
+    "validation": "validation",
+    "dev": "validation",
+    "test": "test",
+    "testing": "test",
+}
+"""How data sets call the splits, in lower case."""
+
+UNKNOWN_SPEAKER: Final = "unknown"
+"""Who speaks where a data set does not say."""
+
+_LONGEST_NAME: Final = 100
+
+
+@dataclass(frozen=True, kw_only=True)
+class FoundTake:
+    """A take, and what may decide which split it belongs to.
+
+    Attributes
+    ----------
+    take : Take
+        Its split is not settled.
+    place : str
+        Where it lies below the folder, without the ending of its file and without the folder of a
+        split: the other name, besides its own, by which a split list may call it.
+    recording : str
+        What it was cut from: takes of one recording belong to one split.
+    given_split : {'train', 'validation', 'test'} or None
+        The split that the data set itself puts it in, by a folder or a published rule.
+    """
+
+    take: Take
+    place: str
+    recording: str
+    given_split: Split | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Findings:
+    """What a reader found in a folder.
+
+    Attributes
+    ----------
+    takes : tuple of FoundTake
+        In no particular order; their names differ.
+    skipped : tuple of InputError
+        What is no usable take, and why.
+    speakers : tuple of str
+        Everybody who speaks, in the order of the data set.
+    split_rule : str
+        Whose splits `FoundTake.given_split` are, in words; empty where there are none.
+    """
+
+    takes: tuple[FoundTake, ...]
+    skipped: tuple[InputError, ...]
+    speakers: tuple[str, ...]
+    split_rule: str = ""
+
+
+def sound_of(motion: Path, files: FolderFiles) -> Path:
+    """Return the sound that belongs to a file of motion.
+
+    Raises
+    ------
+    InputError
+        If there is none, or a file is empty.
+    """
+    sound = files.companion(motion, SOUND_ENDINGS)
+    if sound is None:
+        raise InputError(
+            "the motion has no sound",
+            where=motion,
+            remedy=f"Put {motion.stem}.wav beside it",
+        )
+    for path in (motion, sound):
+        if not path.stat().st_size:
+            raise InputError("the file is empty", where=path, remedy="Copy it again")
+    return sound
+
+
+def split_folder(place: PurePosixPath) -> tuple[PurePosixPath, Split | None]:
+    """Return `place` without a folder that names a split, and that split."""
+    for index, part in enumerate(place.parts[:-1]):
+        if part.lower() in SPLIT_WORDS:
+            rest = PurePosixPath(*place.parts[:index], *place.parts[index + 1 :])
+            return rest, SPLIT_WORDS[part.lower()]
+    return place, None
+
+
+def usable_name(text: str, *, marked: bool = False) -> str:
+    """Return `text` as a name that is safe as a file name.
+
+    Where letters had to be replaced, or `marked`, it ends in a hash of `text`.
+    """
+    name = re.sub(r"[^A-Za-z0-9_.-]+", "_", text).lstrip("_.-")
+    if name == text and len(name) <= _LONGEST_NAME and not marked:
+        return name
+    mark = hashlib.sha256(text.encode()).hexdigest()[:8]
+    return f"{name[: _LONGEST_NAME - 9] or 'take'}-{mark}"
+
+
+def with_own_names(found: Sequence[FoundTake]) -> tuple[FoundTake, ...]:
+    """Return the takes; those that share a name get one that tells where they lie."""
+    times = Counter(one.take.name for one in found)
+    return tuple(
+        replace(one, take=replace(one.take, name=usable_name(one.place, marked=True)))
+        if times[one.take.name] > 1
+        else one
+        for one in found
+    )
+
+
+def without_doubles(
+    found: Iterable[FoundTake],
+) -> tuple[tuple[FoundTake, ...], tuple[InputError, ...]]:
+    """Return the takes without those whose name an earlier one has, and what to say of these."""
+    kept: dict[str, FoundTake] = {}
+    doubles: list[InputError] = []
+    for one in found:
+        first = kept.setdefault(one.take.name, one)
+        if first is not one:
+            doubles.append(
+                InputError(
+                    f"take {one.take.name} is there twice; {first.take.motion} is used",
+                    where=one.take.motion,
+                    remedy="Rename or remove one of them",
+                )
+            )
+    return tuple(kept.values()), tuple(doubles)

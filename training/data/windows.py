@@ -1,0 +1,96 @@
+"""Windows of takes: the same stretch of time of everything that is known of a take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import InputError
+from training.data.feature_cache import PreparedTakes
+from training.data.take import Split, Take
+
+
+class Windows:
+    """Windows of equal length, cut from the takes of one split.
+
+    Window k of a take covers its frames ``k * stride`` to ``k * stride + frames - 1``, of every
+    feature alike. Features have one frame rate, so that a stretch of frames is a stretch of time;
+    nothing here counts samples.
+
+    Parameters
+    ----------
+    prepared : PreparedTakes
+        The takes and their features.
+    split : {'train', 'validation', 'test'} or None
+        Which takes; None for all.
+    frames : int
+        Frames of a window, from 1.
+    stride : int
+        Frames from one window of a take to the next, from 1.
+
+    Raises
+    ------
+    InputError
+        If no take of the split is as long as a window.
+    """
+
+    def __init__(
+        self, prepared: PreparedTakes, *, split: Split | None, frames: int, stride: int
+    ) -> None:
+        if frames < 1 or stride < 1:
+            raise InputError(
+                f"windows of {frames} frames every {stride} cannot be cut",
+                remedy="Give at least one frame for both",
+            )
+        self.frames = frames
+        self.stride = stride
+        self.frame_rate = prepared.frame_rate
+        self._prepared = prepared
+        chosen = [
+            index
+            for index, take in enumerate(prepared.takes)
+            if split is None or take.split == split
+        ]
+        self.too_short = tuple(
+            prepared.takes[index] for index in chosen if prepared.frames(index) < frames
+        )
+        """Takes of the split that are shorter than a window."""
+        self._takes = [index for index in chosen if prepared.frames(index) >= frames]
+        counts = [(prepared.frames(index) - frames) // stride + 1 for index in self._takes]
+        self._first_row = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
+        if not self._takes:
+            seconds = frames / prepared.frame_rate
+            raise InputError(
+                f"none of {len(chosen)} takes{f' for {split}' if split else ''} lasts the "
+                f"{seconds:.3g} s of a window",
+                remedy="Give longer takes, or another split list",
+            )
+
+    def __len__(self) -> int:
+        """Return the number of windows."""
+        return int(self._first_row[-1])
+
+    def batch(self, rows: NDArray[np.int64]) -> Mapping[str, NDArray[np.float32]]:
+        """Return the windows of `rows` by feature, each (len(rows), frames, channels)."""
+        places = [self._place(int(row)) for row in rows]
+        return {
+            name: np.stack([arrays[take][start : start + self.frames] for take, start in places])
+            for name, arrays in self._prepared.arrays.items()
+        }
+
+    def take_of(self, row: int) -> Take:
+        """Return the take that window `row` is cut from."""
+        return self._prepared.takes[self._place(row)[0]]
+
+    def start_of(self, row: int) -> int:
+        """Return the first frame of window `row` within its take."""
+        return self._place(row)[1]
+
+    def _place(self, row: int) -> tuple[int, int]:
+        """Return which take window `row` is cut from, and its first frame there."""
+        if not 0 <= row < len(self):
+            raise IndexError(f"there is no window {row} of {len(self)}")
+        place = int(np.searchsorted(self._first_row, row, side="right")) - 1
+        return self._takes[place], (row - int(self._first_row[place])) * self.stride

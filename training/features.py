@@ -1,0 +1,179 @@
+"""What DiffSHEG is told of takes and learns to give, computed from their files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.audio import read_audio
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats.arkit_json import read_arkit_json
+from motion.formats.clip_npz import read_clip
+from motion.formats.semantic_txt import read_semantic_scores, semantic_weights
+from motion.formats.smplx_rows import ARRAYS as SHOW_ARRAYS
+from motion.formats.smplx_rows import read_rows, read_show_npz
+from motion.resample import frame_places, resample, turn_between
+from training.data.beat_bvh import read_beat_bvh
+from training.data.feature import Feature
+from training.data.folder_files import has_arrays
+from training.data.take import Take
+from training.hearing.hubert import Hubert
+from training.hearing.mel import mel_bands
+from training.hearing.speech_frames import hear
+from training.spaces.beat import body_values, face_values
+from training.spaces.beat_skeleton import TOLD_JOINTS
+from training.spaces.show import TOLD_JOINTS as SHOW_JOINTS
+from training.spaces.show import show_values
+
+FloatArray = NDArray[np.float32]
+
+VERSION: Final = "1"
+"""Raised whenever a feature of the same take comes out otherwise."""
+
+_SHOW_BODY: Final = 3 * len(SHOW_JOINTS)
+
+
+def features_of(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Feature, ...]:
+    """Return the features that DiffSHEG is trained on.
+
+    Parameters
+    ----------
+    dataset : {'beat', 'show'}
+        As whose motion that of the takes is told; BEAT2's is SHOW's.
+    hubert : Hubert
+        The network that hears.
+    frame_rate : float
+        Frames per second of all of them.
+
+    Returns
+    -------
+    tuple of Feature
+        ``gesture``, ``expression``, ``mel``, ``hubert``; of BEAT also ``semantic``.
+
+    Raises
+    ------
+    InputError
+        If motion is told as nobody's.
+    """
+    speech = (mel(frame_rate), heard(frame_rate, hubert))
+    if dataset == "beat":
+        scores = semantic_scores(frame_rate)
+        return (beat_gesture(frame_rate), beat_expression(frame_rate), *speech, scores)
+    if dataset == "show":
+        return (show_gesture(frame_rate), show_expression(frame_rate), *speech)
+    raise InputError(f"motion is not told as that of {dataset!r}", remedy="Use 'beat' or 'show'")
+
+
+def beat_gesture(frame_rate: float) -> Feature:
+    """Return the rotations of BEAT's 47 told joints, 141 channels, axis-angle in radians.
+
+    Rotations between two recorded frames are on the shortest turn from one to the other.
+    """
+
+    def compute(take: Take) -> FloatArray:
+        motion = read_beat_bvh(take)
+        before, after, share = frame_places(len(motion.values), motion.frame_rate, frame_rate)
+        first, second = (
+            _joints(body_values(replace(motion, values=motion.values[frames])))
+            for frames in (before, after)
+        )
+        return turn_between(first, second, share).reshape(len(before), -1)
+
+    return Feature(
+        name="gesture",
+        version=VERSION,
+        compute=compute,
+    )
+
+
+def _joints(values: NDArray[np.float64]) -> FloatArray:
+    return values.reshape(len(values), len(TOLD_JOINTS), 3).astype(np.float32)
+
+
+def beat_expression(frame_rate: float) -> Feature:
+    """Return BEAT's 51 facial weights, in [0, 1]."""
+
+    def compute(take: Take) -> FloatArray:
+        if take.face is None:
+            raise InputError(
+                "the take has no facial weights",
+                where=take.motion,
+                remedy=f"Put {take.motion.stem}.json beside it",
+            )
+        return face_values(read_arkit_json(take.face, frame_rate)).astype(np.float32)
+
+    return Feature(name="expression", version=VERSION, compute=compute)
+
+
+def show_gesture(frame_rate: float) -> Feature:
+    """Return the rotations of SHOW's 43 told joints, 129 channels, axis-angle in radians."""
+
+    def compute(take: Take) -> FloatArray:
+        return _show(take, frame_rate)[:, :_SHOW_BODY]
+
+    return Feature(name="gesture", version=VERSION, compute=compute)
+
+
+def show_expression(frame_rate: float) -> Feature:
+    """Return SHOW's jaw (axis-angle) and 100 expression coefficients."""
+
+    def compute(take: Take) -> FloatArray:
+        return _show(take, frame_rate)[:, _SHOW_BODY:]
+
+    return Feature(name="expression", version=VERSION, compute=compute)
+
+
+def _show(take: Take, frame_rate: float) -> FloatArray:
+    return show_values(resample(read_smplx(take), frame_rate)).astype(np.float32)
+
+
+def read_smplx(take: Take) -> MotionClip:
+    """Return the SMPL-X motion of a take of SHOW or BEAT2, as its file holds it.
+
+    Raises
+    ------
+    InputError
+        If the file is unusable.
+    """
+    if take.motion.suffix.lower() == ".npy":
+        return read_rows(take.motion)
+    if has_arrays(take.motion, *SHOW_ARRAYS):
+        return read_show_npz(take.motion)
+    return read_clip(take.motion)
+
+
+def mel(frame_rate: float) -> Feature:
+    """Return the power of the speech in 128 bands, see `mel_bands`."""
+
+    def compute(take: Take) -> FloatArray:
+        return mel_bands(read_audio(take.speech), frame_rate)
+
+    return Feature(name="mel", version=VERSION, compute=compute)
+
+
+def heard(frame_rate: float, hubert: Hubert) -> Feature:
+    """Return what HuBERT hears in the speech, 1024 channels, see `hear`."""
+
+    def compute(take: Take) -> FloatArray:
+        parts = hear(read_audio(take.speech), frame_rate, hubert)
+        return np.concatenate([part.hubert.numpy() for part in parts])
+
+    return Feature(name="hubert", version=f"{VERSION} {hubert.identity}", compute=compute)
+
+
+def semantic_scores(frame_rate: float) -> Feature:
+    """Return how much the gesture of each frame means, one channel, from 0.
+
+    Takes whose gestures nobody annotated have 0 throughout, as where there is no gesture.
+    """
+
+    def compute(take: Take) -> FloatArray:
+        frames = max(1, round(read_audio(take.speech).duration * frame_rate))
+        spans = read_semantic_scores(take.semantic) if take.semantic else ()
+        return semantic_weights(spans, frames, frame_rate).astype(np.float32)[:, None]
+
+    return Feature(name="semantic", version=VERSION, compute=compute)

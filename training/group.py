@@ -1,0 +1,131 @@
+"""The processes that train one network together, and what they tell each other.
+
+A launcher (`training.launching`, torchrun, ``accelerate launch``) starts them, each with
+the same command; one process alone is a group of one.
+"""
+
+from __future__ import annotations
+
+import atexit
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import timedelta
+from importlib import import_module
+from typing import Any, Final, TypeVar
+
+import torch
+from accelerate import PartialState
+from accelerate.utils import broadcast, broadcast_object_list, reduce
+from torch import Tensor, nn
+from torch.distributed import all_reduce
+
+from motion.errors import InputError
+from training.launching import group_size
+
+_PATIENCE: Final = timedelta(hours=2)
+"""Longest wait for another process: one may measure and save while the others wait."""
+
+_Told = TypeVar("_Told")
+
+
+class Group:
+    """The processes of a training.
+
+    Parameters
+    ----------
+    device : str
+        ``cpu`` or ``cuda``; on the latter each process gets a graphics processor of its own.
+
+    Raises
+    ------
+    InputError
+        If a process of this machine finds no graphics processor for itself.
+    """
+
+    def __init__(self, device: str) -> None:
+        if group_size() == 1:
+            self._state = PartialState(cpu=device == "cpu")
+            return
+        # Imported later, by torch's optimizers, its functions would keep this group as a default
+        # beyond its end, and the group's threads could abort the process as it exits.
+        import_module("torch.distributed.nn.functional")
+        self._state = PartialState(cpu=device == "cpu", timeout=_PATIENCE)
+        # NCCL complains of a process that leaves without a word.
+        atexit.register(self._state.destroy_process_group)
+        if self.size != group_size():
+            raise InputError(
+                f"{group_size()} processes were started, and {self.size} of them found each other",
+                remedy="Start them with 'motionjury train --processes', torchrun, or accelerate",
+            )
+        if device == "cuda" and self._state.local_process_index >= torch.cuda.device_count():
+            raise InputError(
+                f"there are {torch.cuda.device_count()} graphics processors for at least "
+                f"{self._state.local_process_index + 1} processes",
+                remedy="Start as many processes on each machine as it has graphics processors",
+            )
+
+    @property
+    def size(self) -> int:
+        """How many processes there are."""
+        return int(self._state.num_processes)
+
+    @property
+    def index(self) -> int:
+        """Which of them this is, from 0."""
+        return int(self._state.process_index)
+
+    @property
+    def leads(self) -> bool:
+        """Whether this is the process that measures and writes."""
+        return self.index == 0
+
+    def any(self, here: bool) -> bool:
+        """Tell whether `here` is true in any process."""
+        return here if self.size == 1 else self.sum({"": float(here)})[""] > 0
+
+    def sum(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the sums over all processes, in the order given."""
+        if self.size == 1:
+            return dict(values)
+        packed = torch.tensor(list(values.values()), dtype=torch.float64, device=self._state.device)
+        return dict(zip(values, reduce(packed, reduction="sum").tolist(), strict=True))
+
+    def sum_tensors(self, tensors: Sequence[Tensor]) -> list[Tensor]:
+        """Return the sum of each tensor over all processes, which give the same shapes."""
+        if self.size == 1:
+            return list(tensors)
+        together = torch.cat([tensor.reshape(-1) for tensor in tensors])
+        parts = reduce(together, reduction="sum").split([tensor.numel() for tensor in tensors])
+        return [part.view_as(one) for part, one in zip(parts, tensors, strict=True)]
+
+    def from_leader(self, value: _Told) -> _Told:
+        """Return what the leading process holds; `value` of the others does not matter."""
+        if self.size == 1:
+            return value
+        told: list[Any] = [value]
+        broadcast_object_list(told)
+        result: _Told = told[0]
+        return result
+
+    def sum_gradients(self, weights: Iterable[nn.Parameter]) -> None:
+        """Give each weight the sum of the gradients that it has in all processes.
+
+        One that has none in any process is left without.
+        """
+        if self.size == 1:
+            return
+        listed = list(weights)
+        here = torch.tensor([float(one.grad is not None) for one in listed])
+        anywhere = reduce(here.to(self._state.device), reduction="sum").tolist()
+        used = [one for one, count in zip(listed, anywhere, strict=True) if count]
+        under_way = []
+        for one in used:
+            if one.grad is None:
+                one.grad = torch.zeros_like(one)
+            under_way.append(all_reduce(one.grad, async_op=True))
+        for sending in under_way:
+            sending.wait()
+
+    def hand_out(self, network: nn.Module) -> None:
+        """Give the leading process' weights to all."""
+        if self.size > 1:
+            broadcast(dict(network.state_dict()))

@@ -1,0 +1,183 @@
+"""A network with all that changes it: the steps of a training, wherever they are computed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
+from functools import partial
+from typing import Any, Generic
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.amp.autocast_mode import autocast
+from torch.amp.grad_scaler import GradScaler
+from torch.optim import Adam, AdamW, Optimizer
+
+from motion.errors import InputError
+from training.averaging import AveragedWeights
+from training.batch_order import (
+    batches_per_epoch,
+    chance_of_part,
+    parts_of_step,
+    rows_of_step,
+)
+from training.batch_statistics import StepStatistics, batch_normed
+from training.config import TrainingConfig
+from training.group import Group
+from training.task import Network, Task
+
+
+class Learner(Generic[Network]):
+    """A network that learns.
+
+    Parameters
+    ----------
+    task : Task
+        Network, examples and loss.
+    config : TrainingConfig
+        How.
+    group : Group
+        The processes that learn together; each has a learner, and all stay alike.
+
+    Raises
+    ------
+    InputError
+        If there are fewer examples in a step than processes.
+    """
+
+    def __init__(self, task: Task[Network], config: TrainingConfig, group: Group) -> None:
+        if min(task.examples, config.batch_size) < group.size:
+            raise InputError(
+                f"{group.size} processes share steps of "
+                f"{min(task.examples, config.batch_size)} examples",
+                remedy="Start fewer processes, or make the batch larger",
+            )
+        self._task = task
+        self._config = config
+        self._group = group
+        self._network = task.network()
+        group.hand_out(self._network)
+        self._optimizer = _optimizer(self._network, config)
+        self._scaler = GradScaler(task.device, enabled=config.precision == "float16")
+        decay = config.ema_decay
+        self._average = None if decay is None else AveragedWeights(self._network, decay)
+
+    @property
+    def network(self) -> Network:
+        """The network as it is measured and kept: of the mean weights, where there is a mean."""
+        return self._network if self._average is None else self._average.network
+
+    def learning_rate(self, step: int) -> float:
+        """Return the learning rate of a step, from 0."""
+        config = self._config
+        if config.decay is None:
+            return config.learning_rate
+        epoch = step // batches_per_epoch(self._task.examples, config.batch_size)
+        return config.learning_rate * config.decay(epoch)
+
+    def learn(self, step: int) -> dict[str, float]:
+        """Make a step, counted from 0, and return its losses over all processes."""
+        config = self._config
+        self._network.train()
+        for settings in self._optimizer.param_groups:
+            settings["lr"] = self.learning_rate(step)
+        self._optimizer.zero_grad(set_to_none=True)
+        losses = self._gradients(step)
+        self._scaler.unscale_(self._optimizer)
+        if config.gradient_clip is not None:
+            nn.utils.clip_grad_norm_(self._network.parameters(), config.gradient_clip)
+        self._scaler.step(self._optimizer)
+        self._scaler.update()
+        if self._average is not None:
+            self._average.follow(self._network)
+            average = self._average.network.train()
+            if batch_normed(average):
+                StepStatistics(average, self._group, self._computed(step, average)).remember()
+        return losses
+
+    def _gradients(self, step: int) -> dict[str, float]:
+        """Sum the gradients of a step, and its losses."""
+        group = self._group
+        rows, parts = self._parts(step)
+        computed = self._computed(step, self._network)
+        shared = None
+        if len(parts) > 1 and batch_normed(self._network):
+            shared = StepStatistics(self._network, group, computed)
+        sums: dict[str, float] = {}
+        for part, compute in zip(parts[group.index :: group.size], computed, strict=True):
+            share = len(part) / len(rows)
+            with shared.held() if shared is not None else nullcontext():
+                losses = compute()
+            torch.autograd.backward(self._scaler.scale(losses["loss"] * share))
+            for name, loss in losses.items():
+                sums[name] = sums.get(name, 0.0) + share * float(loss.detach())
+        if shared is not None:
+            shared.pass_back()
+            shared.remember()
+        group.sum_gradients(self._network.parameters())
+        return group.sum(sums)
+
+    def _parts(self, step: int) -> tuple[NDArray[np.int64], Sequence[NDArray[np.int64]]]:
+        """Return the examples of a step, and the parts in which all processes compute it."""
+        config = self._config
+        rows = rows_of_step(step, self._task.examples, config.batch_size, config.seed)
+        return rows, parts_of_step(rows, config.accumulate, self._group.size)
+
+    def _computed(
+        self, step: int, network: Network
+    ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
+        """Return what computes the losses of each of this process' parts of a step."""
+        _, parts = self._parts(step)
+        own = range(self._group.index, len(parts), self._group.size)
+        return [partial(self._losses, network, parts[number], step, number) for number in own]
+
+    def _losses(
+        self, network: Network, rows: NDArray[np.int64], step: int, number: int
+    ) -> Mapping[str, Tensor]:
+        """Return the losses of a part of a step, with chance of its own."""
+        low = self._config.precision != "float32"
+        dtype = getattr(torch, self._config.precision) if low else None
+        torch.manual_seed(chance_of_part(self._config.seed, step, number))
+        with autocast(self._task.device, dtype=dtype, enabled=low):
+            return self._task.losses(network, rows)
+
+    def tensors(self) -> dict[str, Tensor]:
+        """Return all that the steps to come depend on, but `facts`."""
+        tensors = {f"network.{name}": value for name, value in self._network.state_dict().items()}
+        for index, state in self._optimizer.state_dict()["state"].items():
+            tensors |= {f"optimizer.{index}.{name}": value for name, value in state.items()}
+        if self._average is not None:
+            tensors |= {f"average.{name}": value for name, value in self._average.state().items()}
+        return tensors
+
+    def facts(self) -> dict[str, Any]:
+        """Return what of that is no tensor, as JSON values."""
+        return {"scaler": self._scaler.state_dict()}
+
+    def restore(
+        self, tensors: Mapping[str, Mapping[str, Tensor]], facts: Mapping[str, Any]
+    ) -> None:
+        """Go on from what `tensors`, by the first part of their names, and `facts` returned."""
+        self._network.load_state_dict(tensors["network"])
+        states: dict[int, dict[str, Tensor]] = {}
+        for name, tensor in tensors["optimizer"].items():
+            index, _, key = name.partition(".")
+            states.setdefault(int(index), {})[key] = tensor
+        groups = self._optimizer.state_dict()["param_groups"]
+        self._optimizer.load_state_dict({"state": states, "param_groups": groups})
+        if self._average is not None:
+            self._average.restore(tensors["average"])
+        if self._scaler.is_enabled():
+            self._scaler.load_state_dict(dict(facts["scaler"]))
+
+
+def _optimizer(network: nn.Module, config: TrainingConfig) -> Optimizer:
+    kind: type[Adam | AdamW] = {"adam": Adam, "adamw": AdamW}[config.optimizer]
+    return kind(
+        network.parameters(),
+        lr=config.learning_rate,
+        betas=config.betas,
+        weight_decay=config.weight_decay,
+    )

@@ -1,0 +1,263 @@
+"""The loop that trains every network."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from typing import Generic
+
+import torch
+from torch import Tensor
+
+from motion.errors import InputError
+from training.checkpoint import Best, restore_checkpoint, write_checkpoint
+from training.config import TrainingConfig
+from training.curves import draw_curves
+from training.device import check_device
+from training.group import Group
+from training.interruption import stop_request
+from training.learner import Learner
+from training.run_folder import RunFolder
+from training.run_log import RunLog
+from training.stopwatch import Stopwatch
+from training.task import Network, Task
+from training.weights_file import read_weights, write_weights
+
+Show = Callable[[int, int, str], None]
+"""Told how many steps are done, of how many, and the loss in words."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trained(Generic[Network]):
+    """What came out of a run.
+
+    Attributes
+    ----------
+    network : Module
+        With the weights that did best on held-out examples, in evaluation mode.
+    best : Best
+        When that was, and what was measured then.
+    steps : int
+        Steps made in all.
+    last_loss : float
+        Loss of the last step.
+    """
+
+    network: Network
+    best: Best
+    steps: int
+    last_loss: float
+
+
+class TrainingStopped(KeyboardInterrupt):
+    """Somebody asked to stop; the state was saved, and the same call goes on from it.
+
+    Attributes
+    ----------
+    step, steps : int
+        Steps made, and wanted.
+    """
+
+    def __init__(self, step: int, steps: int) -> None:
+        super().__init__(f"stopped after step {step} of {steps}")
+        self.step = step
+        self.steps = steps
+
+
+def train(
+    task: Task[Network], config: TrainingConfig, folder: RunFolder, *, show: Show | None = None
+) -> Trained[Network]:
+    """Train a network, or go on training it where an earlier call stopped.
+
+    However often a run is stopped and continued, weights, log and curves come out the same bytes
+    on the processor of one machine with one number of threads; a graphics processor may differ in
+    the last digits. Several processes (`training.group`) make the same call, and come to
+    what one would, up to rounding.
+
+    Parameters
+    ----------
+    task : Task
+        Network, examples and loss.
+    config : TrainingConfig
+        How.
+    folder : RunFolder
+        Where the run is kept; made if needed. All processes read it, the leading one writes.
+    show : callable, optional
+        Told about progress, in the leading process.
+
+    Raises
+    ------
+    InputError
+        If the run kept in `folder` is another one, a loss is no number, or the device is missing.
+    TrainingStopped
+        After Ctrl-C, or a request to end: the state is saved.
+    """
+    check_device(task.device)
+    group = Group(task.device)
+    if group.leads:
+        # Now rather than at the first save: a place that cannot be written costs no training.
+        folder.root.mkdir(parents=True, exist_ok=True)
+    with _own_chance(task.device), _repeatable(task.device):
+        torch.manual_seed(config.seed)
+        shown = show if show is not None and group.leads else _unseen
+        return _Run(task, config, folder, group, shown).finish()
+
+
+def _unseen(done: int, total: int, detail: str) -> None:
+    """Show nothing."""
+
+
+class _Run(Generic[Network]):
+    """A run under way."""
+
+    def __init__(
+        self,
+        task: Task[Network],
+        config: TrainingConfig,
+        folder: RunFolder,
+        group: Group,
+        show: Show,
+    ) -> None:
+        self._task = task
+        self._config = config
+        self._folder = folder
+        self._group = group
+        self._show = show
+        self._learner = Learner(task, config, group)
+        self._step = self._drawn = 0
+        self._best: Best | None = None
+        self._best_weights: dict[str, Tensor] | None = None
+        if folder.checkpoint.exists():
+            self._step, self._best = restore_checkpoint(
+                folder.checkpoint, task, config, self._learner
+            )
+        self._log = RunLog(folder.log, steps=self._step)
+        self._check_alike()
+        self._watch = Stopwatch(
+            folder.timing, step=self._step, device=task.device, processes=group.size
+        )
+
+    def finish(self) -> Trained[Network]:
+        """Make the steps that are missing."""
+        steps = self._config.steps
+        with stop_request(heeded=1 if self._group.size == 1 else 2) as asked_to_stop:
+            while self._step < steps:
+                if self._group.any(bool(asked_to_stop)):
+                    self._save(drawn=True)
+                    raise TrainingStopped(self._step, steps)
+                self._advance()
+                if self._step % self._config.checkpoint_every == 0 and self._step < steps:
+                    self._save(drawn=False)
+                self._show(self._step, steps, f"loss {self._log.last_loss:.4g}")
+            best = self._best
+            if best is None or not self._log.measured:
+                best = self._validate()
+                self._save(drawn=True)
+        network = self._learner.network
+        if self._group.leads:
+            network.load_state_dict(read_weights(self._folder.best).part("network"))
+        self._group.hand_out(network)
+        return Trained(
+            network=network.eval(),
+            best=best,
+            steps=self._step,
+            last_loss=self._log.last_loss,
+        )
+
+    def _advance(self) -> None:
+        """Make one step, and look at held-out examples where it is time to."""
+        losses = self._learner.learn(self._step)
+        rate = self._learner.learning_rate(self._step)
+        self._step += 1
+        self._check_finite(losses)
+        self._log.add({"step": self._step, "learning_rate": rate, **losses})
+        if self._step % self._config.validate_every == 0 and self._step < self._config.steps:
+            self._validate()
+
+    def _validate(self) -> Best:
+        """Measure held-out examples, and keep the weights where they do best so far."""
+        measured = self._group.from_leader(self._measured() if self._group.leads else {})
+        self._check_finite(measured)
+        self._log.add({"step": self._step, "held_out": measured})
+        if self._best is None or measured["loss"] < self._best.measured["loss"]:
+            self._best = Best(step=self._step, measured=measured)
+            if self._group.leads:
+                self._best_weights = {
+                    f"network.{name}": tensor.clone()
+                    for name, tensor in self._learner.network.state_dict().items()
+                }
+        return self._best
+
+    def _measured(self) -> dict[str, float]:
+        """Measure held-out examples."""
+        network = self._learner.network.eval()
+        with torch.no_grad():
+            torch.manual_seed(self._config.seed)
+            return dict(self._task.validation(network))
+
+    def _save(self, *, drawn: bool) -> None:
+        """Save the state, the best weights and the log, and the curves at least where `drawn`."""
+        if not self._group.leads:
+            return
+        self._watch.stop(self._step)
+        if self._best is not None and self._best_weights is not None:
+            write_weights(self._folder.best, self._best_weights, asdict(self._best))
+            self._best_weights = None
+        self._log.save()
+        write_checkpoint(
+            self._folder.checkpoint,
+            self._task,
+            self._config,
+            self._learner,
+            step=self._step,
+            best=self._best,
+        )
+        # A long log takes a second to draw, and looks the same after a few steps more.
+        if self._log.lines and (drawn or self._step >= 1.1 * self._drawn):
+            draw_curves(self._log.lines, self._folder.curves)
+            self._drawn = self._step
+        self._watch.start(self._step)
+
+    def _check_finite(self, values: Mapping[str, float]) -> None:
+        for name, value in values.items():
+            if not math.isfinite(value):
+                raise InputError(
+                    f"{name} is no number any more after step {self._step}",
+                    where=self._folder.root,
+                    remedy="Train with a smaller learning rate, in another place",
+                )
+
+    def _check_alike(self) -> None:
+        """Raise where this process sees another run or other data than the leading one."""
+        seen = (self._step, self._task.data_sha256, self._config.facts())
+        if self._group.any(seen != self._group.from_leader(seen)):
+            raise InputError(
+                "the processes that train together see different runs or data",
+                where=self._folder.root,
+                remedy="Give all of them the same command, data and run folder, on a disk that all "
+                "machines share",
+            )
+
+
+@contextmanager
+def _own_chance(device: str) -> Iterator[None]:
+    """Leave torch's generators as they were."""
+    with torch.random.fork_rng(devices=[torch.cuda.current_device()] if device == "cuda" else []):
+        yield
+
+
+@contextmanager
+def _repeatable(device: str) -> Iterator[None]:
+    """Let torch use only algorithms that give the same result each time.
+
+    A graphics processor has none for some layers, and is left as it is.
+    """
+    before = torch.get_deterministic_debug_mode()
+    if device == "cpu":
+        torch.set_deterministic_debug_mode("error")
+    try:
+        yield
+    finally:
+        torch.set_deterministic_debug_mode(before)

@@ -1,0 +1,37 @@
+"""How much noise each step of a diffusion holds: numbers alone, without any network."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class NoiseSchedule:
+    """Noise that grows linearly from step to step (Ho et al. 2020, DDPM).
+
+    Attributes
+    ----------
+    first, last : float
+        Variance that the first and the last step add.
+    steps : int
+        Number of steps.
+    """
+
+    first: float = 1e-4
+    last: float = 0.02
+    steps: int = 1000
+
+    @cached_property
+    def alpha_bar(self) -> NDArray[np.float64]:
+        """Share of the signal's variance that is left after each step, (steps,)."""
+        added = np.linspace(self.first, self.last, self.steps, dtype=np.float64)
+        return np.cumprod(1.0 - added, dtype=np.float64)
+
+
+LINEAR_NOISE: Final = NoiseSchedule()
+"""The schedule of DDPM and of DiffSHEG."""
