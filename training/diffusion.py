@@ -7,6 +7,7 @@ against an independent derivation.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import torch
@@ -36,3 +37,14 @@ class LinearSchedule(NoiseSchedule):
 
 LINEAR: Final = LinearSchedule()
 """The schedule of DDPM and of DiffSHEG."""
+
+
+def step_embedding(t: Tensor, width: int) -> Tensor:
+    """Return cosines and sines of diffusion steps, (batch, width).
+
+    Frequencies fall from 1 to 1/10000 (Vaswani et al. 2017, section 3.5).
+    """
+    half = width // 2
+    falling = torch.arange(half, dtype=torch.float32, device=t.device) / half
+    angles = t[:, None].float() * torch.exp(-math.log(10_000) * falling)
+    return torch.cat([angles.cos(), angles.sin()], dim=-1)

@@ -12,17 +12,6 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 
-def step_embedding(t: Tensor, width: int) -> Tensor:
-    """Return cosines and sines of diffusion steps, (batch, width).
-
-    Frequencies fall from 1 to 1/10000 (Vaswani et al. 2017, section 3.5).
-    """
-    half = width // 2
-    falling = torch.arange(half, dtype=torch.float32, device=t.device) / half
-    angles = t[:, None].float() * torch.exp(-math.log(10_000) * falling)
-    return torch.cat([angles.cos(), angles.sin()], dim=-1)
-
-
 def frame_positions(longest: int, width: int) -> Tensor:
     """Return sines and cosines of each frame's place, (1, longest, width), interleaved."""
     place = torch.arange(longest, dtype=torch.float32)[:, None]

@@ -24,10 +24,9 @@ from generators.diffsheg.layers import (
     SpeechEncoder,
     StyledBlock,
     frame_positions,
-    step_embedding,
     zeroed,
 )
-from training.diffusion import LINEAR
+from training.diffusion import LINEAR, step_embedding
 from training.linear_skip import LinearSkip
 
 MEL_GAIN: Final = 2.0

@@ -6,21 +6,19 @@ find its place.
 
 from __future__ import annotations
 
-import pickle
 import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
 import torch
-from safetensors import SafetensorError
-from safetensors.torch import load_file
 from torch import Tensor
 
 from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
 from generators.diffsheg.model import Denoiser
 from motion.errors import InputError
 from motion.listing import listed
+from training.released_weights import fill, read_saved, tensors_in
 
 DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
 
@@ -89,12 +87,13 @@ def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
     weights = {own_name(name): weight for name, weight in read_weights(file).items()}
     with torch.device("meta"):
         denoiser = Denoiser(DATASETS[dataset])
-    _check(denoiser.state_dict(), weights, file, dataset)
-    denoiser.load_state_dict(
-        {name: weight.to(denoiser.state_dict()[name].dtype) for name, weight in weights.items()},
-        assign=True,
+    return fill(
+        denoiser,
+        weights,
+        file,
+        f"DiffSHEG's network for {dataset}",
+        "Name the dataset it was trained on, or give the released checkpoint",
     )
-    return denoiser.requires_grad_(False).eval()
 
 
 def own_name(name: str) -> str:
@@ -112,54 +111,9 @@ def read_weights(file: Path) -> dict[str, Tensor]:
     InputError
         If the file is not there, or holds anything but tensors.
     """
-    if not file.is_file():
-        raise InputError("there is no such file", where=file, remedy="Name the checkpoint's file")
-    try:
-        found: object = load_file(file)
-    except SafetensorError:
-        found = _pickled(file)
+    found = read_saved(file)
     if isinstance(found, Mapping) and isinstance(found.get("encoder"), Mapping):
         found = found["encoder"]
-    if isinstance(found, Mapping) and all(name.startswith("encoder.") for name in found):
+    if isinstance(found, Mapping) and all(str(name).startswith("encoder.") for name in found):
         found = {name.removeprefix("encoder."): weight for name, weight in found.items()}
-    if not isinstance(found, Mapping) or not all(isinstance(one, Tensor) for one in found.values()):
-        raise _no_weights(file, "it holds more than named tensors")
-    return {str(name).removeprefix("module."): weight for name, weight in found.items()}
-
-
-def _pickled(file: Path) -> object:
-    try:
-        return torch.load(file, map_location="cpu", weights_only=True)
-    except (pickle.UnpicklingError, RuntimeError, EOFError, ValueError, KeyError) as error:
-        raise _no_weights(file, str(error).partition("\n")[0]) from None
-
-
-def _no_weights(file: Path, why: str) -> InputError:
-    return InputError(
-        f"this is no file of network weights: {why}",
-        where=file,
-        remedy="Give what torch.save(state_dict) or safetensors wrote, with tensors only",
-    )
-
-
-def _check(
-    wanted: Mapping[str, Tensor], found: Mapping[str, Tensor], file: Path, dataset: str
-) -> None:
-    missing = [name for name in wanted if name not in found]
-    unknown = [name for name in found if name not in wanted]
-    other = [
-        f"{name} {tuple(found[name].shape)} instead of {tuple(weight.shape)}"
-        for name, weight in wanted.items()
-        if name in found and found[name].shape != weight.shape
-    ]
-    problems = [
-        f"{len(names)} {what} ({', '.join(names[:3])}{', …' if len(names) > 3 else ''})"
-        for what, names in (("missing", missing), ("unknown", unknown), ("of another shape", other))
-        if names
-    ]
-    if problems:
-        raise InputError(
-            f"this is not DiffSHEG's network for {dataset}: {listed(problems)}",
-            where=file,
-            remedy="Name the dataset it was trained on, or give the released checkpoint",
-        )
+    return tensors_in(found, file)

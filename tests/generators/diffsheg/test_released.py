@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import pickle
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -16,21 +15,7 @@ from torch import Tensor
 from generators.diffsheg import load_released
 from generators.diffsheg.released import read_weights
 from motion.errors import InputError
-
-REFERENCE = Path(__file__).parents[4] / "shared" / "reference"
-
-
-def _weight(name: str, shape: list[int]) -> Tensor:
-    """Return the weight with which the reference's network was asked."""
-    if name.endswith("num_batches_tracked"):
-        return torch.tensor(0)
-    random = np.random.default_rng(zlib.crc32(name.encode()))
-    weight = 0.05 * random.standard_normal(shape)
-    if name.endswith("running_var"):
-        weight = 1 + np.abs(weight)
-    elif name.endswith(".weight") and len(shape) == 1:
-        weight = 1 + weight
-    return torch.as_tensor(weight, dtype=torch.float32)
+from tests.generators.reference_weights import REFERENCE, reference_weights
 
 
 @pytest.mark.slow
@@ -40,7 +25,7 @@ def test_the_forward_pass_is_that_of_the_released_network(dataset: str, tmp_path
     if not names.exists():
         pytest.skip("the reference of the released network is not here")
     shapes = json.loads(names.read_text())
-    weights = {name: _weight(name, shape) for name, shape in shapes.items()}
+    weights = reference_weights(shapes)
     torch.save({"encoder": weights}, tmp_path / "released.pt")
     denoiser = load_released(tmp_path / "released.pt", dataset=dataset)
     with np.load(REFERENCE / f"diffsheg_{dataset}.npz") as known, torch.inference_mode():

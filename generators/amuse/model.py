@@ -1,0 +1,163 @@
+"""AMUSE's motion networks: a prior that codes ten seconds as one latent, and its denoiser.
+
+Chhatre et al., CVPR 2024, section 3.3 and appendix C.1, after Chen et al. 2023 (MLD). Learned
+positions are added once, where a sequence comes in, as in the released network.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+from generators.amuse.config import MotionConfig
+from training.diffusion import step_embedding
+
+
+class Gaussian(NamedTuple):
+    """Where a motion's latent lies: means and standard deviations, (batch, 1, width) each."""
+
+    mu: Tensor
+    std: Tensor
+
+    def sample(self, generator: torch.Generator | None = None) -> Tensor:
+        """Return a latent z = mu + std · eps."""
+        noise = torch.empty_like(self.mu).normal_(generator=generator)
+        return self.mu + self.std * noise
+
+
+class SkipTransformer(nn.Module):
+    """Transformer layers of which the first half is told to the second, as in a U-Net.
+
+    Parameters
+    ----------
+    config : MotionConfig
+        Sizes.
+    reads_memory : bool
+        Whether each layer also attends to a memory.
+    """
+
+    def __init__(self, config: MotionConfig, *, reads_memory: bool = False) -> None:
+        super().__init__()
+        kind = nn.TransformerDecoderLayer if reads_memory else nn.TransformerEncoderLayer
+
+        def layers(count: int) -> nn.ModuleList:
+            return nn.ModuleList(
+                kind(
+                    config.width,
+                    config.heads,
+                    config.feed_forward,
+                    config.dropout,
+                    activation="gelu",
+                    batch_first=True,
+                )
+                for _ in range(count)
+            )
+
+        half = config.layers // 2
+        self.input_blocks = layers(half)
+        self.middle_block = layers(1)[0]
+        self.output_blocks = layers(half)
+        self.linear_blocks = nn.ModuleList(
+            nn.Linear(2 * config.width, config.width) for _ in range(half)
+        )
+        self.norm = nn.LayerNorm(config.width)
+
+    def forward(self, x: Tensor, *memory: Tensor) -> Tensor:
+        """Return the sequence `x` (batch, tokens, width), transformed."""
+        told = []
+        for block in self.input_blocks:
+            x = block(x, *memory)
+            told.append(x)
+        x = self.middle_block(x, *memory)
+        for linear, block in zip(self.linear_blocks, self.output_blocks, strict=True):
+            x = block(linear(torch.cat([x, told.pop()], dim=-1)), *memory)
+        normalised: Tensor = self.norm(x)
+        return normalised
+
+
+class Positions(nn.Module):
+    """Learned positions, added to a sequence (batch, tokens, width)."""
+
+    def __init__(self, config: MotionConfig) -> None:
+        super().__init__()
+        self.pe = nn.Parameter(torch.rand(config.longest, config.width))
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Return `x` with the position of each token added."""
+        return x + self.pe[: x.shape[1]]
+
+
+class MotionPrior(nn.Module):
+    """The variational autoencoder of motion: P_E and P_D."""
+
+    def __init__(self, config: MotionConfig) -> None:
+        super().__init__()
+        self.config = config
+        self.global_motion_token = nn.Parameter(torch.randn(2, config.width))
+        self.skel_embedding = nn.Linear(config.motion_width, config.width)
+        self.query_pos_encoder = Positions(config)
+        self.encoder = SkipTransformer(config)
+        self.query_pos_decoder = Positions(config)
+        self.decoder = SkipTransformer(config, reads_memory=True)
+        self.final_layer = nn.Linear(config.width, config.motion_width)
+
+    def encode(self, motion: Tensor) -> Gaussian:
+        """Return where the latent of `motion` (batch, frames, motion width) lies."""
+        tokens = self.global_motion_token.expand(len(motion), -1, -1)
+        x = torch.cat([tokens, self.skel_embedding(motion)], dim=1)
+        x = self.encoder(self.query_pos_encoder(x))
+        return Gaussian(mu=x[:, 0:1], std=(0.5 * x[:, 1:2]).exp())
+
+    def decode(self, z: Tensor, frames: int | None = None) -> Tensor:
+        """Return the motion of latents `z` (batch, 1, width), (batch, frames, motion width)."""
+        count = self.config.frames if frames is None else frames
+        queries = self.query_pos_decoder(z.new_zeros(len(z), count, z.shape[-1]))
+        motion: Tensor = self.final_layer(self.decoder(queries, z))
+        return motion
+
+
+class Denoiser(nn.Module):
+    """The latent denoiser Δ: which noise `eps` is in a latent, given the speech."""
+
+    def __init__(self, config: MotionConfig) -> None:
+        super().__init__()
+        self.config = config
+        self.time_embedding = nn.Sequential(
+            nn.Linear(config.condition_width, config.width),
+            nn.SiLU(),
+            nn.Linear(config.width, config.width),
+        )
+        self.content, self.emotion, self.style = (
+            nn.Sequential(nn.ReLU(), nn.Linear(config.condition_width, config.width))
+            for _ in range(3)
+        )
+        self.query_pos = Positions(config)
+        self.encoder = SkipTransformer(config)
+
+    def forward(
+        self, z_t: Tensor, timestep: Tensor, content: Tensor, emotion: Tensor, style: Tensor
+    ) -> Tensor:
+        """Return eps, the noise in `z_t`.
+
+        Parameters
+        ----------
+        z_t : Tensor
+            (batch, 1, width), latents with noise.
+        timestep : Tensor
+            (batch,) or a single one, diffusion steps from 0 to 999.
+        content, emotion, style : Tensor
+            (batch, 1, condition width), what the speech model heard.
+
+        Returns
+        -------
+        Tensor
+            (batch, 1, width).
+        """
+        t = timestep.reshape(-1).expand(len(z_t))
+        step = self.time_embedding(step_embedding(t, self.config.condition_width))
+        conditions = [self.content(content), self.emotion(emotion), self.style(style)]
+        x = torch.cat([z_t, step[:, None].to(z_t.dtype), *conditions], dim=1)
+        eps: Tensor = self.encoder(self.query_pos(x))[:, :1]
+        return eps

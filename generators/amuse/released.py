@@ -1,0 +1,175 @@
+"""Loading the networks that AMUSE's authors released.
+
+Their names for the weights are translated into ours one by one. What their code never asks is left
+out by name, and every other weight must find its place.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, TypeVar
+
+import torch
+from torch import Tensor
+
+from generators.amuse.config import AMUSE, SPEECH
+from generators.amuse.model import Denoiser, Gaussian, MotionPrior
+from generators.amuse.speech import HeardSpeech, SpeechModel
+from motion.errors import InputError
+from training.released_weights import fill, not_weights, read_saved, tensors_in
+
+Network = TypeVar("Network")
+
+_REMEDY: Final = "Give the released checkpoint, or what torch.save wrote of its state dictionary"
+
+_DENOISER: Final = (
+    (r"^time_embedding\.linear_1\.", "time_embedding.0."),
+    (r"^time_embedding\.linear_2\.", "time_embedding.2."),
+    (r"^emb_proj_con\.", "content."),
+    (r"^emb_proj_emo\.", "emotion."),
+    (r"^emb_proj_sty\.", "style."),
+)
+
+_SPEECH: Final = (
+    (r"^emo_enc\.", "emotion."),
+    (r"^sty_enc\.", "style."),
+    (r"^con_enc\.", "content."),
+    (r"\.mlp_head_featbased\.", ".class_head."),
+    (r"\.v\.cls_token$", ".transformer.embeddings.cls_token"),
+    (r"\.v\.dist_token$", ".transformer.embeddings.distillation_token"),
+    (r"\.v\.pos_embed$", ".transformer.embeddings.position_embeddings"),
+    (r"\.v\.patch_embed\.proj\.", ".transformer.embeddings.patch_embeddings.projection."),
+    (r"\.v\.norm\.", ".transformer.layernorm."),
+    (r"\.v\.blocks\.(\d+)\.attn\.proj\.", r".transformer.layers.\1.attention.o_proj."),
+    (r"\.v\.blocks\.(\d+)\.norm1\.", r".transformer.layers.\1.layernorm_before."),
+    (r"\.v\.blocks\.(\d+)\.norm2\.", r".transformer.layers.\1.layernorm_after."),
+    (r"\.v\.blocks\.(\d+)\.", r".transformer.layers.\1."),
+    (r"^fusion\.fc\.", "decoder.narrow."),
+    (r"^fusion\.", "decoder.fusion."),
+    (r"^decode\.projection\.", "decoder.projection."),
+    (r"^decode\.", "decoder.decoder."),
+)
+"""Patterns of the release's names and what they are here, applied in order."""
+
+_UNUSED: Final = re.compile(r"^mem_pos\.|^fusion_ablation\.|\.mlp_head\.")
+"""Weights in the release's files that its own forward pass never asks."""
+
+
+@dataclass(frozen=True, eq=False)
+class Released:
+    """The released networks, each there if its file was named.
+
+    Attributes
+    ----------
+    prior : MotionPrior or None
+    denoiser : Denoiser or None
+    speech : SpeechModel or None
+        All in evaluation mode, on the CPU.
+    """
+
+    prior: MotionPrior | None
+    denoiser: Denoiser | None
+    speech: SpeechModel | None
+
+    def encode(self, motion: Tensor) -> Gaussian:
+        """Return ``(mu, std)`` of the latent of normalised motion (batch, 300, 333)."""
+        return _loaded(self.prior, "prior").encode(motion)
+
+    def decode(self, z: Tensor) -> Tensor:
+        """Return the normalised motion (batch, 300, 333) of latents (batch, 1, 128)."""
+        return _loaded(self.prior, "prior").decode(z)
+
+    def denoise(
+        self, z: Tensor, timestep: Tensor | int, content: Tensor, emotion: Tensor, style: Tensor
+    ) -> Tensor:
+        """Return the noise in latents `z` (batch, 1, 128); see `Denoiser.forward`."""
+        denoiser = _loaded(self.denoiser, "prior")
+        found: Tensor = denoiser(z, torch.as_tensor(timestep), content, emotion, style)
+        return found
+
+    def encode_speech(self, filterbank: Tensor) -> HeardSpeech:
+        """Return what is heard in standardised filterbanks (batch, 1024, 128)."""
+        heard: HeardSpeech = _loaded(self.speech, "speech")(filterbank)
+        return heard
+
+
+def load_released(prior: str | Path | None = None, speech: str | Path | None = None) -> Released:
+    """Return the released networks, ready to be asked.
+
+    Parameters
+    ----------
+    prior : path, optional
+        What ``torch.save({"prior": state_dict, "denoiser": state_dict})`` wrote.
+    speech : path, optional
+        What ``torch.save`` or safetensors wrote of the speech model's state dictionary.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or is another network's: it names the weights that are missing,
+        unknown or of another shape.
+    """
+    motion_prior, denoiser = (None, None) if prior is None else _motion_networks(Path(prior))
+    return Released(
+        prior=motion_prior,
+        denoiser=denoiser,
+        speech=None if speech is None else _speech_model(Path(speech)),
+    )
+
+
+def _motion_networks(file: Path) -> tuple[MotionPrior, Denoiser]:
+    found = read_saved(file)
+    if not isinstance(found, Mapping) or not {"prior", "denoiser"} <= found.keys():
+        raise not_weights(file, "it has no 'prior' and 'denoiser'")
+    parts = {
+        part: _renamed(tensors_in(found[part], file), patterns)
+        for part, patterns in (("prior", ()), ("denoiser", _DENOISER))
+    }
+    for weights in parts.values():
+        # A position is one row for each token; the release keeps a dimension for the batch.
+        for name in [name for name in weights if name.endswith(".pe") and weights[name].ndim == 3]:
+            weights[name] = weights[name].squeeze(1)
+    with torch.device("meta"):
+        prior, denoiser = MotionPrior(AMUSE), Denoiser(AMUSE)
+    return (
+        fill(prior, parts["prior"], file, "AMUSE's motion prior", _REMEDY),
+        fill(denoiser, parts["denoiser"], file, "AMUSE's latent denoiser", _REMEDY),
+    )
+
+
+def _speech_model(file: Path) -> SpeechModel:
+    weights: dict[str, Tensor] = {}
+    for name, weight in _renamed(tensors_in(read_saved(file), file), _SPEECH).items():
+        queries, qkv, kind = name.partition(".attn.qkv.")
+        if not qkv:
+            weights[name] = weight
+            continue
+        for one, part in zip("qkv", weight.chunk(3), strict=True):
+            weights[f"{queries}.attention.{one}_proj.{kind}"] = part.clone()
+    with torch.device("meta"):
+        model = SpeechModel(SPEECH)
+    return fill(model, weights, file, "AMUSE's speech model", _REMEDY)
+
+
+def _renamed(
+    weights: Mapping[str, Tensor], patterns: Sequence[tuple[str, str]]
+) -> dict[str, Tensor]:
+    renamed = {}
+    for name, weight in weights.items():
+        if _UNUSED.search(name):
+            continue
+        for pattern, replacement in patterns:
+            name = re.sub(pattern, replacement, name)
+        renamed[name] = weight
+    return renamed
+
+
+def _loaded(network: Network | None, which: str) -> Network:
+    if network is None:
+        raise InputError(
+            "this network was not loaded", remedy=f"Name its file: load_released({which}=FILE)"
+        )
+    return network

@@ -1,0 +1,134 @@
+"""AMUSE's speech disentanglement: what is said, with which emotion, and by whom.
+
+Chhatre et al., CVPR 2024, section 3.2 and appendix B: three audio spectrogram transformers hear a
+filterbank, a fusion and a decoder rebuild it from their three latents.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+from transformers import ASTConfig, ASTModel
+
+from generators.amuse.config import SpeechConfig
+
+
+class HeardSpeech(NamedTuple):
+    """What the speech model says of filterbanks, one row for each.
+
+    Attributes
+    ----------
+    content, emotion, style : Tensor
+        (batch, latent).
+    reconstruction : Tensor
+        (batch, frames, bands), the filterbank of the three latents.
+    emotion_logits, style_logits : Tensor
+        (batch, classes).
+    """
+
+    content: Tensor
+    emotion: Tensor
+    style: Tensor
+    reconstruction: Tensor
+    emotion_logits: Tensor
+    style_logits: Tensor
+
+
+class SpeechEncoder(nn.Module):
+    """One of the three encoders: E_c, E_e or E_s; with a head where it tells classes apart."""
+
+    def __init__(self, config: SpeechConfig, classes: int | None = None) -> None:
+        super().__init__()
+        self.transformer = ASTModel(
+            ASTConfig(
+                hidden_size=config.width,
+                num_hidden_layers=config.layers,
+                num_attention_heads=config.heads,
+                intermediate_size=config.feed_forward,
+                max_length=config.frames,
+                num_mel_bins=config.bands,
+                time_stride=config.patch_stride,
+                frequency_stride=config.patch_stride,
+                layer_norm_eps=1e-6,
+            )
+        )
+        self.feature_head = nn.Sequential(
+            nn.LayerNorm(config.width), nn.Linear(config.width, config.latent)
+        )
+        self.class_head = (
+            None
+            if classes is None
+            else nn.Sequential(nn.LayerNorm(config.width), nn.Linear(config.width, classes))
+        )
+
+    def forward(self, filterbank: Tensor) -> tuple[Tensor, Tensor | None]:
+        """Return the latents (batch, latent) of filterbanks, and the classes' logits."""
+        tokens = self.transformer(filterbank).last_hidden_state
+        latent: Tensor = self.feature_head(tokens[:, 2:].mean(dim=1))
+        if self.class_head is None:
+            return latent, None
+        return latent, self.class_head(tokens[:, :2].mean(dim=1))
+
+
+def _layers(config: SpeechConfig, width: int, count: int) -> nn.TransformerEncoder:
+    layer = nn.TransformerEncoderLayer(
+        width,
+        config.decoder_heads,
+        config.decoder_feed_forward,
+        config.dropout,
+        batch_first=True,
+    )
+    return nn.TransformerEncoder(layer, count, norm=nn.LayerNorm(width), enable_nested_tensor=False)
+
+
+class SpeechDecoder(nn.Module):
+    """Fusion and decoder D: the filterbank of three latents.
+
+    The released network attends from one speech of a batch to the others. Here each is alone.
+    """
+
+    def __init__(self, config: SpeechConfig) -> None:
+        super().__init__()
+        self.shape = (config.frames, config.bands)
+        self.fusion = _layers(config, 3 * config.latent, config.fusion_layers)
+        self.narrow = nn.Linear(3 * config.latent, config.decoder_width)
+        self.decoder = _layers(config, config.decoder_width, config.decoder_layers)
+        self.projection = nn.Sequential(
+            nn.Linear(config.decoder_width, config.decoder_hidden),
+            nn.ReLU(),
+            nn.Linear(config.decoder_hidden, config.frames * config.bands),
+        )
+
+    def forward(self, content: Tensor, emotion: Tensor, style: Tensor) -> Tensor:
+        """Return filterbanks (batch, frames, bands) of latents (batch, latent)."""
+        fused = self.narrow(self.fusion(torch.cat([emotion, style, content], dim=-1)[:, None]))
+        rebuilt: Tensor = self.projection(self.decoder(fused)[:, 0])
+        return rebuilt.view(-1, *self.shape)
+
+
+class SpeechModel(nn.Module):
+    """The whole model."""
+
+    def __init__(self, config: SpeechConfig) -> None:
+        super().__init__()
+        self.config = config
+        self.content = SpeechEncoder(config)
+        self.emotion = SpeechEncoder(config, config.emotions)
+        self.style = SpeechEncoder(config, config.styles)
+        self.decoder = SpeechDecoder(config)
+
+    def forward(self, filterbank: Tensor) -> HeardSpeech:
+        """Return what is heard in filterbanks (batch, frames, bands)."""
+        content, _ = self.content(filterbank)
+        emotion, emotion_logits = self.emotion(filterbank)
+        style, style_logits = self.style(filterbank)
+        return HeardSpeech(
+            content=content,
+            emotion=emotion,
+            style=style,
+            reconstruction=self.decoder(content, emotion, style),
+            emotion_logits=emotion_logits,
+            style_logits=style_logits,
+        )

@@ -1,0 +1,70 @@
+"""The motion prior and the latent denoiser."""
+
+from __future__ import annotations
+
+import pytest
+import torch
+
+from generators.amuse.config import MotionConfig
+from generators.amuse.model import Denoiser, MotionPrior
+
+SMALL = MotionConfig(
+    motion_width=12,
+    frames=20,
+    width=16,
+    feed_forward=24,
+    heads=2,
+    layers=3,
+    condition_width=8,
+    longest=40,
+)
+
+
+@pytest.fixture(autouse=True)
+def _seeded() -> None:
+    torch.manual_seed(7)
+
+
+def test_the_prior_codes_each_motion_by_itself() -> None:
+    prior = MotionPrior(SMALL).eval()
+    motion = torch.randn(3, 20, 12)
+    with torch.inference_mode():
+        together, alone = prior.encode(motion), prior.encode(motion[2:])
+        decoded = prior.decode(together.mu)
+        torch.testing.assert_close(together.mu[2:], alone.mu)
+        torch.testing.assert_close(decoded[2:], prior.decode(alone.mu))
+    assert decoded.shape == motion.shape
+    assert (together.std > 0).all()
+
+
+def test_a_latent_is_drawn_from_its_gaussian_and_repeats_with_its_generator() -> None:
+    gaussian = MotionPrior(SMALL).eval().encode(torch.randn(2, 20, 12))
+    drawn = [gaussian.sample(torch.Generator().manual_seed(3)) for _ in range(2)]
+    torch.testing.assert_close(drawn[0], drawn[1])
+    assert drawn[0].shape == (2, 1, 16)
+
+
+def test_the_noise_found_hangs_on_every_condition_and_on_the_step() -> None:
+    denoiser = Denoiser(SMALL).eval()
+    z, content, emotion, style = torch.randn(1, 1, 16), *torch.randn(3, 1, 1, 8).abs()
+    timestep = torch.tensor(3)
+    with torch.inference_mode():
+        eps = denoiser(z, timestep, content, emotion, style)
+        for changed in (
+            (timestep + 500, content, emotion, style),
+            (timestep, content + 1, emotion, style),
+            (timestep, content, emotion + 1, style),
+            (timestep, content, emotion, style + 1),
+            (timestep, emotion, content, style),
+        ):
+            assert not torch.allclose(denoiser(z, *changed), eps, atol=1e-4)
+    assert eps.shape == z.shape
+
+
+def test_each_latent_of_a_batch_has_its_own_step() -> None:
+    denoiser = Denoiser(SMALL).eval()
+    z, conditions = torch.randn(2, 1, 16), [torch.randn(2, 1, 8) for _ in range(3)]
+    with torch.inference_mode():
+        together = denoiser(z, torch.tensor([5, 900]), *conditions)
+        alone = denoiser(z[1:], torch.tensor(900), *(one[1:] for one in conditions))
+    torch.testing.assert_close(together[1:], alone)

@@ -1,0 +1,59 @@
+"""The speech disentanglement model."""
+
+from __future__ import annotations
+
+import pytest
+import torch
+
+from generators.amuse.config import SpeechConfig
+from generators.amuse.speech import SpeechModel
+
+SMALL = SpeechConfig(
+    frames=64,
+    bands=32,
+    patch_stride=16,
+    width=24,
+    feed_forward=32,
+    heads=2,
+    layers=2,
+    latent=8,
+    emotions=3,
+    styles=4,
+    decoder_width=16,
+    decoder_hidden=16,
+    decoder_feed_forward=32,
+    fusion_layers=1,
+    decoder_layers=1,
+)
+
+
+@pytest.fixture(scope="module")
+def model() -> SpeechModel:
+    torch.manual_seed(4)
+    return SpeechModel(SMALL).eval()
+
+
+def test_what_is_heard_in_a_speech_does_not_hang_on_its_batch_mates(model: SpeechModel) -> None:
+    filterbanks = torch.randn(3, 64, 32, generator=torch.Generator().manual_seed(1))
+    with torch.inference_mode():
+        together, alone = model(filterbanks), model(filterbanks[1:2])
+    for name, found in together._asdict().items():
+        torch.testing.assert_close(found[1:2], getattr(alone, name), msg=name)
+
+
+def test_each_part_has_the_shape_it_promises(model: SpeechModel) -> None:
+    with torch.inference_mode():
+        heard = model(torch.zeros(2, 64, 32))
+    assert [tuple(part.shape) for part in heard] == [
+        *[(2, 8)] * 3,
+        (2, 64, 32),
+        (2, 3),
+        (2, 4),
+    ]
+
+
+def test_the_reconstruction_is_that_of_the_three_latents(model: SpeechModel) -> None:
+    with torch.inference_mode():
+        one, other = (model(torch.full((1, 64, 32), value)) for value in (0.0, 1.0))
+        swapped = model.decoder(one.content, other.emotion, one.style)
+    assert not torch.allclose(swapped, one.reconstruction)

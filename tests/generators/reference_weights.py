@@ -1,0 +1,30 @@
+"""The weights with which the released networks were asked for the reference's outputs."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+REFERENCE = Path(__file__).parents[3] / "shared" / "reference"
+
+
+def reference_weights(shapes: Mapping[str, Sequence[int]]) -> dict[str, Tensor]:
+    """Return weights of these shapes, each drawn by its name."""
+    return {name: _weight(name, shape) for name, shape in shapes.items()}
+
+
+def _weight(name: str, shape: Sequence[int]) -> Tensor:
+    if name.endswith("num_batches_tracked"):
+        return torch.tensor(0)
+    random = np.random.default_rng(zlib.crc32(name.encode()))
+    weight = 0.05 * random.standard_normal(shape)
+    if name.endswith("running_var"):
+        weight = 1 + np.abs(weight)
+    elif name.endswith(".weight") and len(shape) == 1:
+        weight = 1 + weight
+    return torch.as_tensor(weight, dtype=torch.float32)
