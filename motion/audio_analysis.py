@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import tempfile
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, wraps
@@ -17,16 +18,22 @@ from typing import Any
 def load_librosa() -> ModuleType:
     """Return librosa, which is imported here and not before: it takes seconds, and few need it.
 
-    It compiles functions when they are first used, and numba keeps them beside its source under an
-    index that it reads, changes and writes without a lock. Two processes that do so at the same
-    time leave an index that names the wrong function, and every later use ends in a segmentation
-    fault (seen with librosa 0.11 and numba 0.68). So each look into these files, and each change of
-    them, is made by one process at a time; what librosa computes is not.
+    It compiles functions when they are first used, and numba keeps them beside its source, in files
+    that it reads, changes and writes without a lock. Two processes that do so at the same time
+    leave an index that names the wrong function, or the two halves of a vectorised function from
+    two compilers (numba issue 10128), and every later use ends in a segmentation fault (seen with
+    librosa 0.11 and numba 0.68). So each look into these files, each change of them, and the making
+    of a vectorised function are one process' at a time; what librosa computes is not.
     """
     from numba.core.caching import IndexDataCacheFile
+    from numba.np.ufunc.ufuncbuilder import UFuncDispatcher
 
-    for name in ("load", "save"):
-        setattr(IndexDataCacheFile, name, _alone(getattr(IndexDataCacheFile, name)))
+    for owner, name in (
+        (IndexDataCacheFile, "load"),
+        (IndexDataCacheFile, "save"),
+        (UFuncDispatcher, "compile"),
+    ):
+        setattr(owner, name, _alone(getattr(owner, name)))
     import librosa
 
     return librosa
@@ -34,21 +41,33 @@ def load_librosa() -> ModuleType:
 
 def _alone(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return `function`, run while no other process of this user runs such a one."""
+    from numba.core.compiler_lock import global_compiler_lock
 
     @wraps(function)
-    def run(*given: Any) -> Any:
-        with _lock():
-            return function(*given)
+    def run(*given: Any, **named: Any) -> Any:
+        # The compiler's lock first, as where numba looks into the files while it compiles: two
+        # threads that took the two in different orders would wait for each other.
+        with global_compiler_lock, _lock():
+            return function(*given, **named)
 
     return run
 
 
+_here = threading.local()
+"""Whether this thread holds the lock."""
+
+
 @contextmanager
 def _lock() -> Iterator[None]:
+    if getattr(_here, "held", False):
+        yield
+        return
     path = Path(tempfile.gettempdir()) / f"motionjury-{os.getuid()}-librosa.lock"
     lock = os.open(path, os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX)
+        _here.held = True
         yield
     finally:
+        _here.held = False
         os.close(lock)

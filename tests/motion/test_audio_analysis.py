@@ -23,6 +23,18 @@ files.load("none")
 print("loaded", flush=True)
 """
 
+_COMPILE = """
+from motion.audio_analysis import load_librosa
+load_librosa()
+import numba
+
+@numba.guvectorize(["void(float64[:], float64[:])"], "(n)->(n)", nopython=True)
+def double(x, y):
+    y[:] = 2 * x
+
+print("compiled", flush=True)
+"""
+
 
 @pytest.fixture
 def held(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callable[[], None]]:
@@ -47,6 +59,16 @@ def test_compiled_functions_are_loaded_by_one_process_at_a_time(held: Callable[[
             other.communicate(timeout=3)
         held()
         assert other.communicate(timeout=60)[0] == "loaded\n"
+
+
+def test_a_vectorised_function_is_made_by_one_process_at_a_time(held: Callable[[], None]) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", _COMPILE], stdout=subprocess.PIPE, text=True
+    ) as other:
+        with pytest.raises(subprocess.TimeoutExpired):
+            other.communicate(timeout=5)
+        held()
+        assert other.communicate(timeout=60)[0] == "compiled\n"
 
 
 def test_nothing_else_in_the_project_imports_librosa() -> None:
