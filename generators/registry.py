@@ -4,43 +4,55 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
-from types import MappingProxyType
-from typing import Final, cast
+from typing import Any, Final, cast
 
 from generators.interface import Generator
-from generators.model_settings import ModelSettings
+from generators.settings import ModelSettings, Settings
 from generators.trainable import Trainable
 from motion.errors import InputError
 
 
-@dataclass(frozen=True)
-class _Entry:
-    """Where a generator lives, what it cannot do without, and how it is trained."""
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """Where a generator lives, what it takes, and how it is trained.
+
+    Attributes
+    ----------
+    home : str
+        What makes the `generators.interface.Generator`, ``module:name``: called with nothing, or
+        with its settings and ``'cpu'`` or ``'cuda'`` where it has any.
+    needs_source : bool
+        Whether it starts from another condition's clips.
+    settings : str or None
+        Its type of `generators.settings.Settings`, ``module:name``, whose module loads no torch.
+        One whose weights must be given has `generators.settings.ModelSettings`.
+    trainable : str or None
+        Its `generators.trainable.Trainable`, ``module:name``, where it learns.
+    """
 
     home: str
     needs_source: bool = False
-    needs_model: bool = False
+    settings: str | None = None
     trainable: str | None = None
 
 
-_GENERATORS: Final = MappingProxyType(
-    {
-        "rule_based": _Entry("generators.rule_based.generator:RuleBased"),
-        "mismatched": _Entry("generators.mismatched:Mismatched", needs_source=True),
-        "static": _Entry("generators.static:Static"),
-        "broken": _Entry("generators.broken:Broken", needs_source=True),
-        "diffsheg": _Entry(
-            "generators.diffsheg.generate:DiffSheg",
-            needs_model=True,
-            trainable="generators.diffsheg.config:TRAINABLE",
-        ),
-    }
-)
+GENERATORS: Final = {
+    "rule_based": Entry(home="generators.rule_based.generator:RuleBased"),
+    "mismatched": Entry(home="generators.mismatched:Mismatched", needs_source=True),
+    "static": Entry(home="generators.static:Static"),
+    "broken": Entry(home="generators.broken:Broken", needs_source=True),
+    "diffsheg": Entry(
+        home="generators.diffsheg.generate:DiffSheg",
+        settings="generators.diffsheg.settings:DiffShegSettings",
+        trainable="generators.diffsheg.config:TRAINABLE",
+    ),
+}
+"""Every generator under its name; whoever has another one adds it before a study is read."""
 
 
 def generator_names() -> tuple[str, ...]:
     """Return the names of all generators."""
-    return tuple(_GENERATORS)
+    return tuple(GENERATORS)
 
 
 def needs_source(name: str) -> bool:
@@ -50,12 +62,18 @@ def needs_source(name: str) -> bool:
 
 def needs_model(name: str) -> bool:
     """Tell whether generator `name` is a network whose weights must be given."""
-    return _entry(name).needs_model
+    return issubclass(settings_type(name), ModelSettings)
+
+
+def settings_type(name: str) -> type[Settings]:
+    """Return the type of what generator `name` takes, `Settings` itself for nothing but speech."""
+    home = _entry(name).settings
+    return Settings if home is None else cast("type[Settings]", _named(home))
 
 
 def trainable_names() -> tuple[str, ...]:
     """Return the names of the generators that can be trained here."""
-    return tuple(name for name, entry in _GENERATORS.items() if entry.trainable is not None)
+    return tuple(name for name, entry in GENERATORS.items() if entry.trainable is not None)
 
 
 def trainable_of(name: str) -> Trainable:
@@ -72,45 +90,52 @@ def trainable_of(name: str) -> Trainable:
             f"the generator {name} does not learn",
             remedy=f"Train one of {', '.join(trainable_names())}",
         )
-    module, _, constant = home.partition(":")
-    return cast("Trainable", getattr(import_module(module), constant))
+    return cast("Trainable", _named(home))
 
 
-def load_generator(name: str, model: ModelSettings | None = None) -> Generator:
+def load_generator(name: str, settings: Settings | None = None, device: str = "cpu") -> Generator:
     """Return a generator by its name.
 
     Parameters
     ----------
     name : str
         One of `generator_names`.
-    model : ModelSettings, optional
-        The weights of a learned generator.
+    settings : Settings, optional
+        What it takes, with paths from here.
+    device : {'cpu', 'cuda'}
+        Where a network runs.
 
     Raises
     ------
     InputError
-        If there is no generator of that name, or it needs weights and none are given, or the other
+        If there is no generator of that name, or it needs settings and none are given, or the other
         way round.
     """
-    entry = _entry(name)
-    module, _, factory = entry.home.partition(":")
-    if entry.needs_model and model is None:
+    kind = settings_type(name)
+    if settings is None and needs_model(name):
         raise InputError(
             f"the generator {name} is a network and was given no weights",
             remedy="Name their file as its 'checkpoint' in study.toml",
         )
-    if not entry.needs_model and model is not None:
+    settings = kind() if settings is None else settings
+    if type(settings) is not kind:
+        network = "another network" if needs_model(name) else "no network"
         raise InputError(
-            f"the generator {name} is no network and takes no checkpoint",
-            remedy="Leave the checkpoint out, or name another generator",
+            f"the generator {name} is {network} and takes no {type(settings).__name__}",
+            remedy="Leave them out, or name another generator",
         )
-    made = getattr(import_module(module), factory)
-    return cast("Generator", made() if model is None else made(model))
+    make = _named(_entry(name).home)
+    return cast("Generator", make() if kind is Settings else make(settings, device))
 
 
-def _entry(name: str) -> _Entry:
-    if name not in _GENERATORS:
+def _named(home: str) -> Any:
+    module, _, name = home.partition(":")
+    return getattr(import_module(module), name)
+
+
+def _entry(name: str) -> Entry:
+    if name not in GENERATORS:
         raise InputError(
-            f"there is no generator {name!r}", remedy=f"Use one of {', '.join(_GENERATORS)}"
+            f"there is no generator {name!r}", remedy=f"Use one of {', '.join(GENERATORS)}"
         )
-    return _GENERATORS[name]
+    return GENERATORS[name]

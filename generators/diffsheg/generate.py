@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from generators.clip_length import with_length
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
+from generators.diffsheg.settings import DiffShegSettings
 from generators.diffsheg.walk import Sampling
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
-from generators.model_settings import ModelSettings
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.formats.forearm_twist import ForearmTwists
@@ -42,8 +42,10 @@ class DiffSheg:
 
     Parameters
     ----------
-    model : ModelSettings
+    settings : DiffShegSettings
         Checkpoint and what belongs to it. Networks are read when the first clip is made.
+    device : {'cpu', 'cuda'}
+        Where they run.
 
     Raises
     ------
@@ -55,11 +57,12 @@ class DiffSheg:
     version: Final = "1"
     needs_source: Final = False
 
-    def __init__(self, model: ModelSettings) -> None:
-        if model.hubert is not None:
-            check_hubert(model.hubert)
-        check_device(model.device)
-        self._model = model
+    def __init__(self, settings: DiffShegSettings, device: str = "cpu") -> None:
+        if settings.hubert is not None:
+            check_hubert(settings.hubert)
+        check_device(device)
+        self._settings = settings
+        self._device = device
         self._sampler: tuple[int, WindowSampler] | None = None
 
     def generate(
@@ -195,7 +198,7 @@ class DiffSheg:
             if not np.isfinite(motion).all():
                 raise InputError(
                     "the network tells motion that is not finite",
-                    where=self._model.checkpoint,
+                    where=self._settings.checkpoint,
                     remedy="Its training has diverged: give another checkpoint",
                 )
             yield motion
@@ -214,20 +217,20 @@ class DiffSheg:
 
     def _speaker(self, speaking: str | None) -> int:
         """Return the number of whom it moves as, when the speaker of that name is heard."""
-        known, wanted = self._network.speakers, self._model.speaker
+        known, wanted = self._network.speakers, self._settings.speaker
         try:
             if wanted is None:
                 return 1 if known is None or speaking is None else known.stand_in(speaking)
             if known is not None:
                 return known.number(wanted)
         except InputError as error:
-            where = self._model.checkpoint
+            where = self._settings.checkpoint
             raise InputError(error.what, where=where, remedy=error.remedy) from error
         speakers = self._network.denoiser.config.speakers
         if not isinstance(wanted, int) or wanted > speakers:
             raise InputError(
                 f"there is no speaker {wanted}",
-                where=self._model.checkpoint,
+                where=self._settings.checkpoint,
                 remedy=f"Give a number from 1 to {speakers}",
             )
         return wanted
@@ -250,13 +253,13 @@ class DiffSheg:
             "window_frames": str(config.frames),
             "window_overlap": str(sampling.overlap),
             "window_frame_rate": f"{config.frame_rate:g}",
-            "device": self._model.device,
-            "checkpoint": self._model.checkpoint.name,
-            "checkpoint_sha256": self._model.checkpoint_sha256,
+            "device": self._device,
+            "checkpoint": self._settings.checkpoint.name,
+            "checkpoint_sha256": self._settings.checkpoint_sha256,
             "hubert": self._hubert.description,
         }
         stand_ins = [self._hubert.description] if self._hubert.stands_in else []
-        if known is not None and self._model.speaker is None and name != speaking:
+        if known is not None and self._settings.speaker is None and name != speaking:
             stand_ins.append(f"speaker {name} for who is heard")
         if self._network.dataset == "show":
             stand_ins.append("relaxed hands for SMPL-X's mean hands")
@@ -264,24 +267,24 @@ class DiffSheg:
 
     @cached_property
     def _network(self) -> MotionNetwork:
-        model = self._model
-        network = load_network(model.checkpoint, model.dataset, model.stats)
-        return replace(network, denoiser=network.denoiser.to(model.device))
+        told = self._settings
+        network = load_network(told.checkpoint, told.dataset, told.stats)
+        return replace(network, denoiser=network.denoiser.to(self._device))
 
     @cached_property
     def _hubert(self) -> Hubert:
-        folder = self._model.hubert
+        folder = self._settings.hubert
         hubert = stand_in() if folder is None else load_hubert(folder)
         learned = self._network.hubert
         if learned is not None and hubert.identity != learned:
             raise InputError(
                 f"the network learned from what {learned} heard, and {hubert.description} would "
                 "hear now",
-                where=self._model.checkpoint,
+                where=self._settings.checkpoint,
                 remedy="Name the folder of the same HuBERT, or none where a stand-in heard",
             )
-        return hubert.on(self._model.device)
+        return hubert.on(self._device)
 
     @cached_property
     def _walk(self) -> Sampling:
-        return self._model.sampling.sampling(overlap=RELEASED_OVERLAP[self._network.dataset])
+        return self._settings.sampling.sampling(overlap=RELEASED_OVERLAP[self._network.dataset])

@@ -12,10 +12,9 @@ import torch
 
 from generators.diffsheg.config import DenoiserConfig
 from generators.diffsheg.model import Denoiser
-from generators.diffsheg.released import load_released
-from generators.model_settings import DATASETS
+from generators.diffsheg.released import DATASETS, load_released, read_normalisation
 from motion.errors import InputError
-from training.spaces.normalisation import Normalisation, read_normalisation
+from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
 from training.weights_file import WeightsFile, holds_facts, read_weights, write_weights
 
@@ -77,7 +76,7 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
         What a released checkpoint was trained on.
     stats : Path or None
         Folder of its means and standard deviations; see
-        `training.spaces.normalisation.read_normalisation`.
+        `generators.diffsheg.released.read_normalisation`.
 
     Raises
     ------

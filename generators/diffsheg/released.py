@@ -1,4 +1,4 @@
-"""Loading the network that DiffSHEG's authors released.
+"""Loading the network that DiffSHEG's authors released, and the statistics of its motion.
 
 Their names for the weights are translated into ours one by one, and every weight of the file must
 find its place.
@@ -11,7 +11,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.diffsheg.config import BEAT, SHOW, DenoiserConfig
@@ -19,6 +21,7 @@ from generators.diffsheg.model import Denoiser
 from motion.errors import InputError
 from motion.listing import listed
 from training.released_weights import fill, read_saved, tensors_in
+from training.spaces.normalisation import Normalisation
 
 DATASETS: Final[Mapping[str, DenoiserConfig]] = {"beat": BEAT, "show": SHOW}
 
@@ -55,6 +58,11 @@ _NAMES: Final = (
     *_STYLED,
 )
 """Patterns of the release's names and what they are here, applied in order."""
+
+_STATISTICS: Final = (
+    "Name the folder that holds axis_angle_mean.npy, axis_angle_std.npy, json_mean.npy and "
+    "json_std.npy, as released beside the checkpoint"
+)
 
 
 def load_released(path: str | Path, dataset: str = "beat") -> Denoiser:
@@ -117,3 +125,54 @@ def read_weights(file: Path) -> dict[str, Tensor]:
     if isinstance(found, Mapping) and all(str(name).startswith("encoder.") for name in found):
         found = {name.removeprefix("encoder."): weight for name, weight in found.items()}
     return tensors_in(found, file)
+
+
+def read_normalisation(folder: Path, config: DenoiserConfig) -> Normalisation:
+    """Read mean and standard deviation as DiffSHEG's release holds them.
+
+    Parameters
+    ----------
+    folder : Path
+        ``axis_angle_mean.npy`` and ``axis_angle_std.npy`` of the body, ``json_mean.npy`` and
+        ``json_std.npy`` of the face, beside them or in ``facial52/``.
+    config : DenoiserConfig
+        How many values each has.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, cannot be read, or is of another size.
+    """
+    parts = (("axis_angle", config.gesture_width), ("json", config.expression_width))
+    mean, std = (
+        np.concatenate(
+            [_read_statistic(folder, f"{part}_{kind}.npy", width) for part, width in parts]
+        )
+        for kind in ("mean", "std")
+    )
+    if (std < 0).any():
+        raise InputError("a standard deviation is negative", where=folder, remedy=_STATISTICS)
+    return Normalisation(mean, std)
+
+
+def _read_statistic(folder: Path, name: str, width: int) -> NDArray[np.float64]:
+    path = next(
+        (path for path in (folder / name, folder / "facial52" / name) if path.is_file()),
+        folder / name,
+    )
+    try:
+        values = np.load(path, allow_pickle=False)
+    except FileNotFoundError as error:
+        raise InputError("there is no such file", where=path, remedy=_STATISTICS) from error
+    except (OSError, EOFError, ValueError) as error:
+        raise InputError(
+            "the file cannot be read as a plain array", where=path, remedy=_STATISTICS
+        ) from error
+    if values.shape != (width,) or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
+        raise InputError(
+            f"the array has shape {values.shape} and type {values.dtype}, and {width} finite "
+            "numbers are needed",
+            where=path,
+            remedy=_STATISTICS,
+        )
+    return np.asarray(values, dtype=np.float64)

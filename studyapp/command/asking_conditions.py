@@ -10,7 +10,7 @@ from typing import Final
 
 import click
 
-from generators.registry import generator_names, needs_source
+from generators.registry import generator_names, needs_model, needs_source
 from motion.errors import InputError
 from motion.segment import check_name
 from studyapp.command.asking import agree, ask, choose, explain
@@ -29,9 +29,15 @@ _SOURCES: Final[Mapping[str, str]] = MappingProxyType(
         "rule_based": "made here from the speech: beat gestures by rule",
         "static": "made here: stands still",
         "mismatched": "another condition's motion for another speech: right in kind, wrong in time",
-        "diffsheg": "made here by a network from its weights: type diffsheg:FILE",
     }
 )
+
+
+def _sources() -> dict[str, str]:
+    """Return where motion comes from, each with what it means; networks come last."""
+    networks = [name for name in generator_names() if needs_model(name)]
+    words = "made here by a network from its weights: type {}:FILE"
+    return {**_SOURCES, **{name: words.format(name) for name in networks}}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +97,7 @@ def _named(before: Mapping[str, Condition], folder: Path) -> dict[str, Condition
         f"'{GROUND_TRUTH}'. For each, say where its motion comes from: a number, or a name such as "
         f"{', '.join(generator_sources())}."
     )
-    for number, (source, words) in enumerate(_SOURCES.items(), start=1):
+    for number, (source, words) in enumerate(_sources().items(), start=1):
         click.echo(f"  {number}  {source:10}  {words}")
     conditions: dict[str, Condition] = {}
     offered = list(before)
@@ -144,7 +150,7 @@ def _name(conditions: Mapping[str, Condition], default: str) -> str:
 
 def _source(name: str, earlier: list[str], default: str, folder: Path) -> Condition:
     """Ask where the motion of a condition comes from."""
-    names = list(_SOURCES)
+    names = list(_sources())
 
     def read(text: str) -> Condition:
         kind, colon, of = text.partition(":")

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any, get_args
 
 import click
 
-from generators.model_settings import DEVICES
-from generators.registry import generator_names
+from generators.registry import generator_names, settings_type
+from generators.trainable import Device
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from motion.segment import EMOTIONS
 from studyapp.command.arguments import optional_study_folder
-from studyapp.command.network_options import NetworkOptions, network_options
 from studyapp.command.progress import progress
+from studyapp.command.setting_options import SettingsCommand, condition_of
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.generation import generate
 from studyapp.stages.generation_of_files import FileMotion, generate_files
@@ -22,13 +23,14 @@ _file = click.Path(exists=True, dir_okay=False, path_type=Path)
 _folder = click.Path(file_okay=False, path_type=Path)
 
 
-@click.command("generate")
+@click.command("generate", cls=SettingsCommand)
 @optional_study_folder
-@click.option("--generator", type=click.Choice(generator_names()), help="Move to --speech by it.")
+@click.option(
+    "--generator", metavar=f"[{'|'.join(generator_names())}]", help="Move to --speech by it."
+)
 @click.option("--speech", type=_file, multiple=True, help="A recording; may be repeated.")
 @click.option("--out", type=_folder, help="Where the clips of --speech go.")
-@network_options
-@click.option("--emotion", type=click.Choice(EMOTIONS), default="neutral", help="Of the speech.")
+@click.option("--emotion", metavar=f"[{'|'.join(EMOTIONS)}]", help="Of the speech: neutral.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Chance.")
 @click.option(
     "--fps",
@@ -39,7 +41,7 @@ _folder = click.Path(file_okay=False, path_type=Path)
 )
 @click.option(
     "--device",
-    type=click.Choice(DEVICES),
+    type=click.Choice(get_args(Device)),
     default="cpu",
     show_default=True,
     help="Where networks run.",
@@ -49,18 +51,18 @@ def command(
     generator: str | None,
     speech: tuple[Path, ...],
     out: Path | None,
-    network: NetworkOptions,
-    emotion: str,
+    emotion: str | None,
     seed: int,
     fps: float,
     device: str,
+    **given: Any,
 ) -> None:
     """Make the motion of every generated condition of the study FOLDER.
 
     Or, with --generator, --speech and --out, motion to recordings without any study.
     """
     if folder is not None:
-        if generator or speech or out or network.given:
+        if generator or speech or out or any(value is not None for value in given.values()):
             raise InputError(
                 "a study says itself how its conditions move",
                 where=folder.definition,
@@ -74,12 +76,20 @@ def command(
                 "there is neither a study nor all of --generator, --speech and --out",
                 remedy="Give a study folder, or the three options",
             )
+        if "emotion" in settings_type(generator).model_fields:
+            given["emotion"] = emotion
+        elif emotion not in (None, *EMOTIONS):
+            raise InputError(
+                f"there is no emotion {emotion!r}", remedy=f"Use one of {', '.join(EMOTIONS)}"
+            )
+        condition = condition_of(generator, given)
         how = FileMotion(
             generator=generator,
-            model=network.model(device),
+            settings=condition.settings.within(Path()),
+            device=device,
             seed=seed,
             frame_rate=fps,
-            emotion=emotion,
+            emotion=emotion if emotion in EMOTIONS else "neutral",
         )
         with progress("generate", "clip") as show:
             count = generate_files(speech, out, how, on_clip=show)

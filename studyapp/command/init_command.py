@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Final, cast, get_args
+from typing import Any, Final, cast, get_args
 
 import click
 
+from generators.registry import generator_names, needs_model
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.command.agreeing import agreed
 from studyapp.command.init_options import LONGEST, read_amount, read_condition, read_currency
-from studyapp.command.network_options import NetworkOptions, network_options
+from studyapp.command.setting_options import SettingsCommand, condition_of
 from studyapp.definition.conditions import Condition
 from studyapp.definition.creation import TEMPLATES, drafted, refuse_existing
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.page import Language
 from studyapp.definition.pay import Pay
+from studyapp.definition.reading import ALIASES
 from studyapp.definition.recruitment import Channel
 from studyapp.definition.wanted_study import WantedStudy
 
@@ -25,7 +27,7 @@ INTERRUPTED: Final = 130
 """Exit status of who is interrupted (128 and the signal's number)."""
 
 
-@click.command("init")
+@click.command("init", cls=SettingsCommand)
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 @click.option(
     "--ask/--no-ask",
@@ -48,7 +50,7 @@ INTERRUPTED: Final = 130
     metavar="NAME=SOURCE",
     help="A condition, in place of the template's; once for each. The source is 'files' (motion "
     "that is imported), 'videos' (finished ones), a generator such as 'rule_based', "
-    "'mismatched:OTHER', or a network and its weights, 'diffsheg:FILE'.",
+    "'mismatched:OTHER', or a network and its weights, 'NETWORK:FILE'.",
 )
 @click.option(
     "--reference",
@@ -79,10 +81,15 @@ INTERRUPTED: Final = 130
 @click.option("--organisation", help="Who runs the study.")
 @click.option("--contact", help="Whom participants can ask.")
 @click.option("--ethics", help="Who approved the study.")
-@network_options
+@click.option(
+    "--generator",
+    metavar="NETWORK",
+    help="Of a template of rankings: what --checkpoint is of. By default the paper's.",
+)
 @click.pass_context
 def command(
     ctx: click.Context,
+    /,
     folder: Path,
     ask: bool | None,
     template: str,
@@ -101,7 +108,8 @@ def command(
     organisation: str | None,
     contact: str | None,
     ethics: str | None,
-    network: NetworkOptions,
+    generator: str | None,
+    **given: Any,
 ) -> None:
     """Make a study FOLDER with a commented study.toml that can be edited.
 
@@ -123,7 +131,7 @@ def command(
         participants=participants,
         conditions=_conditions(conditions, folder),
         catch_videos=catch_videos,
-        learned=network.condition("diffsheg", folder),
+        learned=_learned(generator, template, given, folder),
         channel=cast("Channel | None", channel),
         pay=_pay(channel, pay, currency, hourly_minimum),
         minutes=minutes,
@@ -151,7 +159,7 @@ def _is_asked(ctx: click.Context, ask: bool | None) -> bool:
     given = [
         name
         for name in ctx.params
-        if name not in ("folder", "ask", "network")
+        if name not in ("folder", "ask")
         and ctx.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT
     ]
     return not given and sys.stdin.isatty() and sys.stdout.isatty()
@@ -164,6 +172,27 @@ def _conditions(given: tuple[str, ...], folder: Path) -> dict[str, Condition] | 
     if twice is not None:
         raise InputError(f"the condition {twice!r} is given twice", remedy="Name each once")
     return dict(named) or None
+
+
+def _learned(
+    generator: str | None, template: str, given: dict[str, Any], folder: Path
+) -> Condition | None:
+    """Return the condition of the network that options describe, if any does."""
+    if generator is None and all(value is None for value in given.values()):
+        return None
+    protocol = ALIASES.get(template, template)
+    papers = (paper for paper, of in ALIASES.items() if of == protocol)
+    named = generator or next((paper for paper in papers if paper in generator_names()), None)
+    if named is None or not needs_model(named):
+        raise InputError(
+            f"the template {template!r} has no condition that a network could take over"
+            if named is None
+            else f"the generator {named} is no network",
+            remedy="Give it as a --condition",
+        )
+    learned = condition_of(named, given, folder)
+    learned.settings.within(folder)
+    return learned
 
 
 def _pay(

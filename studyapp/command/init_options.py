@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Final
 
 from generators.registry import generator_names, needs_model, needs_source
+from generators.settings import ModelSettings
 from motion.errors import InputError
 from motion.segment import check_name
-from studyapp.command.network_options import named_from
+from studyapp.command.setting_options import condition_of
 from studyapp.definition.conditions import Condition
 from studyapp.definition.pay import MONEY
 
@@ -29,7 +30,7 @@ def read_condition(text: str, folder: Path) -> tuple[str, Condition]:
     ----------
     text : str
         The source is ``files``, ``videos``, a generator, ``mismatched:NAME``, or a network and
-        the file of its weights, ``diffsheg:FILE``.
+        the file of its weights, ``NETWORK:FILE``.
     folder : Path
         The study's, from which files are named.
 
@@ -58,7 +59,7 @@ def read_source(text: str, folder: Path) -> Condition:
             remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(generator_sources())}",
         )
     if needs_model(kind):
-        return Condition(generator=kind, checkpoint=_weights(kind, of, folder))
+        return condition_of(kind, {"checkpoint": _weights(kind, of)}, folder)
     if needs_source(kind) != bool(of):
         says = "needs the condition it starts from" if needs_source(kind) else "needs no source"
         example = f"{kind}:OTHER" if needs_source(kind) else kind
@@ -66,8 +67,8 @@ def read_source(text: str, folder: Path) -> Condition:
     return Condition(generator=kind, source=check_name(of, "condition") if of else None)
 
 
-def _weights(generator: str, file: str, folder: Path) -> str:
-    """Return the file of a network's weights as a study in `folder` names it."""
+def _weights(generator: str, file: str) -> Path:
+    """Return the file of a network's weights."""
     if not file:
         raise InputError(
             f"the generator {generator!r} is a network and needs its weights",
@@ -76,7 +77,7 @@ def _weights(generator: str, file: str, folder: Path) -> str:
     path = Path(file).expanduser()
     if not path.is_file():
         raise InputError("there is no such file of weights", where=path)
-    return named_from(folder, path)
+    return path
 
 
 def generator_sources() -> tuple[str, ...]:
@@ -91,8 +92,8 @@ def source_of(condition: Condition, folder: Path) -> str:
     """Return the source of a condition of a study in `folder` as it is written in an option."""
     if condition.generator is None:
         return VIDEOS if condition.videos else FILES
-    weights = condition.checkpoint
-    of = condition.source if weights is None else str(folder / weights)
+    told = condition.settings
+    of = str(folder / told.checkpoint) if isinstance(told, ModelSettings) else condition.source
     return f"{condition.generator}:{of}" if of else condition.generator
 
 

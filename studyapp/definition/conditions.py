@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, model_validator
 
-from generators.registry import generator_names, needs_model, needs_source
-from studyapp.definition.sampling import SamplingSection
+from generators.registry import generator_names, needs_model, needs_source, settings_type
+from generators.settings import Reader, Settings
 from studyapp.definition.section import Name, Section
 
-_OF_MODELS: Final = ("checkpoint", "dataset", "stats", "hubert", "speaker", "sampling")
-"""Keys of a condition that only a learned generator has."""
 
-
-class Condition(Section):
+class Condition(Section, extra="allow"):
     """One system under comparison.
+
+    All further keys are its generator's; see `settings`.
 
     Attributes
     ----------
@@ -29,38 +27,30 @@ class Condition(Section):
     generative : bool or None
         Whether it can move differently to one speech, which DiffSHEG's table of metrics marks;
         None where that is not stated. Nothing but the report looks at it.
-    checkpoint : str or None
-        Weights of a learned generator: a file, from the study's folder.
-    dataset : {'beat', 'show'} or None
-        What a released checkpoint was trained on, 'beat' where nothing is said.
-    stats, hubert : str or None
-        Folders, from the study's, of a released checkpoint's means and standard deviations, and
-        of HuBERT's weights; see `generators.model_settings.ModelSettings`.
-    speaker : int, str or None
-        As whom of the data set's speakers it moves: the number, from 1, or the name where the
-        checkpoint knows names. Where nothing is said, as who speaks in the segment if the
-        checkpoint knows names, else as the first.
-    sampling : SamplingSection or None
-        How windows are sampled; as the release does fast where nothing is said.
     """
 
     generator: str | None = None
     source: Name | None = None
     videos: bool = False
     generative: bool | None = None
-    checkpoint: str | None = Field(None, min_length=1)
-    dataset: Literal["beat", "show"] | None = None
-    stats: str | None = Field(None, min_length=1)
-    hubert: str | None = Field(None, min_length=1)
-    speaker: int | str | None = None
-    sampling: SamplingSection | None = None
 
-    @field_validator("speaker")
-    @classmethod
-    def _names_somebody(cls, speaker: int | str | None) -> int | str | None:
-        if speaker in (0, "") or (isinstance(speaker, int) and speaker < 0):
-            raise ValueError("give the speaker's number, from 1, or name")
-        return speaker
+    @property
+    def settings(self) -> Settings:
+        """What it tells its generator besides speech, with paths from the study's folder."""
+        kind = Settings if self.generator is None else settings_type(self.generator)
+        reader = Reader(generator=self.generator or "", beside=tuple(type(self).model_fields))
+        return kind.model_validate(self.model_extra or {}, context=reader)
+
+    @model_validator(mode="after")
+    def _tells_its_generator_what_it_takes(self) -> Condition:
+        """Refuse what the generator does not take, and let the rest stand as if written in full."""
+        if self.generator is None or self.generator in generator_names():
+            settings, given = self.settings, self.model_extra or {}
+            for key in [key for key in type(settings).model_fields if key in given]:
+                value, said = getattr(settings, key), given.pop(key)
+                is_table = isinstance(value, Settings)
+                given[key] = value.model_dump(exclude_defaults=True) if is_table else said
+        return self
 
 
 class Catch(Section):
@@ -117,9 +107,6 @@ def source_problems(conditions: Mapping[str, Condition], name: str) -> list[str]
         return [f"conditions.{name}: finished videos have neither generator nor source"]
     if condition.generator is not None and condition.generator not in generator_names():
         return [_unknown_generator(f"conditions.{name}", condition.generator)]
-    unfitting = _model_problem(condition)
-    if unfitting is not None:
-        return [f"conditions.{name}: {unfitting}"]
     needs = condition.generator is not None and needs_source(condition.generator)
     if needs and condition.source is None:
         return [f"conditions.{name}: generator {condition.generator!r} needs a source"]
@@ -151,17 +138,6 @@ def catch_problems(conditions: Mapping[str, Condition], catch: Catch) -> list[st
             f"catch: generator {catch.generator!r} is a network; flawed motion needs another"
         )
     return problems
-
-
-def _model_problem(condition: Condition) -> str | None:
-    """Return what is wrong with the keys that only a learned generator has."""
-    given = [key for key in _OF_MODELS if getattr(condition, key) is not None]
-    learned = condition.generator is not None and needs_model(condition.generator)
-    if learned and condition.checkpoint is None:
-        return f"generator {condition.generator!r} needs a checkpoint, the file of its weights"
-    if not learned and given:
-        return f"{given[0]} is given, but nothing there uses it"
-    return None
 
 
 def with_sources(conditions: Mapping[str, Condition], names: set[str]) -> dict[str, Condition]:

@@ -6,10 +6,9 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from generators.diffsheg.walk import SamplingSettings
 from generators.interface import Generator, OnPart, SpeechSegment
-from generators.model_settings import ModelSettings
 from generators.registry import load_generator, needs_model
+from generators.settings import Settings
 from motion.audio import read_audio
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -101,30 +100,16 @@ def generate(
     return GenerationCount(made=made, kept=kept, remarks=remarks.sentences())
 
 
-def model_of(
-    folder: StudyFolder, name: str, condition: Condition, device: str = "cpu"
-) -> ModelSettings | None:
-    """Return the network that condition `name` states, with paths from the study's folder.
+def settings_of(folder: StudyFolder, name: str, condition: Condition) -> Settings:
+    """Return what condition `name` tells its generator, with paths from here.
 
     Raises
     ------
     InputError
         If one of its files is not there.
     """
-    if condition.checkpoint is None:
-        return None
-    paths, sampling = (condition.stats, condition.hubert), condition.sampling
-    stats, hubert = (None if path is None else folder.root / path for path in paths)
     try:
-        return ModelSettings(
-            checkpoint=folder.root / condition.checkpoint,
-            dataset=condition.dataset or "beat",
-            stats=stats,
-            hubert=hubert,
-            speaker=condition.speaker,
-            sampling=SamplingSettings() if sampling is None else sampling.settings(),
-            device=device,
-        )
+        return condition.settings.within(folder.root)
     except InputError as error:
         raise InputError(
             f"conditions.{name}: {error.what}", where=error.where, remedy=error.remedy
@@ -158,8 +143,8 @@ class _ConditionMaker:
             if condition.source is not None
             else None
         )
-        model = model_of(folder, name, condition, device)
-        generator = load_generator(str(condition.generator), model)
+        settings = settings_of(folder, name, condition)
+        generator = load_generator(str(condition.generator), settings, device)
         return cls(
             folder=folder,
             condition=name,
@@ -173,7 +158,7 @@ class _ConditionMaker:
                 study.seed,
                 study.video.frame_rate,
                 source.paths_digest() if source else "",
-                *(() if model is None else model.fingerprint()),
+                *settings.fingerprint(),
             ),
         )
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generators.interface import SpeechSegment
-from generators.model_settings import ModelSettings
 from generators.registry import load_generator, needs_source
+from generators.settings import Settings
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
@@ -28,8 +28,10 @@ class FileMotion:
     ----------
     generator : str
         One that needs no source.
-    model : ModelSettings or None
-        The weights of a learned generator.
+    settings : Settings
+        What the generator takes besides speech.
+    device : {'cpu', 'cuda'}
+        Where a network runs.
     seed : int
         The same for all files; each is moved to as it would be alone.
     frame_rate : float
@@ -39,7 +41,8 @@ class FileMotion:
     """
 
     generator: str
-    model: ModelSettings | None
+    settings: Settings
+    device: str
     seed: int
     frame_rate: float
     emotion: str
@@ -71,14 +74,14 @@ def generate_files(
             f"two files of speech are called {twice[0]!r} and would make one clip",
             remedy="Give them separately, with another --out each",
         )
-    generator = load_generator(how.generator, how.model)
+    generator = load_generator(how.generator, how.settings, how.device)
     settings = digest(
         generator.name,
         generator.version,
         how.seed,
         how.frame_rate,
         how.emotion,
-        *(() if how.model is None else how.model.fingerprint()),
+        *how.settings.fingerprint(),
     )
     made = 0
     remarks = Remarks()

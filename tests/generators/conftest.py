@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from generators.diffsheg.settings import DiffShegSettings
 from generators.interface import Generator, SpeechSegment
-from generators.model_settings import ModelSettings
 from generators.registry import load_generator, needs_model
 from generators.rule_based.generator import RuleBased
 from motion.audio import Audio
@@ -86,5 +86,5 @@ def study() -> ClipsInMemory:
 def load(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Generator]:
     """Return how to load any generator; a learned one is a small network of random weights."""
     checkpoint = written_network(tmp_path_factory.mktemp("models") / "small.safetensors")
-    model = ModelSettings(checkpoint=checkpoint)
-    return lambda name: load_generator(name, model if needs_model(name) else None)
+    settings = DiffShegSettings(checkpoint=checkpoint)
+    return lambda name: load_generator(name, settings if needs_model(name) else None)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 
+from generators.diffsheg.settings import DiffShegSettings
 from generators.interface import SpeechSegment
-from generators.model_settings import ModelSettings
 from generators.registry import load_generator
 from motion.audio import read_audio
 from motion.segment import Segment
@@ -30,7 +30,7 @@ def test_a_file_as_the_authors_released_it_moves_to_real_speech(tmp_path: Path) 
         for name, shape in json.loads(names.read_text()).items()
     }
     torch.save({"encoder": weights}, tmp_path / "released.pt")
-    model = ModelSettings(
+    model = DiffShegSettings(
         checkpoint=tmp_path / "released.pt", stats=SHARED / "data" / "diffsheg_stats", speaker=2
     )
     audio = read_audio(recording).cut(5, 6.5)

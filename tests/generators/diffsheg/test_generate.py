@@ -13,9 +13,8 @@ import torch
 
 from generators.diffsheg.generate import DiffSheg
 from generators.diffsheg.network_file import write_network
-from generators.diffsheg.walk import SamplingSettings
+from generators.diffsheg.settings import DiffShegSettings, SamplingSettings
 from generators.interface import SpeechSegment
-from generators.model_settings import ModelSettings
 from motion.errors import InputError
 from motion.skeleton import joint_index
 from tests.generators.diffsheg.small_network import small, small_network, written_network
@@ -29,12 +28,14 @@ Speak = Callable[..., SpeechSegment]
 
 
 @pytest.fixture
-def model(tmp_path: Path) -> ModelSettings:
-    return ModelSettings(checkpoint=written_network(tmp_path / "small.safetensors"))
+def model(tmp_path: Path) -> DiffShegSettings:
+    return DiffShegSettings(checkpoint=written_network(tmp_path / "small.safetensors"))
 
 
-def test_a_clip_says_what_made_it_and_what_stood_in(model: ModelSettings, speak: Speak) -> None:
-    clip = DiffSheg(replace(model, speaker=2)).generate(speak("one", 2.0), seed=3, frame_rate=30)
+def test_a_clip_says_what_made_it_and_what_stood_in(model: DiffShegSettings, speak: Speak) -> None:
+    clip = DiffSheg(model.model_copy(update={"speaker": 2})).generate(
+        speak("one", 2.0), seed=3, frame_rate=30
+    )
     facts = clip.provenance
     assert facts["checkpoint_sha256"] == hashlib.sha256(model.checkpoint.read_bytes()).hexdigest()
     assert facts["checkpoint"] == "small.safetensors"
@@ -46,7 +47,7 @@ def test_a_clip_says_what_made_it_and_what_stood_in(model: ModelSettings, speak:
 
 
 def test_face_and_body_move_and_hips_and_legs_stand_still(
-    model: ModelSettings, speak: Speak
+    model: DiffShegSettings, speak: Speak
 ) -> None:
     clip = DiffSheg(model).generate(speak("one", 2.0), seed=3, frame_rate=30)
     moves = np.ptp(clip.poses, axis=0).max(axis=1)
@@ -59,7 +60,7 @@ def test_face_and_body_move_and_hips_and_legs_stand_still(
 
 def test_a_network_of_show_moves_jaw_and_expressions(tmp_path: Path, speak: Speak) -> None:
     checkpoint = written_network(tmp_path / "show.safetensors", "show")
-    clip = DiffSheg(ModelSettings(checkpoint=checkpoint)).generate(
+    clip = DiffSheg(DiffShegSettings(checkpoint=checkpoint)).generate(
         speak("one", 2.0), seed=3, frame_rate=30
     )
     assert clip.arkit is None
@@ -69,7 +70,7 @@ def test_a_network_of_show_moves_jaw_and_expressions(tmp_path: Path, speak: Spea
     assert "relaxed hands" in clip.provenance["stand_ins"]
 
 
-def test_the_speech_decides_the_motion(model: ModelSettings, speak: Speak) -> None:
+def test_the_speech_decides_the_motion(model: DiffShegSettings, speak: Speak) -> None:
     clips = [
         DiffSheg(model).generate(speak("one", 2.0, "neutral", number), seed=3, frame_rate=15)
         for number in range(2)
@@ -77,9 +78,9 @@ def test_the_speech_decides_the_motion(model: ModelSettings, speak: Speak) -> No
     assert (clips[0].poses != clips[1].poses).any()
 
 
-def test_sampling_can_be_chosen_and_is_quoted(model: ModelSettings, speak: Speak) -> None:
+def test_sampling_can_be_chosen_and_is_quoted(model: DiffShegSettings, speak: Speak) -> None:
     sampling = SamplingSettings(preset="plain", steps=10, overlap=2)
-    clip = DiffSheg(replace(model, sampling=sampling)).generate(
+    clip = DiffSheg(model.model_copy(update={"sampling": sampling})).generate(
         speak("one", 1.0), seed=3, frame_rate=15
     )
     assert clip.provenance["sampling"].startswith("10 steps, overlap 2, entry 6")
@@ -88,7 +89,7 @@ def test_sampling_can_be_chosen_and_is_quoted(model: ModelSettings, speak: Speak
     assert windows == ["34", "2", "15"]
 
 
-def test_a_long_clip_says_how_far_it_is(model: ModelSettings, speak: Speak) -> None:
+def test_a_long_clip_says_how_far_it_is(model: DiffShegSettings, speak: Speak) -> None:
     told: list[tuple[int, int]] = []
     DiffSheg(model).generate(
         speak("one", 6.0), seed=3, frame_rate=30, on_part=lambda *far: told.append(far)
@@ -97,7 +98,7 @@ def test_a_long_clip_says_how_far_it_is(model: ModelSettings, speak: Speak) -> N
 
 
 def test_speech_longer_than_is_heard_at_once_is_moved_to_and_says_so(
-    model: ModelSettings, speak: Speak, monkeypatch: pytest.MonkeyPatch
+    model: DiffShegSettings, speak: Speak, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     speech = speak("one", 5.0)
     whole = DiffSheg(model).generate(speech, seed=3, frame_rate=15)
@@ -111,15 +112,15 @@ def test_speech_longer_than_is_heard_at_once_is_moved_to_and_says_so(
     assert (clip.poses != whole.poses).any()
 
 
-def test_a_device_that_is_not_there_is_refused(model: ModelSettings) -> None:
+def test_a_device_that_is_not_there_is_refused(model: DiffShegSettings) -> None:
     if torch.cuda.is_available():
         pytest.skip("a graphics processor is there")
     with pytest.raises(InputError, match="no graphics processor"):
-        DiffSheg(replace(model, device="cuda"))
+        DiffSheg(model, "cuda")
 
 
 @pytest.fixture
-def named(tmp_path: Path) -> ModelSettings:
+def named(tmp_path: Path) -> DiffShegSettings:
     """Return a network that knows whom it learned from, and what heard the speech for it."""
     network = replace(
         small_network(),
@@ -127,21 +128,21 @@ def named(tmp_path: Path) -> ModelSettings:
         hubert=stand_in().identity,
     )
     write_network(tmp_path / "named.safetensors", network)
-    return ModelSettings(checkpoint=tmp_path / "named.safetensors")
+    return DiffShegSettings(checkpoint=tmp_path / "named.safetensors")
 
 
 @pytest.mark.parametrize(("wanted", "moves_as"), [("bo", "bo"), (2, "bo"), ("1", "ada")])
 def test_a_network_that_knows_names_moves_as_who_is_named(
-    named: ModelSettings, speak: Speak, wanted: int | str, moves_as: str
+    named: DiffShegSettings, speak: Speak, wanted: int | str, moves_as: str
 ) -> None:
-    clip = DiffSheg(replace(named, speaker=wanted)).generate(
+    clip = DiffSheg(named.model_copy(update={"speaker": wanted})).generate(
         speak("one", 1.0), seed=3, frame_rate=15
     )
     assert clip.provenance["speaker"] == moves_as
 
 
 def test_a_network_moves_as_who_speaks_where_nobody_is_named(
-    named: ModelSettings, speak: Speak
+    named: DiffShegSettings, speak: Speak
 ) -> None:
     speech = speak("one", 1.0)
     clips = [
@@ -157,9 +158,11 @@ def test_a_network_moves_as_who_speaks_where_nobody_is_named(
     assert f"speaker {stranger['speaker']} for who is heard" in stranger["stand_ins"]
 
 
-def test_a_speaker_of_no_such_name_is_refused(named: ModelSettings, speak: Speak) -> None:
+def test_a_speaker_of_no_such_name_is_refused(named: DiffShegSettings, speak: Speak) -> None:
     with pytest.raises(InputError, match="knows no speaker 'cy'") as refusal:
-        DiffSheg(replace(named, speaker="cy")).generate(speak("one", 1.0), seed=3, frame_rate=15)
+        DiffSheg(named.model_copy(update={"speaker": "cy"})).generate(
+            speak("one", 1.0), seed=3, frame_rate=15
+        )
     assert str(named.checkpoint) in str(refusal.value)
 
 
@@ -169,23 +172,27 @@ def test_a_network_that_learned_from_another_hubert_is_refused(
     path = tmp_path / "other.safetensors"
     write_network(path, replace(small_network(), hubert="sha256 of another"))
     with pytest.raises(InputError, match="learned from what sha256 of another heard"):
-        DiffSheg(ModelSettings(checkpoint=path)).generate(speak("one", 1.0), seed=3, frame_rate=15)
+        DiffSheg(DiffShegSettings(checkpoint=path)).generate(
+            speak("one", 1.0), seed=3, frame_rate=15
+        )
 
 
 def test_a_speaker_whom_the_network_does_not_know_is_refused(
-    model: ModelSettings, speak: Speak
+    model: DiffShegSettings, speak: Speak
 ) -> None:
     with pytest.raises(InputError, match="no speaker 31") as refusal:
-        DiffSheg(replace(model, speaker=31)).generate(speak("one", 1.0), seed=3, frame_rate=15)
+        DiffSheg(model.model_copy(update={"speaker": 31})).generate(
+            speak("one", 1.0), seed=3, frame_rate=15
+        )
     assert "from 1 to 30" in str(refusal.value.remedy)
 
 
 def test_a_folder_without_hubert_is_refused_before_anything_is_made(
-    model: ModelSettings, tmp_path: Path
+    model: DiffShegSettings, tmp_path: Path
 ) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match=r"holds no config\.json"):
-        DiffSheg(replace(model, hubert=tmp_path / "empty"))
+        DiffSheg(model.model_copy(update={"hubert": tmp_path / "empty"}))
 
 
 def test_a_network_whose_motion_is_not_finite_is_refused(tmp_path: Path, speak: Speak) -> None:
@@ -193,13 +200,13 @@ def test_a_network_whose_motion_is_not_finite_is_refused(tmp_path: Path, speak: 
     for weight in network.denoiser.parameters():
         weight.fill_(float("nan"))
     write_network(tmp_path / "diverged.safetensors", network)
-    model = ModelSettings(checkpoint=tmp_path / "diverged.safetensors")
+    model = DiffShegSettings(checkpoint=tmp_path / "diverged.safetensors")
     with pytest.raises(InputError, match="not finite"):
         DiffSheg(model).generate(speak("one", 1.0), seed=3, frame_rate=15)
 
 
 def test_motion_comes_while_somebody_speaks_and_is_that_of_all_speech_at_once(
-    model: ModelSettings, speak: Speak
+    model: DiffShegSettings, speak: Speak
 ) -> None:
     samples = speak("one", 6.3).audio.samples
     heard: list[int] = []
@@ -227,7 +234,7 @@ def test_clips_come_while_somebody_speaks_and_are_the_clip_of_all_speech_at_once
     dataset: str, tmp_path: Path, speak: Speak
 ) -> None:
     checkpoint = written_network(tmp_path / "small.safetensors", dataset)
-    generator = DiffSheg(ModelSettings(checkpoint=checkpoint))
+    generator = DiffSheg(DiffShegSettings(checkpoint=checkpoint))
     samples = speak("one", 7.3).audio.samples
     pieces = list(generator.stream_clips(np.array_split(samples, 50), seed=3))
     assert len(pieces) > 2
@@ -243,7 +250,7 @@ def test_clips_come_while_somebody_speaks_and_are_the_clip_of_all_speech_at_once
 
 
 def test_speech_of_less_than_a_frame_of_the_network_gives_a_clip(
-    model: ModelSettings, speak: Speak
+    model: DiffShegSettings, speak: Speak
 ) -> None:
     speech = speak("one", 1.0)
     short = replace(speech, audio=speech.audio.cut(0, 0.02))

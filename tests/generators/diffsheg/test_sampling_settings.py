@@ -7,9 +7,10 @@ import sys
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
-from generators.diffsheg.walk import Sampling, SamplingSettings, evaluations
-from motion.errors import InputError
+from generators.diffsheg.settings import SamplingSettings
+from generators.diffsheg.walk import Sampling, evaluations
 
 
 @pytest.mark.parametrize(
@@ -52,10 +53,10 @@ def test_what_is_chosen_takes_the_place_of_what_the_setting_has() -> None:
     ],
 )
 def test_what_cannot_be_sampled_is_refused(settings: dict[str, Any], what: str) -> None:
-    with pytest.raises(InputError, match=what):
+    with pytest.raises(ValidationError, match=what):
         SamplingSettings(**settings)
 
 
 def test_settings_are_checked_without_loading_torch() -> None:
-    code = "import generators.diffsheg.walk, sys; sys.exit('torch' in sys.modules)"
+    code = "import generators.diffsheg.settings, sys; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -16,7 +16,8 @@ from torch import Tensor
 
 from analysis.metrics.seams import Windows, seam_acceleration
 from generators.diffsheg.sampling import Estimate, Sampler, Window, sample_windows, stream
-from generators.diffsheg.walk import Sampling, SamplingSettings
+from generators.diffsheg.settings import SamplingSettings
+from generators.diffsheg.walk import Sampling
 from training.hearing.speech_frames import SpeechFrames
 from training.noise_schedule import LINEAR_NOISE
 

@@ -84,7 +84,7 @@ def test_less_than_a_study_or_generator_speech_and_out_is_refused(options: tuple
 @pytest.mark.parametrize(
     ("options", "what"),
     [
-        (("diffsheg",), "was given no weights"),
+        (("diffsheg",), "generator 'diffsheg' needs a checkpoint"),
         (("broken",), "changes another condition's motion"),
         (("static", "--speaker", 2), "--speaker is of a learned generator"),
         (("static", "--jump-count", 5), "--jump-count is of a learned generator"),

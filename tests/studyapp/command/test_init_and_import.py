@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from generators.diffsheg.settings import DiffShegSettings, SamplingSettings
 from studyapp.command.main import group
 from studyapp.definition.reading import read_study
 
@@ -103,12 +104,13 @@ def test_init_puts_a_network_into_a_study_of_rankings(tmp_path: Path) -> None:
         "--checkpoint", inside, "--hubert", outside, "--speaker", "ada", "--overlap", 6,
     )  # fmt: skip
     assert result.exit_code == 0, result.output
-    condition = read_study(folder / "study.toml").conditions["diffsheg"]
-    assert condition.checkpoint == "models/net.safetensors"
-    assert condition.hubert == str(outside)
-    assert condition.speaker == "ada"
-    assert condition.sampling is not None
-    assert condition.sampling.overlap == 6
+    said = read_study(folder / "study.toml").conditions["diffsheg"].settings
+    assert said == DiffShegSettings(
+        checkpoint=Path("models/net.safetensors"),
+        hubert=outside,
+        speaker="ada",
+        sampling=SamplingSettings(overlap=6),
+    )
 
 
 def test_init_names_a_checkpoint_that_is_not_there(tmp_path: Path) -> None:

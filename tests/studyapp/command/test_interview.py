@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from generators.settings import ModelSettings
 from studyapp.command.main import group
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.protocols.pairwise import PairwiseStudy
@@ -142,12 +143,14 @@ def test_a_network_is_a_condition_by_its_weights(tmp_path: Path, place: str) -> 
     assert asked.exit_code == given.exit_code == 0, asked.output + given.output
     assert "'diffsheg' is a network and needs its weights" in asked.output
     assert "there is no such file of weights" in asked.output
+    named: dict[str, Path] = {}
     for name in ("s", "t"):
         ours = read_study(tmp_path / name / "study.toml").conditions["ours"]
         assert ours.generator == "diffsheg"
-        assert (tmp_path / name / str(ours.checkpoint)).resolve() == weights
-    named = read_study(tmp_path / "s" / "study.toml").conditions["ours"].checkpoint
-    assert named == ("models/ours.safetensors" if place.startswith("s/") else str(weights))
+        assert isinstance(ours.settings, ModelSettings)
+        named[name] = ours.settings.checkpoint
+        assert (tmp_path / name / named[name]).resolve() == weights
+    assert named["s"] == (Path("models/ours.safetensors") if place.startswith("s/") else weights)
 
 
 def test_videos_of_a_broken_motion_are_asked_for_where_none_can_be_made(tmp_path: Path) -> None:

@@ -9,7 +9,6 @@ from studyapp.definition.conditions import Condition
 from studyapp.definition.creation import TEMPLATES, add_condition, new_study
 from studyapp.definition.protocols.ranking import RankingStudy
 from studyapp.definition.reading import read_study
-from studyapp.definition.sampling import SamplingSection
 
 
 @pytest.mark.parametrize("template", TEMPLATES)
@@ -80,9 +79,7 @@ def test_a_template_goes_by_the_name_of_the_paper_too(
 
 def test_a_network_is_ranked_in_every_block_in_place_of_the_last_stand_in(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
-    network = Condition(
-        generator="diffsheg", checkpoint="net.pt", sampling=SamplingSection(preset="careful")
-    )
+    network = Condition(generator="diffsheg", checkpoint="net.pt", sampling="careful")
     before = new_study(tmp_path / "plain.toml", template="diffsheg", name="s")
     study = new_study(path, template="diffsheg", name="s", learned=network)
     assert isinstance(study, RankingStudy) and isinstance(before, RankingStudy)

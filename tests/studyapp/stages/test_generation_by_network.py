@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 import tomlkit
 
-from generators.diffsheg.walk import SamplingSettings
+from generators.diffsheg.settings import DiffShegSettings, SamplingSettings
 from generators.registry import load_generator
 from motion.errors import InputError
 from motion.formats import read_clip
 from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.generation import generate, model_of
+from studyapp.stages.generation import generate, settings_of
 from studyapp.stages.recordings import Take, import_take
 from tests.generators.diffsheg.small_network import written_network
 from training.hearing.hubert import stand_in
@@ -89,8 +89,8 @@ def test_all_keys_of_a_condition_reach_the_generator(study: StudyFolder) -> None
     set_key(study, "speaker", 3)
     set_key(study, "sampling", {"preset": "careful", "overlap": 6})
     condition = study.study().conditions["learned"]
-    model = model_of(study, "learned", condition)
-    assert model is not None
+    model = settings_of(study, "learned", condition)
+    assert isinstance(model, DiffShegSettings)
     assert (model.dataset, model.speaker) == ("show", 3)
     assert model.sampling == SamplingSettings(preset="careful", overlap=6)
     assert (model.stats, model.hubert) == (study.root / "stats", study.root / "hubert")

@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from generators.diffsheg.config import BEAT
+from generators.diffsheg.released import read_normalisation
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face import ARKIT_NAMES
@@ -29,7 +30,6 @@ from training.spaces.beat import (
     told_motion,
 )
 from training.spaces.beat_skeleton import BEAT_SKELETON, TOLD_JOINTS
-from training.spaces.normalisation import read_normalisation
 
 DATA = Path(__file__).parents[4] / "shared" / "data"
 

@@ -1,0 +1,198 @@
+"""What a generator takes besides speech, as a condition of a study states it. Loads no network."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from functools import cached_property
+from pathlib import Path
+from types import NoneType
+from typing import Annotated, Any, Self, get_args, get_type_hints
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from motion.errors import InputError
+from motion.listing import listed
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reader:
+    """For whom settings are read: the context of their validation.
+
+    Attributes
+    ----------
+    generator : str
+        Who is to take them.
+    beside : tuple of str
+        Keys that stand beside theirs, which a misspelt one may be near.
+    """
+
+    generator: str = ""
+    beside: tuple[str, ...] = ()
+
+    def unknown(self, key: str, known: Sequence[str]) -> str:
+        """Say that a key is none of those that are known."""
+        near = get_close_matches(key, [*known, *self.beside], n=1)
+        if near:
+            return f"unknown key (did you mean {near[0]!r}?)"
+        if not known:
+            return f"{key} is given, but nothing there uses it"
+        return f"unknown key (known are {listed(known)})"
+
+
+def _path(value: object) -> Path:
+    if not isinstance(value, str | Path) or not str(value):
+        raise ValueError("must be a path in quotes")
+    return Path(value)
+
+
+File = Annotated[Path, BeforeValidator(_path), "file"]
+"""A file, from the study's folder."""
+
+Folder = Annotated[Path, BeforeValidator(_path), "folder"]
+"""A folder, from the study's."""
+
+
+class Settings(BaseModel):
+    """What a generator takes: its keys in a condition, and its options on the command line.
+
+    Each key has a type, what it is where nothing is said, and a description. A table of keys is
+    `Settings` of its own. Its first key, a text, can stand for the table: ``sampling = "careful"``,
+    ``--sampling careful``.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_the_right_keys(cls, given: Any, info: ValidationInfo) -> Any:
+        """Refuse unknown keys, each with the known one that is near it, and missing ones."""
+        reader: Reader = info.context or Reader()
+        known = cls.model_fields
+        if isinstance(given, str):
+            return {next(iter(known)): given}
+        if not isinstance(given, Mapping):
+            return given
+        wrong = [(key, reader.unknown(key, list(known))) for key in given if key not in known]
+        wrong += [
+            (key, f"generator {reader.generator!r} needs a {key}")
+            for key, field in known.items()
+            if field.is_required() and key not in given
+        ]
+        if wrong:
+            raise ValidationError.from_exception_data(
+                cls.__name__,
+                [
+                    InitErrorDetails(
+                        type=PydanticCustomError("wrong_key", "{what}", {"what": what}),
+                        loc=(key,),
+                        input=given.get(key),
+                    )
+                    for key, what in wrong
+                ],
+            )
+        return given
+
+    def within(self, folder: Path) -> Self:
+        """Return the settings with paths from `folder`.
+
+        Raises
+        ------
+        InputError
+            If a file or folder is not there.
+        """
+        values = {name: getattr(self, name) for name in type(self).model_fields}
+        for each in told(type(self)):
+            path = values[each.keys[0]]
+            if isinstance(path, Path):
+                path = values[each.keys[0]] = folder / path
+                if not (path.is_file() if each.type == File else path.is_dir()):
+                    what = each.option if each.type == File else f"folder of {each.option}"
+                    raise InputError(
+                        f"there is no such {what}", where=path, remedy="Check the path"
+                    )
+        return type(self).model_validate(values)
+
+    def fingerprint(self) -> tuple[object, ...]:
+        """Return what changes with any value and the content of any file, not with its place."""
+        return tuple((name, content(getattr(self, name))) for name in type(self).model_fields)
+
+
+class ModelSettings(Settings):
+    """Settings of a learned generator.
+
+    Attributes
+    ----------
+    checkpoint : Path
+        The network's weights.
+    """
+
+    checkpoint: File = Field(description="Weights of a learned generator.")
+
+    @cached_property
+    def checkpoint_sha256(self) -> str:
+        """Hash of the checkpoint's file."""
+        return str(content(self.checkpoint))
+
+
+def content(value: object) -> object:
+    """Return what a fingerprint holds of a value: of a file its hash, of a folder each file's."""
+    if isinstance(value, Settings):
+        return value.fingerprint()
+    if not isinstance(value, Path):
+        return value
+    if value.is_dir():
+        files = (path for path in sorted(value.rglob("*")) if path.is_file())
+        return tuple((path.name, content(path)) for path in files)
+    with value.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """A setting that can be told by itself.
+
+    Attributes
+    ----------
+    option : str
+        What it goes by where there are no tables.
+    keys : tuple of str
+        Its key, behind those of the tables that it lies in.
+    type : type
+        What it may be besides None.
+    description : str
+        For the command's help.
+    """
+
+    option: str
+    keys: tuple[str, ...]
+    type: Any
+    description: str
+
+
+def told(kind: type[Settings]) -> Iterator[Told]:
+    """Yield the settings of a generator, those of its tables one by one."""
+    hints = get_type_hints(kind, include_extras=True)
+    for key, field in kind.model_fields.items():
+        own: Any = hints[key]
+        if NoneType in get_args(own):
+            own, *others = (one for one in get_args(own) if one is not NoneType)
+            for other in others:
+                own = own | other
+        if isinstance(own, type) and issubclass(own, Settings):
+            for place, each in enumerate(told(own)):
+                option = each.option if place else key
+                yield replace(each, option=option, keys=(key, *each.keys))
+        else:
+            yield Told(option=key, keys=(key,), type=own, description=field.description or "")

@@ -1,0 +1,1 @@
+"""Motion as networks tell it."""
