@@ -62,6 +62,14 @@ class _Share:
         first = number * self.rest
         return [self.larger[(first + step) % len(self.larger)] for step in range(self.rest)]
 
+    def taken_before(self, number: int) -> dict[str, int]:
+        """Return how many segments of each emotion the participants before `number` got."""
+        rounds, first = divmod(number * self.rest, max(1, len(self.larger)))
+        taken = {emotion: number * count for emotion, count in self.even.items()}
+        for index, emotion in enumerate(self.larger):
+            taken[emotion] += rounds + (index < first)
+        return taken
+
     def quotas(self, number: int) -> dict[str, int]:
         quotas = dict(self.even)
         for emotion in self.more(number):
@@ -106,20 +114,26 @@ def allocate_segments(
     for segment in shuffled(segments, chance):
         rings.setdefault(segment.emotion, []).append(segment)
     available = {emotion: len(ring) for emotion, ring in rings.items()}
-    given = [total] * number if before is None else before
-    shares = {count: _Share.of(available, count) for count in {*given, total}}
-    taken = Counter(dict.fromkeys(rings, 0))
-    for count, times in Counter(given).items():
-        for emotion, even in shares[count].even.items():
-            taken[emotion] += times * even
-    for earlier, count in enumerate(given):
-        for emotion in shares[count].more(earlier):
-            taken[emotion] += 1
+    own = _Share.of(available, total)
+    taken = own.taken_before(number) if before is None else _taken(available, before)
     return tuple(
         rings[emotion][(taken[emotion] + step) % available[emotion]]
-        for emotion, count in shares[total].quotas(number).items()
+        for emotion, count in own.quotas(number).items()
         for step in range(count)
     )
+
+
+def _taken(available: Mapping[str, int], before: Sequence[int]) -> Mapping[str, int]:
+    """Return how many segments of each emotion participants got who got `before` in all."""
+    shares = {count: _Share.of(available, count) for count in set(before)}
+    taken = Counter(dict.fromkeys(available, 0))
+    for count, times in Counter(before).items():
+        for emotion, even in shares[count].even.items():
+            taken[emotion] += times * even
+    for earlier, count in enumerate(before):
+        for emotion in shares[count].more(earlier):
+            taken[emotion] += 1
+    return taken
 
 
 def shuffled(items: Sequence[T], chance: np.random.Generator) -> list[T]:

@@ -83,3 +83,19 @@ def test_all_segments_are_judged_equally_often() -> None:
     )
 
     assert set(shown.values()) == {3}
+
+
+@given(
+    st.lists(st.sampled_from(EMOTIONS), min_size=1, max_size=30),
+    st.integers(1, 30),
+    st.integers(0, 60),
+)
+def test_who_came_before_is_counted_at_once_as_one_by_one(
+    emotions: list[str], total: int, number: int
+) -> None:
+    segments = make_segments(emotions)
+
+    at_once = allocate_segments(segments, total, number=number, seed=[3])
+
+    one_by_one = [total] * number
+    assert at_once == allocate_segments(segments, total, number=number, seed=[3], before=one_by_one)
