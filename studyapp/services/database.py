@@ -17,7 +17,18 @@ from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import URL, Connection, Engine, create_engine, event, func, select, text
+from sqlalchemy import (
+    URL,
+    BigInteger,
+    Connection,
+    Engine,
+    bindparam,
+    create_engine,
+    event,
+    func,
+    select,
+    text,
+)
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError
 from sqlalchemy.orm import Session
@@ -35,6 +46,10 @@ from studyapp.services.waiting_line import in_line
 BUSY_SECONDS: Final = 30
 """How long a writer waits for another one before it gives up."""
 
+MOST_CONNECTIONS: Final = 15
+"""Connections to PostgreSQL that a process has at most, and keeps: to make one costs as much as a
+page."""
+
 _OWN: Final = 0o600
 
 
@@ -45,6 +60,12 @@ class Turn(IntEnum):
     ALLOCATION = 8_675_110_002
     LOGIN = 8_675_110_003
     FIGURES = 8_675_110_004
+
+
+SHARE: Final = select(
+    func.pg_advisory_xact_lock(bindparam("own", type_=BigInteger)),
+    func.pg_advisory_xact_lock_shared(bindparam("turn", type_=BigInteger)),
+)
 
 
 def take_turn(connection: Connection, turn: Turn) -> None:
@@ -65,9 +86,7 @@ def share_turn(connection: Connection, turn: Turn, name: str) -> None:
     if connection.dialect.name == "postgresql":
         digest = hashlib.sha256(f"{turn.name} {name}".encode()).digest()
         own = int.from_bytes(digest[:8], "big", signed=True)
-        connection.execute(
-            select(func.pg_advisory_xact_lock(own), func.pg_advisory_xact_lock_shared(int(turn)))
-        )
+        connection.execute(SHARE, {"own": own, "turn": int(turn)})
 
 
 def sqlite_url(path: Path) -> str:
@@ -363,7 +382,13 @@ def _engine(
     hidden = {"hide_parameters": True, "execution_options": options}
     if address.get_backend_name() != "sqlite":
         # Locks are what keeps writers apart, whatever the server's own default is.
-        engine = create_engine(address, isolation_level="READ COMMITTED", **hidden)
+        engine = create_engine(
+            address,
+            isolation_level="READ COMMITTED",
+            pool_size=MOST_CONNECTIONS,
+            max_overflow=0,
+            **hidden,
+        )
         bound_waiting(engine, seconds)
         return engine
     engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **hidden)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Final, cast
 
-from sqlalchemy import Select, Table, insert, select, update
+from sqlalchemy import Connection, Select, Table, bindparam, insert, select, update
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
@@ -17,26 +17,31 @@ from studyapp.services.database import Database
 from studyapp.services.form_answers import entrance_answers
 from studyapp.services.intake import wanted_places
 from studyapp.services.letting_in import require_let_in, require_room, study_is_full
-from studyapp.services.newcomers import count_newcomer, require_uncrowded
+from studyapp.services.newcomers import count_newcomer, forget_newcomers, require_uncrowded
 from studyapp.services.places import (
-    is_any_stale,
     release_stale,
     share_allocation_turn,
     take_allocation_turn,
     take_open_place,
 )
 from studyapp.services.refusal import UnprovenError
-from studyapp.services.served_study import ServedStudy
+from studyapp.services.served_study import ServedStudy, study_has_changed
 from studyapp.services.sound_check import left_unheard
+from studyapp.services.standing import Standing, standing_of
 from studyapp.services.trial_rows import new_token, store_trials
-from studyapp.services.versions import present_version
 from studyapp.services.votes import votes_so_far
 
 ARRIVALS: Final = threading.BoundedSemaphore(4)
 """Who waits for the allocation's turn keeps a connection to the database. A process whose arrivals
 all did would have none left for those who answer."""
 
+PLACES: Final = cast(Table, Place.__table__)
 NEWCOMER: Final = insert(cast(Table, StudySession.__table__)).returning(StudySession.id)
+HOLD: Final = (
+    update(PLACES)
+    .where(PLACES.c.id == bindparam("place"))
+    .values(study_session_id=bindparam("own"))
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,18 +105,13 @@ def enrol(database: Database, served: ServedStudy, arrival: Arrival, clock: Cloc
     UnprovenError
         If the study session of this name was begun elsewhere; see `enrolled`.
     """
-    # Before the allocation's turn: whoever shares that must wait for no study session.
-    token = enrolled(database, served, arrival, clock)
-    if token is not None:
-        return token
-    now = clock.now()
-    with ARRIVALS:
-        if is_any_stale(database, served, now):
-            with database.writing() as session:
-                take_allocation_turn(session)
-                release_stale(session, served, now)
-        with database.writing() as session:
-            return _enrol(session, served, arrival, now)
+    while True:
+        # Apart, since whoever shares the allocation's turn must wait for no study session.
+        token = _as_newcomer(database, served, arrival, clock) or enrolled(
+            database, served, arrival, clock
+        )
+        if token is not None:
+            return token
 
 
 def enrolled(database: Database, served: ServedStudy, arrival: Arrival, clock: Clock) -> str | None:
@@ -190,64 +190,124 @@ def require_welcome(
     StudyFullError
         If nobody new is let in, or no place is open.
     """
+    now = clock.now()
+    with database.looking_up() as connection:
+        standing = _standing(connection, served, arrival, now, in_turn=False)
+        if standing.study_session_id is None:
+            _require_welcome(connection, served, standing, now)
+            return
     with database.reading() as session:
-        known = session.scalars(_known(arrival)).first()
-        if known is None or left_unheard(known):
-            require_room(session, served, clock.now())
-            most = served.study.recruitment.newcomers_per_address
-            require_uncrowded(session, arrival.address, most, clock.now())
+        if not _goes_on(session, standing):
+            _require_welcome(session, served, standing, now)
 
 
-def _enrol(session: Session, served: ServedStudy, arrival: Arrival, now: datetime) -> str:
+def _require_welcome(
+    reading: Session | Connection, served: ServedStudy, standing: Standing, now: datetime
+) -> None:
+    require_room(reading, served, standing.intake, now)
+    require_uncrowded(standing.came_from_address, served.study.recruitment.newcomers_per_address)
+
+
+def _as_newcomer(
+    database: Database, served: ServedStudy, arrival: Arrival, clock: Clock
+) -> str | None:
+    """Return the token of a new study session; None for who has one to go on with."""
+    now = clock.now()
+    with ARRIVALS:
+        with database.writing() as session:
+            standing = _standing_in_turn(session, served, arrival, now)
+            if not standing.is_any_stale or _goes_on(session, standing):
+                return _enrol(session, served, arrival, standing, now)
+        with database.writing() as session:
+            take_allocation_turn(session)
+            release_stale(session, served, now)
+        with database.writing() as session:
+            standing = _standing_in_turn(session, served, arrival, now)
+            return _enrol(session, served, arrival, standing, now)
+
+
+def _standing_in_turn(
+    session: Session, served: ServedStudy, arrival: Arrival, now: datetime
+) -> Standing:
     share_allocation_turn(session, arrival.recruiter_participant or str(arrival.visit))
-    known = session.scalars(_known(arrival)).first()
-    if known is not None and not left_unheard(known):
-        # Come at the same moment, in another window or as somebody else.
-        if not _is_proven(known, arrival):
-            _require_silent(known, served, now)
-        return known.token
-    intake = require_let_in(session, served)
-    most = served.study.recruitment.newcomers_per_address
-    require_uncrowded(session, arrival.address, most, now)
+    return _standing(session.connection(), served, arrival, now, in_turn=True)
+
+
+def _standing(
+    connection: Connection, served: ServedStudy, arrival: Arrival, now: datetime, *, in_turn: bool
+) -> Standing:
+    return standing_of(
+        connection,
+        served,
+        recruiter_participant=arrival.recruiter_participant,
+        visit=arrival.visit,
+        address=arrival.address,
+        now=now,
+        in_turn=in_turn,
+    )
+
+
+def _enrol(
+    session: Session, served: ServedStudy, arrival: Arrival, standing: Standing, now: datetime
+) -> str | None:
+    if _goes_on(session, standing):
+        return None
+    require_let_in(served, standing.intake)
+    require_uncrowded(standing.came_from_address, served.study.recruitment.newcomers_per_address)
     answers = entrance_answers(served.study, arrival.form, now)
-    place = take_open_place(session, wanted_places(served, intake))
+    place = take_open_place(session, wanted_places(served, standing.intake))
     if place is None:
         raise study_is_full()
-    if known is not None:
-        session.delete(known)
+    if standing.version_id is None:
+        raise study_has_changed()
+    if (unheard := _begun(session, standing)) is not None:
+        session.delete(unheard)
         session.flush()  # no two study sessions may have the same name
     arm = served.arms[place.arm, place.design]
     token = new_token()
-    own = (
-        session.connection()
-        .execute(
-            NEWCOMER,
-            {
-                "token": token,
-                "visit": arrival.visit,
-                "recruiter_participant": arrival.recruiter_participant,
-                "recruiter_study": arrival.recruiter_study,
-                "recruiter_session": arrival.recruiter_session,
-                "submit_to": arrival.submit_to,
-                "version_id": present_version(session, served).id,
-                "arm": place.arm,
-                "arm_design": place.design,
-                "number": place.number,
-                "conditions": list(arm.conditions),
-                "consented_at": now,
-                "last_active_at": now,
-            },
-        )
-        .scalar_one()
-    )
-    session.execute(update(Place).where(Place.id == place.id).values(study_session_id=own))
+    connection = session.connection()
+    own = connection.execute(
+        NEWCOMER,
+        {
+            "token": token,
+            "visit": arrival.visit,
+            "recruiter_participant": arrival.recruiter_participant,
+            "recruiter_study": arrival.recruiter_study,
+            "recruiter_session": arrival.recruiter_session,
+            "submit_to": arrival.submit_to,
+            "version_id": standing.version_id,
+            "arm": place.arm,
+            "arm_design": place.design,
+            "number": place.number,
+            "conditions": list(arm.conditions),
+            "consented_at": now,
+            "last_active_at": now,
+        },
+    ).scalar_one()
+    connection.execute(HOLD, {"place": place.id, "own": own})
+    if standing.are_any_old:
+        forget_newcomers(session, now)
     count_newcomer(session, arrival.address, now)
     for answer in answers:
         answer.study_session_id = own
     session.add_all(answers)
     votes = votes_so_far(session, served)
-    store_trials(session, own, served.study.plan(arm, place.number, served.segments, votes), served)
+    planned = served.study.plan(arm, place.number, served.segments, votes)
+    store_trials(session, own, planned, served)
     return token
+
+
+def _begun(session: Session, standing: Standing) -> StudySession | None:
+    """Return the study session that who arrives has already."""
+    if standing.study_session_id is None:
+        return None
+    return session.get(StudySession, standing.study_session_id)
+
+
+def _goes_on(session: Session, standing: Standing) -> bool:
+    """Tell whether they have one that they come back to."""
+    known = _begun(session, standing)
+    return known is not None and not left_unheard(known)
 
 
 def _known(arrival: Arrival) -> Select[StudySession]:

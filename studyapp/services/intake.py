@@ -24,13 +24,21 @@ class Intake:
     more_places: int = 0
 
 
+NEWEST: Final = select(IntakeChange.id).order_by(IntakeChange.id.desc()).limit(1)
+NEWEST_STATE: Final = NEWEST.with_only_columns(IntakeChange.state).scalar_subquery()
+NEWEST_MORE_PLACES: Final = NEWEST.with_only_columns(IntakeChange.more_places).scalar_subquery()
+
+
 def present_intake(session: Session) -> Intake:
     """Return what holds now."""
-    newest = select(IntakeChange.state, IntakeChange.more_places).order_by(IntakeChange.id.desc())
-    found = session.execute(newest.limit(1)).first()
-    if found is None:
+    return intake_of(*session.execute(select(NEWEST_STATE, NEWEST_MORE_PLACES)).one())
+
+
+def intake_of(state: str | None, more_places: int | None) -> Intake:
+    """Return the newest decision; None stands for both where there was none."""
+    if state is None or more_places is None:
         return Intake()
-    return Intake(state=cast(IntakeState, found.state), more_places=found.more_places)
+    return Intake(state=cast(IntakeState, state), more_places=more_places)
 
 
 def wanted_places(served: ServedStudy, intake: Intake) -> Mapping[tuple[str, str], int]:

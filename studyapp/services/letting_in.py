@@ -4,30 +4,26 @@ from __future__ import annotations
 
 from datetime import datetime
 
+from sqlalchemy import Connection
 from sqlalchemy.orm import Session
 
-from studyapp.services.intake import Intake, present_intake
+from studyapp.services.intake import Intake
 from studyapp.services.places import has_open_place
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.served_study import ServedStudy
 
 
-def require_room(session: Session, served: ServedStudy, now: datetime) -> None:
+def require_room(
+    reading: Session | Connection, served: ServedStudy, intake: Intake, now: datetime
+) -> None:
     """Raise `StudyFullError` unless newcomers are let in and there is a place for one."""
-    intake = require_let_in(session, served)
-    if not has_open_place(session, served, intake, now):
+    require_let_in(served, intake)
+    if not has_open_place(reading, served, intake, now):
         raise study_is_full()
 
 
-def require_let_in(session: Session, served: ServedStudy) -> Intake:
-    """Raise `StudyFullError` unless newcomers are let in, whether or not there is a place.
-
-    Returns
-    -------
-    Intake
-        What researchers have decided besides.
-    """
-    intake = present_intake(session)
+def require_let_in(served: ServedStudy, intake: Intake) -> None:
+    """Raise `StudyFullError` unless newcomers are let in, whether or not there is a place."""
     state = intake.state
     if state == "closed":
         raise StudyFullError(
@@ -44,7 +40,6 @@ def require_let_in(session: Session, served: ServedStudy) -> Intake:
             "The study takes no new participants at the moment.",
             "Thank you for your interest. You can try later with the same link.",
         )
-    return intake
 
 
 def study_is_full() -> StudyFullError:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 from typing import Final
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import bindparam, delete, exists, func, insert, select
 from sqlalchemy.orm import Session
 
 from studyapp.models import Newcomer
@@ -18,22 +18,30 @@ from studyapp.services.refusal import CrowdedAddressError
 WINDOW: Final = timedelta(hours=1)
 
 
-def require_uncrowded(session: Session, address: str | None, most: int, now: datetime) -> None:
-    """Raise `CrowdedAddressError` if `most` newcomers have come from `address` within an hour.
+CAME_FROM_ADDRESS: Final = (
+    select(func.count(Newcomer.id))
+    .where(Newcomer.address == bindparam("address"), Newcomer.at > bindparam("since"))
+    .scalar_subquery()
+)
+OLD: Final = select(Newcomer.id).where(Newcomer.at <= bindparam("since"))
+ARE_ANY_OLD: Final = exists(OLD)
+
+# Those are passed over that somebody else forgets at this moment.
+FORGET: Final = delete(Newcomer).where(Newcomer.id.in_(OLD.with_for_update(skip_locked=True)))
+COUNT: Final = insert(Newcomer)
+
+
+def require_uncrowded(came: int, most: int) -> None:
+    """Raise `CrowdedAddressError` if so many newcomers from one address are the most there may be.
 
     Parameters
     ----------
-    address : str or None
-        None where it does not matter, or nobody knows it.
+    came : int
+        How many have come from it within an hour.
     most : int
         0 for any number.
     """
-    if address is None or not most:
-        return
-    of_address = select(func.count(Newcomer.id)).where(
-        Newcomer.address == address, Newcomer.at > now - WINDOW
-    )
-    if session.scalars(of_address).one() >= most:
+    if most and came >= most:
         raise CrowdedAddressError(
             "Very many people have just begun this study from your network.",
             "Please come back in an hour: the same link works then.",
@@ -51,12 +59,12 @@ def most_from_one_address(session: Session, now: datetime) -> int:
     return session.scalar(select(func.max(counts.c.came))) or 0
 
 
+def forget_newcomers(session: Session, now: datetime) -> None:
+    """Forget who came longer than an hour ago."""
+    session.connection().execute(FORGET, {"since": now - WINDOW})
+
+
 def count_newcomer(session: Session, address: str | None, now: datetime) -> None:
-    """Note that somebody from `address` got a place, and forget those of longer ago."""
-    # Those are passed over that somebody else forgets at this moment.
-    old = select(Newcomer.id).where(Newcomer.at <= now - WINDOW)
-    forgotten = session.scalars(old.with_for_update(skip_locked=True)).all()
-    if forgotten:
-        session.execute(delete(Newcomer).where(Newcomer.id.in_(forgotten)))
+    """Note that somebody from `address` got a place; None where nobody counts or knows it."""
     if address is not None:
-        session.add(Newcomer(at=now, address=address))
+        session.connection().execute(COUNT, {"at": now, "address": address})

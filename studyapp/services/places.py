@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cache
-from typing import Final
+from typing import Any, Final
 
 from sqlalchemy import (
-    ColumnElement,
+    Connection,
     Integer,
     Row,
     Select,
     bindparam,
-    case,
+    exists,
     func,
     literal_column,
     not_,
@@ -26,7 +27,7 @@ from sqlalchemy import (
 from sqlalchemy.orm import Session
 
 from studyapp.models import Place, StudySession
-from studyapp.services.database import Database, Turn, share_turn, take_turn
+from studyapp.services.database import Turn, share_turn, take_turn
 from studyapp.services.intake import Intake, present_intake, wanted_places
 from studyapp.services.served_study import ServedStudy
 
@@ -37,6 +38,22 @@ CHANCE: Final = random.SystemRandom()
 
 MOST_AT_ONCE: Final = 16
 """Open places that are looked at together: about as many newcomers are placed at once."""
+
+STALE: Final = StudySession.completed_at.is_(None) & (
+    StudySession.last_active_at < bindparam("silent_since")
+)
+"""That a study session is unfinished and was silent for too long."""
+
+IS_ANY_STALE: Final = exists(select(Place.id).join(Place.study_session).where(STALE))
+
+HELD: Final = (
+    select(Place.arm, Place.design, func.count(Place.study_session_id))
+    .where(Place.study_session_id.is_not(None))
+    .group_by(Place.arm, Place.design)
+)
+HELD_BY_ACTIVE: Final = HELD.where(
+    Place.study_session_id.in_(select(StudySession.id).where(not_(STALE)))
+)
 
 
 def open_places(session: Session, served: ServedStudy) -> None:
@@ -70,13 +87,6 @@ def share_allocation_turn(session: Session, newcomer: str) -> None:
     share_turn(session.connection(), Turn.ALLOCATION, newcomer)
 
 
-def is_any_stale(database: Database, served: ServedStudy, now: datetime) -> bool:
-    """Tell whether a place is held by somebody who has been silent for too long."""
-    stale = select(Place.id).join(Place.study_session).where(_is_stale(served, now))
-    with database.looking_up() as connection:
-        return connection.scalar(stale.limit(1)) is not None
-
-
 def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
     """Give back the places of unfinished study sessions that have been silent for too long.
 
@@ -86,8 +96,9 @@ def release_stale(session: Session, served: ServedStudy, now: datetime) -> None:
     stale = session.scalars(
         select(StudySession.id)
         .join(StudySession.place)
-        .where(_is_stale(served, now))
-        .with_for_update(of=StudySession, skip_locked=True)
+        .where(STALE)
+        .with_for_update(of=StudySession, skip_locked=True),
+        {"silent_since": silent_since(served, now)},
     ).all()
     session.execute(
         update(Place).where(Place.study_session_id.in_(stale)).values(study_session_id=None)
@@ -117,28 +128,38 @@ def take_open_place(
     for index, (arm, design) in enumerate(CHANCE.sample(list(wanted), len(wanted))):
         most = wanted[arm, design]
         arms |= {f"arm{index}": arm, f"design{index}": design, f"wanted{index}": most}
-    in_order = _open_places_in_order(len(wanted))
-    while following := session.scalars(in_order, arms).all():
-        turns = {place: turn for turn, place in enumerate(following)}
-        looking = (
-            select(Place.id, Place.arm, Place.design, Place.number)
-            .where(Place.id.in_(following), Place.study_session_id.is_(None))
-            .order_by(case(turns, value=Place.id))
-            .limit(1)
-        )
+    connection, looks = session.connection(), _looks_for_place(len(wanted))
+    while True:
         # What others are about to get is passed over. They may fail: only a look that waits for
         # them shows that it is gone.
-        for skipping in (True, False):
-            locked = looking.with_for_update(skip_locked=skipping)
-            found = session.execute(locked).first()
+        for look in (looks.skipping, looks.waiting):
+            found = connection.execute(look, arms).first()
             if found is not None:
                 return found
-    return None
+        if connection.execute(looks.open_ones, arms).first() is None:
+            return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Looks:
+    """Three looks at the open places that the next newcomers get.
+
+    Attributes
+    ----------
+    open_ones : Select
+        In their order.
+    skipping, waiting : Select
+        The first one, locked, without those that others have locked, or once these are done.
+    """
+
+    open_ones: Select[Any]
+    skipping: Select[int, str, str, int]
+    waiting: Select[int, str, str, int]
 
 
 @cache
-def _open_places_in_order(arms: int) -> Select[int]:
-    """Select the open places, of so many arms, that the next newcomers get.
+def _looks_for_place(arms: int) -> _Looks:
+    """Return how open places of so many arms are looked for.
 
     The order is that in which newcomers would get the places one after the other: by how many of
     its arm are held once a place is taken. It stays the same while newcomers take places from its
@@ -162,28 +183,42 @@ def _open_places_in_order(arms: int) -> Select[int]:
                 bindparam(f"wanted{index}", type_=Integer).label("wanted"),
             )
         )
-    order = union_all(*heads).subquery()
-    return (
-        select(order.c.id)
-        .where(order.c.turn <= order.c.wanted)
+    every = union_all(*heads).subquery()
+    in_order = (every.c.turn, every.c.chance)
+    open_ones = (
+        select(every).where(every.c.turn <= every.c.wanted).order_by(*in_order).limit(MOST_AT_ONCE)
+    )
+    order = open_ones.subquery()
+    foremost = (
+        select(Place.id, Place.arm, Place.design, Place.number)
+        .join(order, order.c.id == Place.id)
+        .where(Place.study_session_id.is_(None))
         .order_by(order.c.turn, order.c.chance)
-        .limit(MOST_AT_ONCE)
+        .limit(1)
+    )
+    return _Looks(
+        open_ones=open_ones,
+        skipping=foremost.with_for_update(of=Place, skip_locked=True),
+        waiting=foremost.with_for_update(of=Place),
     )
 
 
-def has_open_place(session: Session, served: ServedStudy, intake: Intake, now: datetime) -> bool:
+def has_open_place(
+    reading: Session | Connection, served: ServedStudy, intake: Intake, now: datetime
+) -> bool:
     """Tell whether there is a place for a newcomer, as far as can be said outside the turn.
 
     Places of stale study sessions count as open, though they are given back later.
     """
     wanted = wanted_places(served, intake)
 
-    def has_room(*which: ColumnElement[bool]) -> bool:
-        held = _held(session, *which)
+    def has_room(held: Mapping[ArmKey, int]) -> bool:
         return any(held.get(key, 0) < most for key, most in wanted.items())
 
-    active = select(StudySession.id).where(not_(_is_stale(served, now)))
-    return has_room() or has_room(Place.study_session_id.in_(active))
+    since = silent_since(served, now)
+    return has_room(_held(reading)) or has_room(
+        _held(reading, HELD_BY_ACTIVE, {"silent_since": since})
+    )
 
 
 def regain_place(session: Session, served: ServedStudy, study_session: StudySession) -> None:
@@ -204,20 +239,18 @@ def regain_place(session: Session, served: ServedStudy, study_session: StudySess
         session.flush()
 
 
-def _is_stale(served: ServedStudy, now: datetime) -> ColumnElement[bool]:
-    """Return the condition that a study session is unfinished and was silent for too long."""
-    silent_since = now - timedelta(minutes=served.study.lease_minutes)
-    return StudySession.completed_at.is_(None) & (StudySession.last_active_at < silent_since)
+def silent_since(served: ServedStudy, now: datetime) -> datetime:
+    """Return since when somebody unfinished must have been silent to lose the place."""
+    return now - timedelta(minutes=served.study.lease_minutes)
 
 
-def _held(session: Session, *which: ColumnElement[bool]) -> dict[ArmKey, int]:
+def _held(
+    reading: Session | Connection,
+    holders: Select[str, str, int] = HELD,
+    values: Mapping[str, datetime] | None = None,
+) -> dict[ArmKey, int]:
     """Return how many places of each arm are held, by whoever has finished or is active."""
-    rows = session.execute(
-        select(Place.arm, Place.design, func.count())
-        .where(Place.study_session_id.is_not(None), *which)
-        .group_by(Place.arm, Place.design)
-    )
-    return {(arm, design): count for arm, design, count in rows}
+    return {(arm, design): count for arm, design, count in reading.execute(holders, values)}
 
 
 def _open(key: ArmKey) -> Select[Place]:
@@ -260,9 +293,10 @@ def restore_places(session: Session, served: ServedStudy, now: datetime) -> None
             Place.id.is_(None),
             StudySession.completed_at.is_(None),
             StudySession.withdrawn_at.is_(None),
-            not_(_is_stale(served, now)),
+            not_(STALE),
         )
-        .with_for_update(of=StudySession, skip_locked=True)
+        .with_for_update(of=StudySession, skip_locked=True),
+        {"silent_since": silent_since(served, now)},
     )
     for study_session in placeless.all():
         regain_place(session, served, study_session)

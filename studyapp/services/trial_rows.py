@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import secrets
+from base64 import urlsafe_b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
@@ -99,22 +100,32 @@ def new_token() -> str:
     return secrets.token_urlsafe(TOKEN_BYTES)
 
 
+def new_tokens(count: int) -> Iterator[str]:
+    """Yield as many random names, drawn at once."""
+    drawn = secrets.token_bytes(TOKEN_BYTES * count)
+    for start in range(0, len(drawn), TOKEN_BYTES):
+        yield urlsafe_b64encode(drawn[start : start + TOKEN_BYTES]).decode()
+
+
 def store_trials(
     session: Session, study_session_id: int, planned: Sequence[PlannedTrial], served: ServedStudy
 ) -> None:
     """Store `planned`, the videos that show them and what these present."""
     connection = session.connection()
+    tokens = new_tokens(
+        sum(1 + len(trial.videos) + (trial.reference is not None) for trial in planned)
+    )
 
     def rows(given: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
         return {"study_session_id": study_session_id, "rows": json.dumps(list(given))}
 
-    stored = connection.execute(TRIALS, rows(_trial(trial) for trial in planned))
+    stored = connection.execute(TRIALS, rows(_trial(trial, next(tokens)) for trial in planned))
     trials: dict[int, int] = dict(stored.all())
     shown = [
         {
             "trial_id": trials[trial.position],
             "number": number,
-            "token": new_token(),
+            "token": next(tokens),
             "duration": served.videos[content].duration,
             "made_from": served.videos[content].made_from,
         }
@@ -139,9 +150,9 @@ def store_trials(
     )
 
 
-def _trial(planned: PlannedTrial) -> dict[str, Any]:
+def _trial(planned: PlannedTrial, token: str) -> dict[str, Any]:
     return {
-        "token": new_token(),
+        "token": token,
         "position": planned.position,
         "kind": planned.kind,
         "part": planned.part,

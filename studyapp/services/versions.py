@@ -18,7 +18,7 @@ from studyapp.services.places import (
     restore_places,
     take_allocation_turn,
 )
-from studyapp.services.served_study import ServedStudy, study_has_changed
+from studyapp.services.served_study import ServedStudy
 
 
 def open_study(
@@ -40,23 +40,6 @@ def open_study(
     with database.writing() as session:
         take_allocation_turn(session)
         _open(session, served, clock.now(), new_version=new_version)
-
-
-def present_version(session: Session, served: ServedStudy) -> StudyVersion:
-    """Return the version that `served` is of; `open_study` has noted it.
-
-    Raises
-    ------
-    ConflictError
-        If another server process has opened a changed study since, and nobody had come to this
-        one.
-    """
-    known = session.scalars(
-        select(StudyVersion).where(StudyVersion.design == served.design)
-    ).first()
-    if known is None:
-        raise study_has_changed()
-    return known
 
 
 def must_be_new_version(database: Database, design: str) -> bool:

@@ -107,17 +107,18 @@ def _due(session: Session, served: ServedStudy, now: datetime) -> Iterator[Event
             text=f"{most} participants of the study {study.title!r} came from one network "
             "address within an hour.",
         )
+    intake = present_intake(session)
     try:
-        require_let_in(session, served)
+        require_let_in(served, intake)
     except StudyFullError:
         return
     version = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
     if version is None:
         return
     try:
-        require_room(session, served, now)
+        require_room(session, served, intake, now)
     except StudyFullError:
-        places = sum(wanted_places(served, present_intake(session)).values())
+        places = sum(wanted_places(served, intake).values())
         yield Event(
             kind="full",
             about=f"version {version.number}, {places} places",

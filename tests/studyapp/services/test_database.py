@@ -9,15 +9,17 @@ import sqlite3
 import stat
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from sqlalchemy import create_engine, select, text
+from sqlalchemy import create_engine, event, select, text
 from sqlalchemy.exc import DBAPIError, OperationalError
 
 from motion.errors import InputError
 from studyapp.models import Place
 from studyapp.services.database import (
+    MOST_CONNECTIONS,
     Database,
     Turn,
     database_url_of,
@@ -397,6 +399,19 @@ def test_a_connection_that_has_rested_while_its_server_went_away_is_replaced(
 
     with database.looking_up() as connection:
         assert connection.execute(ask).scalar_one() != resting
+
+
+@POSTGRESQL
+def test_connections_are_kept_however_many_work_at_once(database: Database) -> None:
+    made: list[object] = []
+    event.listen(database.engine, "connect", lambda connection, _: made.append(connection))
+
+    for _ in range(2):
+        with ExitStack() as at_once:
+            for _ in range(MOST_CONNECTIONS):
+                at_once.enter_context(database.looking_up())
+
+    assert len(made) <= MOST_CONNECTIONS
 
 
 @POSTGRESQL

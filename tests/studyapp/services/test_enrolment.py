@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import event, select
 
 from studyapp.models import Newcomer, Place, StudySession
 from studyapp.services.database import Database
@@ -237,6 +237,34 @@ def test_nobody_is_told_that_the_study_is_full_before_the_last_place_is_really_g
 
     assert place is not None
     assert len(held(database)) == 3
+
+
+def test_an_arrival_takes_few_statements(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    arrival = Arrival(visit="one", address="192.0.2.1")
+    asked: list[str] = []
+    event.listen(opened.engine, "before_cursor_execute", lambda *given: asked.append(given[2]))
+
+    def statements() -> int:
+        return sum(not statement.startswith("BEGIN") for statement in asked)
+
+    require_welcome(opened, served, arrival, clock)
+    welcomed = statements()
+    enrol(opened, served, arrival, clock)
+
+    assert welcomed == 2
+    assert statements() - welcomed <= 9
+
+
+def test_who_comes_back_after_a_long_pause_does_not_lose_the_place_by_it(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    token = enrol(opened, served, Arrival(visit="one"), clock)
+    clock.advance(minutes=46)
+
+    assert enrol(opened, served, Arrival(visit="one"), clock) == token
+    assert len(held(opened)) == 1
 
 
 def test_finished_participants_keep_their_places(
