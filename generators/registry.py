@@ -46,6 +46,10 @@ GENERATORS: Final = {
         settings="generators.diffsheg.settings:DiffShegSettings",
         trainable="generators.diffsheg.config:TRAINABLE",
     ),
+    "amuse": Entry(
+        home="generators.amuse.generate:Amuse",
+        settings="generators.amuse.settings:AmuseSettings",
+    ),
 }
 """Every generator under its name; whoever has another one adds it before a study is read."""
 

@@ -8,6 +8,7 @@ against an independent derivation.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 import torch
@@ -16,8 +17,8 @@ from torch import Tensor
 from training.noise_schedule import NoiseSchedule
 
 
-class LinearSchedule(NoiseSchedule):
-    """Noise that grows linearly from step to step, put into motion and taken out of it."""
+class Diffusion(NoiseSchedule):
+    """Noise by a schedule, put into motion or its latent and taken out of it."""
 
     def x_t(self, x0: Tensor, eps: Tensor, t: Tensor) -> Tensor:
         """Return the clean motion `x0` with noise `eps` at diffusion steps `t`."""
@@ -34,9 +35,41 @@ class LinearSchedule(NoiseSchedule):
         alpha_bar = torch.as_tensor(self.alpha_bar, dtype=torch.float32, device=motion.device)[t]
         return alpha_bar.reshape(-1, *([1] * (motion.ndim - 1)))
 
+    def ddim(self, x_t: Tensor, eps_of: Callable[[Tensor, Tensor], Tensor], steps: int) -> Tensor:
+        """Return what is left when the noise of `x_t` is taken out in evenly spaced steps.
 
-LINEAR: Final = LinearSchedule()
+        Song et al. 2021, equation 12 without new noise (eta = 0). As in latent diffusion, steps
+        are one above the multiples of their distance, and the last leads to the schedule's first
+        step rather than to no noise at all.
+
+        Parameters
+        ----------
+        x_t : Tensor
+            Noise of the schedule's last step.
+        eps_of : callable
+            Told the noisy value and its step, (1,); returns the noise in it.
+        steps : int
+            From 1 to the schedule's number of steps.
+        """
+        distance = self.steps // steps
+        for step in reversed(range(steps)):
+            t, to = (
+                torch.tensor([place], device=x_t.device)
+                for place in (
+                    min(step * distance + 1, self.steps - 1),
+                    max((step - 1) * distance + 1, 0),
+                )
+            )
+            eps = eps_of(x_t, t)
+            x_t = self.x_t(self.x0_hat(x_t, eps, t), eps, to)
+        return x_t
+
+
+LINEAR: Final = Diffusion()
 """The schedule of DDPM and of DiffSHEG."""
+
+SCALED_LINEAR: Final = Diffusion(first=0.00085, last=0.012, scaled=True)
+"""The schedule of latent diffusion and of AMUSE."""
 
 
 def step_embedding(t: Tensor, width: int) -> Tensor:

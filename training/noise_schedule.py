@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class NoiseSchedule:
-    """Noise that grows linearly from step to step (Ho et al. 2020, DDPM).
+    """Noise that grows from step to step (Ho et al. 2020, DDPM).
 
     Attributes
     ----------
@@ -20,16 +20,22 @@ class NoiseSchedule:
         Variance that the first and the last step add.
     steps : int
         Number of steps.
+    scaled : bool
+        Whether the standard deviation grows linearly, as in latent diffusion (Rombach et al.
+        2022), and not the variance.
     """
 
     first: float = 1e-4
     last: float = 0.02
     steps: int = 1000
+    scaled: bool = False
 
     @cached_property
     def alpha_bar(self) -> NDArray[np.float64]:
         """Share of the signal's variance that is left after each step, (steps,)."""
-        added = np.linspace(self.first, self.last, self.steps, dtype=np.float64)
+        power = 2 if self.scaled else 1
+        ends = self.first ** (1 / power), self.last ** (1 / power)
+        added = np.linspace(*ends, self.steps, dtype=np.float64) ** power
         return np.cumprod(1.0 - added, dtype=np.float64)
 
 

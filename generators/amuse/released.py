@@ -112,15 +112,16 @@ def load_released(prior: str | Path | None = None, speech: str | Path | None = N
         If a file cannot be read, or is another network's: it names the weights that are missing,
         unknown or of another shape.
     """
-    motion_prior, denoiser = (None, None) if prior is None else _motion_networks(Path(prior))
+    motion_prior, denoiser = (None, None) if prior is None else read_motion_networks(Path(prior))
     return Released(
         prior=motion_prior,
         denoiser=denoiser,
-        speech=None if speech is None else _speech_model(Path(speech)),
+        speech=None if speech is None else read_speech_model(Path(speech)),
     )
 
 
-def _motion_networks(file: Path) -> tuple[MotionPrior, Denoiser]:
+def read_motion_networks(file: Path) -> tuple[MotionPrior, Denoiser]:
+    """Return the released prior and denoiser; see `load_released`."""
     found = read_saved(file)
     if not isinstance(found, Mapping) or not {"prior", "denoiser"} <= found.keys():
         raise not_weights(file, "it has no 'prior' and 'denoiser'")
@@ -140,7 +141,8 @@ def _motion_networks(file: Path) -> tuple[MotionPrior, Denoiser]:
     )
 
 
-def _speech_model(file: Path) -> SpeechModel:
+def read_speech_model(file: Path) -> SpeechModel:
+    """Return the released speech model; see `load_released`."""
     weights: dict[str, Tensor] = {}
     for name, weight in _renamed(tensors_in(read_saved(file), file), _SPEECH).items():
         queries, qkv, kind = name.partition(".attn.qkv.")

@@ -6,13 +6,16 @@ filterbank, a fusion and a decoder rebuild it from their three latents.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, Literal, NamedTuple
 
 import torch
 from torch import Tensor, nn
 from transformers import ASTConfig, ASTModel
 
 from generators.amuse.config import SpeechConfig
+
+Part = Literal["content", "emotion", "style"]
+PARTS: Final[tuple[Part, ...]] = ("content", "emotion", "style")
 
 
 class HeardSpeech(NamedTuple):
@@ -118,6 +121,12 @@ class SpeechModel(nn.Module):
         self.emotion = SpeechEncoder(config, config.emotions)
         self.style = SpeechEncoder(config, config.styles)
         self.decoder = SpeechDecoder(config)
+
+    def latent(self, part: Part, filterbank: Tensor) -> Tensor:
+        """Return one latent (batch, latent) of filterbanks; the other encoders are not asked."""
+        encoders = {"content": self.content, "emotion": self.emotion, "style": self.style}
+        found: Tensor = encoders[part](filterbank)[0]
+        return found
 
     def forward(self, filterbank: Tensor) -> HeardSpeech:
         """Return what is heard in filterbanks (batch, frames, bands)."""

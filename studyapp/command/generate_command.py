@@ -30,7 +30,11 @@ _folder = click.Path(file_okay=False, path_type=Path)
 )
 @click.option("--speech", type=_file, multiple=True, help="A recording; may be repeated.")
 @click.option("--out", type=_folder, help="Where the clips of --speech go.")
-@click.option("--emotion", metavar=f"[{'|'.join(EMOTIONS)}]", help="Of the speech: neutral.")
+@click.option(
+    "--emotion",
+    metavar=f"[{'|'.join(EMOTIONS)}]",
+    help="Of the speech: neutral. A recording, where the generator hears emotions.",
+)
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Chance.")
 @click.option(
     "--fps",

@@ -10,11 +10,12 @@ import pytest
 
 from generators.diffsheg.settings import DiffShegSettings
 from generators.interface import Generator, SpeechSegment
-from generators.registry import load_generator, needs_model
+from generators.registry import load_generator
 from generators.rule_based.generator import RuleBased
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS, Segment
+from tests.generators.amuse.small_networks import written_networks
 from tests.generators.diffsheg.small_network import written_network
 from training.threads import torch_threads
 
@@ -85,6 +86,9 @@ def study() -> ClipsInMemory:
 @pytest.fixture(scope="session")
 def load(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Generator]:
     """Return how to load any generator; a learned one is a small network of random weights."""
-    checkpoint = written_network(tmp_path_factory.mktemp("models") / "small.safetensors")
-    settings = DiffShegSettings(checkpoint=checkpoint)
-    return lambda name: load_generator(name, settings if needs_model(name) else None)
+    folder = tmp_path_factory.mktemp("models")
+    settings = {
+        "diffsheg": DiffShegSettings(checkpoint=written_network(folder / "small.safetensors")),
+        "amuse": written_networks(folder),
+    }
+    return lambda name: load_generator(name, settings.get(name))

@@ -69,7 +69,9 @@ def test_the_same_seed_gives_the_same_bytes(
     first, second = (make(generator, study, speech) for _ in range(2))
     assert first.poses.tobytes() == second.poses.tobytes()
     assert first.trans.tobytes() == second.trans.tobytes()
-    assert first.arkit.tobytes() == second.arkit.tobytes()
+    assert (first.arkit is None) == (second.arkit is None)
+    if first.arkit is not None and second.arkit is not None:
+        assert first.arkit.tobytes() == second.arkit.tobytes()
     assert first.provenance == second.provenance
 
 
@@ -84,6 +86,10 @@ def test_facial_actions_are_weights(
     generator: Generator, study: StudyClips, speech: SpeechSegment
 ) -> None:
     clip = make(generator, study, speech)
+    if generator.name == "amuse":
+        assert clip.arkit is None  # It moves no face.
+        return
+    assert clip.arkit is not None
     assert clip.arkit.min() >= 0
     assert clip.arkit.max() <= 1
 

@@ -22,6 +22,7 @@ GOLDEN = {
     ("static", "1"): [-0.39178, 0.00000, 0.00000],
     ("broken", "1"): [0.31685, -0.15585, -0.25683],
     ("diffsheg", "1"): [-0.47054, -0.00132, 0.03463],
+    ("amuse", "1"): [0.29179, 0.09339, 0.0],
 }
 
 
@@ -52,7 +53,7 @@ def test_a_generator_that_moves_otherwise_has_another_version(
         speak(names[1], 4.0, "happiness", 5), seed=3, frame_rate=30, source=source
     )
 
-    assert clip.arkit is not None
-    assert fingerprint(clip.poses, clip.trans, clip.arkit) == pytest.approx(
+    face = np.zeros(0) if clip.arkit is None else clip.arkit
+    assert fingerprint(clip.poses, clip.trans, face) == pytest.approx(
         GOLDEN[name, generator.version], abs=1e-4
     )

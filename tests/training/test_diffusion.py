@@ -7,11 +7,11 @@ import math
 import pytest
 import torch
 
-from training.diffusion import LINEAR, LinearSchedule
+from training.diffusion import LINEAR, SCALED_LINEAR, Diffusion
 
 
 def test_what_is_kept_is_the_product_of_what_each_step_keeps() -> None:
-    schedule = LinearSchedule(first=0.1, last=0.3, steps=3)
+    schedule = Diffusion(first=0.1, last=0.3, steps=3)
     assert schedule.alpha_bar == pytest.approx([0.9, 0.9 * 0.8, 0.9 * 0.8 * 0.7])
 
 
@@ -33,3 +33,39 @@ def test_a_motion_is_found_again_under_the_noise_that_was_added() -> None:
 def test_noise_of_the_last_step_leaves_next_to_nothing_of_the_motion() -> None:
     clean, noise = torch.ones(1, 1, 1), torch.zeros(1, 1, 1)
     assert float(LINEAR.x_t(clean, noise, torch.tensor([999]))) < 0.01
+
+
+def test_the_deviation_of_scaled_noise_grows_linearly() -> None:
+    kept = 1.0
+    for step in range(1000):
+        deviation = math.sqrt(0.00085) + (math.sqrt(0.012) - math.sqrt(0.00085)) * step / 999
+        kept *= 1 - deviation**2
+    assert SCALED_LINEAR.alpha_bar[-1] == pytest.approx(kept)
+
+
+def test_the_noise_of_a_known_motion_is_taken_out_in_evenly_spaced_steps() -> None:
+    clean = torch.full((1, 1, 3), 2.0)
+    seen = []
+
+    def eps_of(x_t: torch.Tensor, t: torch.Tensor) -> torch.Tensor:
+        seen.append(int(t))
+        alpha_bar = SCALED_LINEAR.alpha_bar[int(t)]
+        return (x_t - math.sqrt(alpha_bar) * clean) / math.sqrt(1 - alpha_bar)
+
+    noise = torch.randn(1, 1, 3, generator=torch.Generator().manual_seed(2))
+    found = SCALED_LINEAR.ddim(noise, eps_of, steps=50)
+    assert seen == list(range(981, 0, -20))
+    left = 1 - SCALED_LINEAR.alpha_bar[0]
+    assert torch.allclose(found, clean, atol=3 * math.sqrt(left))
+
+
+def test_all_steps_may_be_taken() -> None:
+    seen = []
+
+    def eps_of(x_t: torch.Tensor, t: torch.Tensor) -> torch.Tensor:
+        seen.append(int(t))
+        return torch.zeros_like(x_t)
+
+    LINEAR.ddim(torch.ones(1, 1), eps_of, steps=1000)
+    assert seen[0] == 999
+    assert seen[-1] == 1

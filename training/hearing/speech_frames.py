@@ -128,7 +128,7 @@ def hear_whole(audio: Audio, frame_rate: float, hubert: Hubert) -> SpeechFrames:
     `hear` and `hear_stream` bound both.
     """
     frames = max(1, round(audio.duration * frame_rate))
-    heard = hubert.hear(_at_speech_rate(audio))
+    heard = hubert.hear(at_speech_rate(audio))
     return SpeechFrames(
         torch.from_numpy(mel_bands(audio, frame_rate, frames)), at_frames(heard, frames)
     )
@@ -191,11 +191,12 @@ def _part_of(
     skipped = round(seconds_before * frame_rate)
     mel = mel_bands(sound, frame_rate, skipped + count)[skipped:]
     times = seconds_before + np.arange(count) / frame_rate
-    heard = hubert.hear(_at_speech_rate(sound))
+    heard = hubert.hear(at_speech_rate(sound))
     return SpeechFrames(torch.from_numpy(mel), at_places(heard, feature_places(times)))
 
 
-def _at_speech_rate(audio: Audio) -> FloatArray:
+def at_speech_rate(audio: Audio) -> FloatArray:
+    """Return the samples at 16 kHz."""
     if audio.sample_rate == SPEECH_RATE:
         return audio.samples
     common = math.gcd(SPEECH_RATE, audio.sample_rate)

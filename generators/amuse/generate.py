@@ -1,0 +1,207 @@
+"""AMUSE as a generator: speech in, a clip of the body out; parts of the speech can be swapped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from generators.amuse.network_file import (
+    MotionNetworks,
+    SpeechNetwork,
+    load_motion_networks,
+    load_speech_network,
+)
+from generators.amuse.sampling import (
+    STEPS,
+    WindowPlan,
+    join_windows,
+    plan_windows,
+    sample_windows,
+)
+from generators.amuse.settings import AmuseSettings
+from generators.amuse.speech import PARTS, Part
+from generators.clip_length import with_length
+from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
+from motion.audio import SPEECH_RATE, Audio, read_audio
+from motion.clip import MotionClip, check_frame_rate
+from motion.errors import InputError
+from motion.resample import resample
+from training.device import check_device
+from training.hearing.filterbank import check_speech, filterbank
+from training.hearing.speech_frames import at_speech_rate
+from training.spaces.smplx_6d import smplx_6d_clip
+
+FRAME_RATE: Final = 30
+FADE: Final = 30
+"""Frames in which a window takes over from the one before."""
+
+
+class Amuse:
+    """Moves as the speech's content, emotion and style say (Chhatre et al. 2024).
+
+    Parameters
+    ----------
+    settings : AmuseSettings
+        Weights, and recordings for the parts that are swapped. Networks are read when the first
+        clip is made.
+    device : {'cpu', 'cuda'}
+        Where they run.
+
+    Raises
+    ------
+    InputError
+        If the device is not usable.
+    """
+
+    name: Final = "amuse"
+    version: Final = "1"
+    needs_source: Final = False
+
+    def __init__(self, settings: AmuseSettings, device: str) -> None:
+        check_device(device)
+        self._settings = settings
+        self._device = device
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+
+        Its provenance further holds which recordings stood in for which parts, hashes of the
+        weights, the device, and where windows of motion begin.
+        """
+        entropy = seeded_stream(seed)
+        count = speech.frame_count(frame_rate)
+        check_frame_rate(frame_rate)
+        plan = self._plan(speech.audio)
+        latents = self._latents(speech.audio, plan, on_part)
+        random = np.random.default_rng(entropy)
+        noise = random.standard_normal((plan.count, 1, self._networks.prior.config.width))
+        windows = sample_windows(
+            self._networks.prior,
+            self._networks.denoiser,
+            latents,
+            torch.from_numpy(noise.astype(np.float32)).to(self._device),
+        )
+        motion = join_windows(windows, plan).cpu().numpy().astype(np.float64)
+        if not np.isfinite(motion).all():
+            raise InputError(
+                "the network tells motion that is not finite",
+                where=self._settings.checkpoint,
+                remedy="Its training has diverged: give another checkpoint",
+            )
+        wanted = max(1, round(speech.audio.duration * FRAME_RATE))
+        clip = resample(smplx_6d_clip(motion[:wanted], FRAME_RATE), frame_rate)
+        return with_length(clip, count).with_provenance(
+            generator=self.name,
+            seed=str(seed),
+            segment=speech.segment.name,
+            sampling=f"{STEPS} steps",
+            window_frames=str(plan.stride + FADE),
+            window_overlap=str(FADE),
+            window_frame_rate=str(FRAME_RATE),
+            device=self._device,
+            checkpoint=self._settings.checkpoint.name,
+            checkpoint_sha256=self._settings.checkpoint_sha256,
+            **{part: Path(named).name for part, named in self._swapped.items()},
+        )
+
+    @cached_property
+    def _networks(self) -> MotionNetworks:
+        networks = load_motion_networks(self._settings.checkpoint)
+        return replace(
+            networks,
+            prior=networks.prior.to(self._device),
+            denoiser=networks.denoiser.to(self._device),
+        )
+
+    @cached_property
+    def _speech(self) -> SpeechNetwork:
+        network = load_speech_network(self._settings.speech_model)
+        wanted = self._networks.prior.config.condition_width
+        if network.model.config.latent != wanted:
+            raise InputError(
+                f"the speech model's latents have {network.model.config.latent} values, and the "
+                f"denoiser was trained on {wanted}",
+                where=self._settings.speech_model,
+                remedy="Give the speech model that the denoiser was trained with",
+            )
+        return replace(network, model=network.model.to(self._device))
+
+    @cached_property
+    def _swapped(self) -> dict[Part, str | Path]:
+        """The recordings and labels that stand in for parts of the speech."""
+        named = ((part, getattr(self._settings, part)) for part in PARTS)
+        return {part: stands_in for part, stands_in in named if stands_in is not None}
+
+    def _plan(self, audio: Audio) -> WindowPlan:
+        frames = round(audio.duration * FRAME_RATE)
+        return plan_windows(frames, self._networks.prior.config.frames, FADE)
+
+    @torch.inference_mode()
+    def _latents(self, audio: Audio, plan: WindowPlan, on_part: OnPart) -> list[Tensor]:
+        """Return content, emotion and style of each window, (windows, latent) each."""
+        found = {part: self._stand_in(part, plan.count) for part in self._swapped}
+        own = [part for part in PARTS if part not in found]
+        heard: dict[Part, list[Tensor]] = {part: [] for part in own}
+        for number, rows in enumerate(self._windows_of(audio, plan)):
+            for part in own:
+                heard[part].append(self._speech.model.latent(part, rows))
+            on_part(number + 1, plan.count)
+        found |= {part: torch.cat(latents) for part, latents in heard.items()}
+        return [found[part] for part in PARTS]
+
+    def _stand_in(self, part: Part, windows: int) -> Tensor:
+        """Return the latents (windows, latent) of what stands in for a part of the speech.
+
+        Content follows its recording, from its beginning again where it is shorter; emotion and
+        style are the recording's mean.
+        """
+        latents = self._heard_elsewhere[part]
+        if part != "content":
+            return latents.mean(dim=0, keepdim=True).expand(windows, -1)
+        return latents[torch.arange(windows) % len(latents)]
+
+    @cached_property
+    def _heard_elsewhere(self) -> dict[Part, Tensor]:
+        """Latents (windows, latent) of each recording or label that stands in for a part."""
+        return {part: self._heard(part, named) for part, named in self._swapped.items()}
+
+    def _heard(self, part: Part, named: str | Path) -> Tensor:
+        if isinstance(named, str):
+            return self._speech.labelled(part, named)[None].to(self._device)
+        try:
+            audio = read_audio(named)
+            windows = self._windows_of(audio, self._plan(audio))
+        except InputError as error:
+            raise InputError(
+                f"{part} cannot be heard: {error.what}",
+                where=error.where or named,
+                remedy=error.remedy,
+            ) from error
+        return torch.cat([self._speech.model.latent(part, rows) for rows in windows])
+
+    def _windows_of(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:
+        """Return the filterbank of each window of speech, (1, rows, bands)."""
+        samples = at_speech_rate(audio)
+        check_speech(samples)
+        config = self._speech.model.config
+        per_frame = SPEECH_RATE / FRAME_RATE
+        windows = []
+        for start in plan.starts:
+            first, last = round(start * per_frame), round((start + plan.frames) * per_frame)
+            rows = filterbank(samples[first:last], config.frames, config.bands)
+            windows.append(rows[None].to(self._device))
+        return windows

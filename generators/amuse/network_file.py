@@ -1,0 +1,177 @@
+"""AMUSE's networks with all that motion depends on, from our files or the authors'."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+from torch import Tensor, nn
+
+from generators.amuse.config import MotionConfig, SpeechConfig
+from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.released import read_motion_networks, read_speech_model
+from generators.amuse.speech import SpeechModel
+from motion.errors import InputError
+from motion.listing import listed
+from training.weights_file import WeightsFile, holds_facts, read_weights, write_weights
+
+Network = TypeVar("Network", bound=nn.Module)
+
+_MOTION: Final = "amuse motion"
+_SPEECH: Final = "amuse speech"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionNetworks:
+    """The two networks that tell motion.
+
+    Attributes
+    ----------
+    prior : MotionPrior
+    denoiser : Denoiser
+        In evaluation mode, on the CPU.
+    training : mapping
+        How they were trained, as JSON values; empty where nobody knows.
+    """
+
+    prior: MotionPrior
+    denoiser: Denoiser
+    training: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpeechNetwork:
+    """The network that takes speech apart.
+
+    Attributes
+    ----------
+    model : SpeechModel
+        In evaluation mode, on the CPU.
+    latents : mapping of str to (mapping of str to Tensor)
+        Under ``emotion`` and ``style`` the mean latent (latent,) of each emotion and speaker that
+        it learned from; empty where nobody knows, as of a released network.
+    training : mapping
+        How it was trained, as JSON values; empty where nobody knows.
+    """
+
+    model: SpeechModel
+    latents: Mapping[str, Mapping[str, Tensor]] = field(default_factory=dict)
+    training: Mapping[str, Any] = field(default_factory=dict)
+
+    def labelled(self, part: str, label: str) -> Tensor:
+        """Return the mean latent (latent,) of an emotion, or of a speaker's style.
+
+        Raises
+        ------
+        InputError
+            If the network did not learn it.
+        """
+        known = self.latents.get(part, {})
+        if label not in known:
+            names = f"it knows {listed(list(known))}" if known else "it knows none by name"
+            raise InputError(
+                f"the speech model learned no {part} {label!r}: {names}",
+                remedy=f'Name a recording instead: {part} = "FILE.wav"',
+            )
+        return known[label]
+
+
+def write_motion_networks(path: Path, networks: MotionNetworks) -> None:
+    """Write prior and denoiser to one safetensors file, with their sizes and their origin."""
+    parts = {"prior": networks.prior, "denoiser": networks.denoiser}
+    tensors = {
+        f"{part}.{name}": tensor
+        for part, network in parts.items()
+        for name, tensor in network.state_dict().items()
+    }
+    facts = {
+        "network": _MOTION,
+        "config": asdict(networks.prior.config),
+        "training": dict(networks.training),
+    }
+    write_weights(path, tensors, facts)
+
+
+def write_speech_network(path: Path, network: SpeechNetwork) -> None:
+    """Write a speech model to one safetensors file, with its sizes, its labels and its origin."""
+    tensors = {f"model.{name}": tensor for name, tensor in network.model.state_dict().items()}
+    for part, latents in network.latents.items():
+        tensors |= {f"{part}.{label}": latent for label, latent in latents.items()}
+    facts = {
+        "network": _SPEECH,
+        "config": asdict(network.model.config),
+        "labels": {part: list(latents) for part, latents in network.latents.items()},
+        "training": dict(network.training),
+    }
+    write_weights(path, tensors, facts)
+
+
+def load_motion_networks(path: Path) -> MotionNetworks:
+    """Return the networks of a file that `write_motion_networks` or AMUSE's authors wrote.
+
+    Raises
+    ------
+    InputError
+        If the file is no such network.
+    """
+    if not holds_facts(path):
+        prior, denoiser = read_motion_networks(path)
+        return MotionNetworks(prior=prior, denoiser=denoiser)
+    file = read_weights(path)
+    try:
+        config = MotionConfig(**_config(file, _MOTION))
+        return MotionNetworks(
+            prior=_loaded(MotionPrior(config), file, "prior"),
+            denoiser=_loaded(Denoiser(config), file, "denoiser"),
+            training=file.facts["training"],
+        )
+    except (KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise _another_network(path, "motion prior and denoiser") from error
+
+
+def load_speech_network(path: Path) -> SpeechNetwork:
+    """Return the network of a file that `write_speech_network` or AMUSE's authors wrote.
+
+    Raises
+    ------
+    InputError
+        If the file is no such network.
+    """
+    if not holds_facts(path):
+        return SpeechNetwork(model=read_speech_model(path))
+    file = read_weights(path)
+    try:
+        config = SpeechConfig(**_config(file, _SPEECH))
+        return SpeechNetwork(
+            model=_loaded(SpeechModel(config), file, "model"),
+            latents={
+                part: {label: file.tensors[f"{part}.{label}"] for label in labels}
+                for part, labels in file.facts["labels"].items()
+            },
+            training=file.facts["training"],
+        )
+    except (KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
+        raise _another_network(path, "speech model") from error
+
+
+def _config(file: WeightsFile, kind: str) -> Mapping[str, Any]:
+    if file.facts["network"] != kind:
+        raise ValueError("another network")
+    config: Mapping[str, Any] = file.facts["config"]
+    return config
+
+
+def _loaded(network: Network, file: WeightsFile, part: str) -> Network:
+    network.load_state_dict(file.part(part))
+    network.requires_grad_(False).eval()
+    return network
+
+
+def _another_network(path: Path, wanted: str) -> InputError:
+    return InputError(
+        f"the file holds weights, but not of AMUSE's {wanted}",
+        where=path,
+        remedy=f"Give AMUSE's {wanted}: one that was trained here, or the released one",
+    )

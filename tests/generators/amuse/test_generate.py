@@ -1,0 +1,168 @@
+"""AMUSE as a generator."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.metrics.seams import windows_of
+from generators.amuse.generate import Amuse
+from generators.amuse.settings import AmuseSettings
+from generators.interface import SpeechSegment
+from motion.audio import Audio, write_wav
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.segment import Segment
+from tests.generators.amuse.small_networks import written_networks
+
+
+@pytest.fixture(name="settings", scope="module")
+def _settings(tmp_path_factory: pytest.TempPathFactory) -> AmuseSettings:
+    return written_networks(tmp_path_factory.mktemp("amuse"))
+
+
+def _speech(seconds: float, hertz: float = 180.0, rate: int = 16_000) -> SpeechSegment:
+    times = np.arange(round(seconds * rate)) / rate
+    loud = 0.3 + 0.2 * np.sin(2 * np.pi * 3 * times)
+    samples = (loud * np.sin(2 * np.pi * hertz * times)).astype(np.float32)
+    segment = Segment(
+        name="hello", wav="hello.wav", start=0.0, end=seconds, speaker="anna", emotion="neutral"
+    )
+    return SpeechSegment(segment=segment, audio=Audio(samples, rate))
+
+
+def _clip(settings: AmuseSettings, speech: SpeechSegment, seed: int = 1) -> MotionClip:
+    return Amuse(settings, "cpu").generate(speech, seed=seed, frame_rate=30)
+
+
+def _recording(folder: Path, hertz: float, seconds: float = 4.0) -> Path:
+    path = folder / f"{hertz:g}.wav"
+    write_wav(path, _speech(seconds, hertz).audio)
+    return path
+
+
+@pytest.mark.parametrize(("seconds", "rate", "fps"), [(2.5, 16_000, 30), (12.3, 44_100, 25)])
+def test_a_clip_is_as_long_as_its_speech(
+    settings: AmuseSettings, seconds: float, rate: int, fps: float
+) -> None:
+    clip = Amuse(settings, "cpu").generate(_speech(seconds, rate=rate), seed=1, frame_rate=fps)
+    assert len(clip) == round(seconds * fps)
+    assert clip.frame_rate == fps
+    assert clip.provenance["generator"] == "amuse"
+
+
+def test_the_same_seed_gives_the_same_clip_and_another_one_a_variation(
+    settings: AmuseSettings,
+) -> None:
+    first, again, other = (_clip(settings, _speech(3.0), seed) for seed in (4, 4, 5))
+    assert (first.poses == again.poses).all()
+    assert not np.allclose(first.poses, other.poses)
+
+
+def test_the_rate_of_the_recording_changes_next_to_nothing(settings: AmuseSettings) -> None:
+    low, high = (_clip(settings, _speech(3.0, rate=rate)) for rate in (16_000, 48_000))
+    assert np.abs(low.poses - high.poses).max() < 0.05
+
+
+def test_long_speech_says_where_its_windows_begin(settings: AmuseSettings) -> None:
+    heard: list[tuple[int, int]] = []
+    clip = Amuse(settings, "cpu").generate(
+        _speech(25.0), seed=1, frame_rate=30, on_part=lambda *part: heard.append(part)
+    )
+    windows = windows_of(clip)
+    assert heard == [(1, 3), (2, 3), (3, 3)]
+    assert windows.step * 2 + 300 >= len(clip)
+    assert windows.overlap == 30
+
+
+@pytest.mark.parametrize("part", ["content", "emotion", "style"])
+def test_each_part_can_be_heard_from_another_recording(
+    settings: AmuseSettings, part: str, tmp_path: Path
+) -> None:
+    speech, other = _speech(3.0), _recording(tmp_path, 520)
+    edited = settings.model_copy(update={part: other})
+    plain, clip = _clip(settings, speech), _clip(edited, speech)
+    assert not np.allclose(plain.poses, clip.poses, atol=1e-4)
+    assert clip.provenance[part] == "520.wav"
+
+
+def test_parts_that_come_from_the_speech_itself_change_nothing(
+    settings: AmuseSettings, tmp_path: Path
+) -> None:
+    speech, same = _speech(3.0), _recording(tmp_path, 180, seconds=3.0)
+    edited = settings.model_copy(update={"content": same, "emotion": same, "style": same})
+    assert np.abs(_clip(settings, speech).poses - _clip(edited, speech).poses).max() < 1e-3
+
+
+def test_the_parts_of_two_speeches_go_together_as_named(
+    settings: AmuseSettings, tmp_path: Path
+) -> None:
+    first, second = _recording(tmp_path, 180), _recording(tmp_path, 520)
+    swapped = settings.model_copy(update={"emotion": second, "style": second})
+    from_second = settings.model_copy(update={"content": first})
+    one, other = _speech(4.0, 180), _speech(4.0, 520)
+    assert np.abs(_clip(swapped, one).poses - _clip(from_second, other).poses).max() < 1e-3
+
+
+def test_an_emotion_is_named_by_a_label_that_the_speech_model_learned(
+    settings: AmuseSettings,
+) -> None:
+    happy, afraid = (
+        _clip(settings.model_copy(update={"emotion": label}), _speech(3.0))
+        for label in ("happiness", "fear")
+    )
+    assert not np.allclose(happy.poses, afraid.poses, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"emotion": "disgust"}, r"no emotion 'disgust': it knows happiness and fear"),
+        ({"style": "berta"}, r"no style 'berta': it knows anna"),
+    ],
+)
+def test_a_label_that_nobody_learned_is_refused(
+    settings: AmuseSettings, changes: dict[str, str], said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        _clip(settings.model_copy(update=changes), _speech(3.0))
+
+
+def test_a_recording_that_says_nothing_is_refused_by_its_name(
+    settings: AmuseSettings, tmp_path: Path
+) -> None:
+    write_wav(tmp_path / "still.wav", Audio(np.zeros(32_000, np.float32), 16_000))
+    edited = settings.model_copy(update={"emotion": tmp_path / "still.wav"})
+    with pytest.raises(InputError, match=r"emotion cannot be heard: .* silent") as caught:
+        _clip(edited, _speech(3.0))
+    assert caught.value.where == str(tmp_path / "still.wav")
+
+
+def test_a_pause_of_a_whole_window_is_moved_to(settings: AmuseSettings) -> None:
+    speech = _speech(30.0)
+    samples = speech.audio.samples.copy()
+    samples[9 * 16_000 : 21 * 16_000] = 0
+    paused = SpeechSegment(segment=speech.segment, audio=Audio(samples, 16_000))
+    assert len(_clip(settings, paused)) == 900
+
+
+def test_speech_of_a_moment_is_refused(settings: AmuseSettings) -> None:
+    with pytest.raises(InputError, match="too short"):
+        _clip(settings, _speech(0.2))
+
+
+def test_a_speech_model_of_another_size_is_refused(settings: AmuseSettings, tmp_path: Path) -> None:
+    swapped = settings.model_copy(update={"speech_model": settings.checkpoint})
+    with pytest.raises(InputError, match="not of AMUSE's speech model"):
+        _clip(swapped, _speech(3.0))
+
+
+def test_settings_tell_a_recording_from_a_label(settings: AmuseSettings, tmp_path: Path) -> None:
+    _recording(tmp_path, 520)
+    edited = settings.model_copy(update={"emotion": "520.wav", "style": "anna"}).within(tmp_path)
+    assert edited.emotion == tmp_path / "520.wav"
+    assert edited.style == "anna"
+    with pytest.raises(InputError, match="no such recording of emotion"):
+        settings.model_copy(update={"emotion": "missing.wav"}).within(tmp_path)
