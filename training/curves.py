@@ -29,7 +29,8 @@ def draw_curves(lines: Sequence[LogLine], path: Path) -> None:
     """Draw what the log of a run tells to the PNG file `path`.
 
     The loss is drawn large, the learning rate and everything else that was measured small below it.
-    Equal logs make equal bytes.
+    A line marks the step whose weights are kept: where what held-out examples are measured by
+    first was least. Equal logs make equal bytes.
     """
     # Drawing takes a second to load, and a run draws only when it saves.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -39,6 +40,8 @@ def draw_curves(lines: Sequence[LogLine], path: Path) -> None:
     learned = _series([line for line in lines if "held_out" not in line])
     held_out = _series([{"step": n["step"], **n["held_out"]} for n in lines if "held_out" in n])
     small = [name for name in {**learned, **held_out} if name != "loss"]
+    chosen_by = next(iter(held_out), "")
+    kept = _least(*held_out[chosen_by]) if held_out else None
     rows = -(-len(small) // _ACROSS)
     height = _LOSS + _SMALL * rows
     figure = Figure(figsize=(9, height), dpi=100)
@@ -57,8 +60,9 @@ def draw_curves(lines: Sequence[LogLine], path: Path) -> None:
     places = [grid[0, :], *(grid[1 + n // _ACROSS, n % _ACROSS] for n in range(len(small)))]
     for name, place in zip(["loss", *small], places, strict=True):
         axes = figure.add_subplot(place)
-        _draw(axes, learned.get(name), held_out.get(name), plain=name == "learning_rate")
-        axes.set_title(name.replace("_", " "), fontsize=10, loc="left")
+        _draw(axes, learned.get(name), held_out.get(name), kept, plain=name == "learning_rate")
+        chooses = " (chooses the weights)" if name == chosen_by else ""
+        axes.set_title(f"{name.replace('_', ' ')}{chooses}", fontsize=10, loc="left")
         axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(labelsize=8, which="both")
         axes.margins(x=0.01)
@@ -87,6 +91,7 @@ def _draw(
     axes: Axes,
     learned: tuple[FloatArray, FloatArray] | None,
     held_out: tuple[FloatArray, FloatArray] | None,
+    kept: float | None,
     *,
     plain: bool,
 ) -> None:
@@ -107,9 +112,13 @@ def _draw(
             markersize=3,
             label="held out",
         )
-    if held_out is not None and learned is not None:
-        least = int(np.argmin(held_out[1]))
-        axes.plot(held_out[0][least], held_out[1][least], "o", color=_HELD_OUT, label="least")
+    if kept is not None:
+        axes.axvline(kept, color=_HELD_OUT, linewidth=0.8, linestyle=":", label="kept")
+
+
+def _least(steps: FloatArray, values: FloatArray) -> float:
+    """Return the first step at which the values are least."""
+    return float(steps[np.argmin(values)])
 
 
 def _draw_steps(axes: Axes, steps: FloatArray, values: FloatArray) -> None:

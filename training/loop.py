@@ -181,7 +181,8 @@ class _Run(Generic[Network]):
         measured = self._group.from_leader(self._measured() if self._group.leads else {})
         self._check_finite(measured)
         self._log.add({"step": self._step, "held_out": measured})
-        if self._best is None or measured["loss"] < self._best.measured["loss"]:
+        chosen_by = next(iter(measured))
+        if self._best is None or measured[chosen_by] < self._best.measured[chosen_by]:
             self._best = Best(step=self._step, measured=measured)
             if self._group.leads:
                 self._best_weights = {

@@ -49,8 +49,11 @@ class Task(Protocol[Network]):
         ...
 
     def validation(self, network: Network) -> Mapping[str, float]:
-        """Return what is measured of held-out examples: ``loss``, of which less is better, first.
+        """Return what is measured of held-out examples, first what the weights are chosen by.
 
+        Of the first, which any name may have, less is better: the weights of the step where it was
+        least are kept. It should be what the network is for, which the sum of all losses need not
+        be, and be measured on enough examples to tell steps apart.
         The network is in evaluation mode, and no gradients are kept. torch's generator is seeded
         alike each time, so that what is drawn here is the same noise at every step.
         """

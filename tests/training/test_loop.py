@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -134,6 +135,34 @@ def test_the_network_that_is_returned_did_best_on_held_out_examples(tmp_path: Pa
     with torch.no_grad():
         found = torch.nn.functional.mse_loss(trained.network(ENTRIES[32:]), VALUES[32:])
     assert float(found) == trained.best.measured["loss"] == min(held_out.values())
+
+
+def size(network: torch.nn.Sequential) -> float:
+    return float(network[0].weight.detach().abs().sum())
+
+
+class Small(Line):
+    """A line whose weights are chosen by what its loss says nothing of: how small they are."""
+
+    def validation(self, network: torch.nn.Sequential) -> Mapping[str, float]:
+        return {"size": size(network), **super().validation(network)}
+
+
+def test_the_weights_that_are_kept_are_chosen_by_what_the_task_measures_first(
+    tmp_path: Path,
+) -> None:
+    def show(done: int, total: int, detail: str) -> None:
+        if done == 17:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(TrainingStopped):
+        train(Small(), CONFIG, RunFolder(tmp_path), show=show)
+    trained = train(Small(), CONFIG, RunFolder(tmp_path))
+    lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    measured = {line["step"]: line["held_out"] for line in lines if "held_out" in line}
+    assert trained.best.step == min(measured, key=lambda step: measured[step]["size"])
+    assert trained.best.step != min(measured, key=lambda step: measured[step]["loss"])
+    assert size(trained.network) == trained.best.measured["size"]
 
 
 def test_training_leaves_the_callers_chance_and_settings_alone(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,15 +14,22 @@ import pytest
 import torch
 
 from generators.diffsheg.config import ABLATIONS, PRESETS, TINY, preset_of
-from generators.diffsheg.losses import LOSSES
+from generators.diffsheg.losses import LOSSES, LossWeights
 from generators.diffsheg.network_file import MotionNetwork, load_network
-from generators.diffsheg.train import DiffShegTask, normalisation_of, train_diffsheg
+from generators.diffsheg.train import (
+    CHOSEN_BY,
+    HELD_OUT,
+    DiffShegTask,
+    normalisation_of,
+    train_diffsheg,
+)
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from tests.training.toy_takes import SKIPPED, toy_folder, toy_takes
 from training.data.feature_cache import PreparedTakes
 from training.data.take import TakeFolder
 from training.data.windows import Windows
+from training.diffusion import LINEAR
 from training.loop import TrainingStopped
 from training.speakers import Speakers
 
@@ -151,7 +158,33 @@ def test_held_out_windows_are_measured_alike_whatever_chance_does(takes: Prepare
         with torch.no_grad():
             measured.append(task.validation(network))
     assert measured[0] == measured[1]
-    assert set(measured[0]) == {"loss", "noise", "velocity", "reconstruction"}
+    assert set(measured[0]) == {CHOSEN_BY, "loss", "noise", "velocity", "reconstruction"}
+
+
+def test_weights_are_chosen_by_noise_and_motion_and_not_by_its_steps(takes: PreparedTakes) -> None:
+    task = task_of(takes, weights=LossWeights(noise=2, velocity=10, reconstruction=3))
+    with torch.no_grad():
+        found = task.validation(task.network().eval())
+    assert next(iter(found)) == CHOSEN_BY
+    assert found[CHOSEN_BY] == pytest.approx(2 * found["noise"] + 3 * found["reconstruction"])
+
+
+def test_few_held_out_windows_are_measured_with_much_noise(takes: PreparedTakes) -> None:
+    asked: list[torch.Tensor] = []
+
+    class Counting(torch.nn.Module):
+        branches: Mapping[str, torch.nn.Module] = {}
+
+        def forward(self, noisy: torch.Tensor, *told: torch.Tensor) -> torch.Tensor:
+            asked.append(told[0])
+            return noisy
+
+    task = task_of(takes)
+    assert len(task.held_out) < HELD_OUT
+    task.validation(Counting())  # type: ignore[arg-type]
+    steps = torch.cat(asked)
+    assert len(steps) == HELD_OUT
+    assert len(steps.unique()) > 0.9 * LINEAR.steps
 
 
 def test_a_guided_network_is_measured_by_what_it_says_when_told_the_speech(
