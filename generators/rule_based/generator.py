@@ -12,7 +12,8 @@ from generators.rule_based.emotion_table import STYLES
 from generators.rule_based.face_motion import move_face
 from generators.rule_based.gesture_plan import HANDS, plan_gestures
 from generators.rule_based.hand_tracks import hand_track
-from generators.rule_based.posture import stand
+from generators.rule_based.idling import idle
+from generators.rule_based.posture import on_accents, stand
 from generators.rule_based.resting import plan_rests
 from motion.clip import MotionClip
 from motion.prosody import prosody
@@ -22,7 +23,7 @@ class RuleBased:
     """Beat gestures, posture and face from the speech's own energy and pitch."""
 
     name: Final = "rule_based"
-    version: Final = "2"
+    version: Final = "3"
     needs_source: Final = False
 
     def generate(
@@ -41,10 +42,11 @@ class RuleBased:
         heard = prosody(speech.audio, frame_rate)
         rng = np.random.default_rng(seeded_stream(seed, self.name, speech.segment.name))
         gestures = plan_gestures(heard, style.gestures, rng)
-        restlessness = style.liveliness.restlessness
-        rests = plan_rests(style.gestures, frames / frame_rate, rng)
+        rests = plan_rests(style.gestures, gestures, frames / frame_rate, rng)
+        beats = on_accents(heard, times, rise=0.2, fall=0.35) * style.gestures.amplitude
+        idling = idle(times, beats, style.liveliness.restlessness, rng)
         hands = {
-            hand: hand_track(hand, gestures, rests, style.gestures, times, restlessness, rng)
+            hand: hand_track(hand, gestures, rests, style.gestures, times, idling, rng)
             for hand in HANDS
         }
         trunk = stand(style, heard, hands, times, rng)

@@ -6,9 +6,13 @@ precision families that work like beats (Kendon 2004, *Gesture*, ch. 12-13; McNe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass
 from types import MappingProxyType
 from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from generators.rule_based.hand_pose import (
     FIST,
@@ -22,6 +26,19 @@ from generators.rule_based.hand_pose import (
     HandPose,
     HandShape,
 )
+
+_KIN: Final[Mapping[HandShape, Sequence[HandShape]]] = {
+    OPEN: (RELAXED, FLAT, WIDE),
+    RELAXED: (OPEN, PINCH, FLAT),
+    FLAT: (OPEN, RELAXED),
+    WIDE: (OPEN,),
+    PINCH: (RELAXED, OPEN),
+    FIST: (LOOSE_FIST,),
+    POINTING: (LOOSE_FIST,),
+}
+"""Shapes that a hand may come near to instead, by that of the form."""
+
+_MOST_OF_KIN: Final = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +65,13 @@ class GestureForm:
     wind_up_shape: HandShape = RELAXED
     one_hand: bool = True
     both_hands: bool = True
+
+    def fingers(self, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Return how one stroke ends, shape (6,): curls and spread, part way to a shape of kin."""
+        shape = self.apex.shape
+        kin = _KIN[shape][int(rng.integers(len(_KIN[shape])))]
+        part = rng.uniform(0, _MOST_OF_KIN)
+        return (1 - part) * np.array(astuple(shape)) + part * np.array(astuple(kin))
 
 
 def _apex(
@@ -108,7 +132,7 @@ FORMS: Final = MappingProxyType(
             wind_up=(-10, 22),
         ),
         "to_self": GestureForm(
-            apex=_apex((-0.22, -0.30, 0.42), OPEN, pronation=14, flexion=14, elbow_out=14),
+            apex=_apex((-0.22, -0.30, 0.45), OPEN, pronation=14, flexion=14, elbow_out=14),
             stroke=(-0.16, 0.02, -0.20),
             wind_up=(-24, -14),
             both_hands=False,

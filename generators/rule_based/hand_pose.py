@@ -80,11 +80,13 @@ def within_joint_range(course: NDArray[np.float64]) -> NDArray[np.float64]:
     ):
         kept[:, channel] = np.clip(kept[:, channel], -most, most)
     kept[:, CURLS] = np.clip(kept[:, CURLS], 0, 1)
-    kept[:, SPREAD] = np.clip(kept[:, SPREAD], -0.2, 1)
+    kept[:, SPREAD] = np.clip(kept[:, SPREAD], -0.6, 1)
     return kept
 
 
 RELAXED: Final = HandShape(thumb=0.25, index=0.24, middle=0.32, ring=0.38, pinky=0.42, spread=0.1)
+SOFT: Final = HandShape(thumb=0.28, index=0.2, middle=0.26, ring=0.31, pinky=0.34, spread=-0.4)
+LAID: Final = HandShape(thumb=0.2, index=0.2, middle=0.24, ring=0.28, pinky=0.3, spread=-0.6)
 OPEN: Final = HandShape(thumb=0.05, index=0.08, middle=0.1, ring=0.13, pinky=0.14, spread=0.4)
 FLAT: Final = HandShape(thumb=0.2, index=0.05, middle=0.06, ring=0.08, pinky=0.1, spread=0.0)
 WIDE: Final = HandShape(thumb=0.0, index=0.03, middle=0.04, ring=0.06, pinky=0.05, spread=0.9)
@@ -99,21 +101,29 @@ BY_THE_SIDE: Final = HandPose(
 )  # fmt: skip
 HELD_OFF: Final = HandPose(
     outward=0.16, up=-0.90, forward=0.26, elbow_out=0, pronation=25, flexion=6, deviation=0,
-    shape=RELAXED,
+    shape=SOFT,
 )  # fmt: skip
 HANGING_SLACK: Final = HandPose(
-    outward=0.14, up=-0.86, forward=0.38, elbow_out=0, pronation=35, flexion=10, deviation=0,
-    shape=RELAXED,
+    outward=0.16, up=-0.85, forward=0.42, elbow_out=0, pronation=35, flexion=10, deviation=0,
+    shape=SOFT,
 )  # fmt: skip
 BEFORE_THE_WAIST: Final = HandPose(
     outward=-0.04, up=-0.60, forward=0.50, elbow_out=0, pronation=30, flexion=-4, deviation=0,
-    shape=RELAXED,
+    shape=SOFT,
 )  # fmt: skip
 BEFORE_THE_CHEST: Final = HandPose(
-    outward=-0.07, up=-0.46, forward=0.46, elbow_out=-8, pronation=20, flexion=0, deviation=4,
+    outward=0.0, up=-0.5, forward=0.46, elbow_out=-8, pronation=20, flexion=0, deviation=4,
     shape=LOOSE_FIST,
 )  # fmt: skip
 FISTS_BY_THE_SIDE: Final = HandPose(
     outward=0.20, up=-0.88, forward=0.20, elbow_out=14, pronation=40, flexion=4, deviation=0,
     shape=FIST,
+)  # fmt: skip
+CLASPED_UNDER: Final = HandPose(
+    outward=-0.184, up=-0.724, forward=0.50, elbow_out=0, pronation=6.5, flexion=27, deviation=-1,
+    shape=LAID,
+)  # fmt: skip
+CLASPED_OVER: Final = HandPose(
+    outward=-0.216, up=-0.703, forward=0.646, elbow_out=-2, pronation=19, flexion=26, deviation=0,
+    shape=LAID,
 )  # fmt: skip

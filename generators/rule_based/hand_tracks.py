@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from generators.rule_based.emotion_style import GestureManner
 from generators.rule_based.gesture_plan import Gesture, endings
 from generators.rule_based.hand_pose import (
+    CHANNELS,
+    CLASPED_OVER,
     CURLS,
     ELBOW_OUT,
     FLEXION,
@@ -19,9 +21,9 @@ from generators.rule_based.hand_pose import (
     SPREAD,
     within_joint_range,
 )
+from generators.rule_based.idling import Idling
 from generators.rule_based.minimum_jerk import Movement, follow
-from generators.rule_based.resting import Rest
-from generators.rule_based.smooth_noise import smooth_noise
+from generators.rule_based.resting import SETTLING, Rest
 
 FloatArray = NDArray[np.float64]
 
@@ -31,12 +33,14 @@ _TURN_VARIETY: Final = 7.0
 _SECOND_HAND: Final = 0.9
 _BOTH_APART: Final = (0.09, 0.0, 0.0)
 _FOLLOW_THROUGH: Final = 0.05
-_SETTLING: Final = 1.2
-_HAND_DRIFT: Final = 0.011
 _OVERLAP: Final = 0.2
 _REBOUND: Final = 0.14
 _REBOUND_SECONDS: Final = 0.35
 _SHORTEST_REBOUND: Final = 0.2
+_ALONE: Final = CHANNELS
+_RESTS: Final = CHANNELS + 1
+_ON_TOP: Final = CHANNELS + 2
+_ROUND: Final = (0.0, 0.0, 0.5)
 
 
 def hand_track(
@@ -45,7 +49,7 @@ def hand_track(
     rests: Sequence[Rest],
     manner: GestureManner,
     times: FloatArray,
-    restlessness: float,
+    idling: Idling,
     rng: np.random.Generator,
 ) -> FloatArray:
     """Return what `hand` does at each time.
@@ -61,8 +65,8 @@ def hand_track(
     manner : GestureManner
     times : ndarray, shape (T,)
         Seconds.
-    restlessness : float
-        Speed of the idle drift against an unmoved speaker's.
+    idling : Idling
+        What both do beside their gestures.
     rng : numpy.random.Generator
 
     Returns
@@ -72,9 +76,7 @@ def hand_track(
     """
     habit = _variety(rng) * 0.5
     habit[ELBOW_OUT] += manner.elbows_out
-    poses = [
-        (rest.begin, rest.poses[hand].channels() + habit + _variety(rng) * 0.1) for rest in rests
-    ]
+    poses = [(rest.begin, _rest_pose(rest, hand, habit + _variety(rng) * 0.1)) for rest in rests]
     own = [gesture for gesture in gestures if hand in gesture.hands]
     start = poses[0][1]
     movements = _settling(poses, 0.0, own[0].begin if own else np.inf, manner.tempo)
@@ -106,20 +108,33 @@ def hand_track(
             movements.append(
                 Movement(start=ending.release, end=ending.rest, target=rest, bow=bow * 0.6)
             )
-            movements += _settling(poses, ending.rest, free_until, manner.tempo)
+            movements += _settling(poses, ending.release, free_until, manner.tempo)
     course = follow(start, movements, times)
     # Fingers and the wrist's bend trail the arm a little, as loosely held hands do.
     trailing = follow(start, movements, times - _FOLLOW_THROUGH)
     for channels in (CURLS, SPREAD, FLEXION):
         course[:, channels] = trailing[:, channels]
-    return within_joint_range(course + _drift(times, len(start), restlessness, rng))
+    # A hand goes round the one that it comes to lie on.
+    on_top = course[:, _ON_TOP, None]
+    course[:, PLACE] += on_top * (1 - on_top) * _ROUND
+    return within_joint_range(
+        idling.added(hand, course[:, :CHANNELS], alone=course[:, _ALONE], rests=course[:, _RESTS])
+    )
+
+
+def _rest_pose(rest: Rest, hand: str, personal: FloatArray) -> FloatArray:
+    """Return the channels of a rest pose, and whether the hand is alone, rests and is on top."""
+    pose = rest.poses[hand]
+    if rest.clasped:  # Such hands fit in one way only.
+        return np.array([*pose.channels(), 0.0, 1.0, float(pose is CLASPED_OVER)])
+    return np.array([*(pose.channels() + personal), 1.0, 1.0, 0.0])
 
 
 def _settling(
     poses: Sequence[tuple[float, FloatArray]], free: float, until: float, tempo: float
 ) -> list[Movement]:
-    """Return the changes of pose of a hand that rests from `free` until its next gesture."""
-    lasts = _SETTLING / tempo
+    """Return the changes of pose of a hand that is `free` until its next gesture."""
+    lasts = SETTLING / tempo
     return [
         Movement(start=begin, end=begin + lasts, target=pose)
         for begin, pose in poses
@@ -134,6 +149,7 @@ def _key_poses(
     apex = gesture.form.apex.channels()
     apex[PLACE] = _CENTRE + (apex[PLACE] - _CENTRE) * (0.4 + 0.6 * size)
     apex[ELBOW_OUT] += manner.elbows_out
+    apex[CURLS.start :] = gesture.form.fingers(rng)
     apex += _variety(rng)
     if len(gesture.hands) == 2:
         apex[PLACE] += _BOTH_APART
@@ -143,7 +159,7 @@ def _key_poses(
     shape = gesture.form.wind_up_shape
     upbeat[CURLS] = (shape.thumb, shape.index, shape.middle, shape.ring, shape.pinky)
     upbeat[SPREAD] = shape.spread
-    return apex, upbeat
+    return np.array([*apex, 1.0, 0.0, 0.0]), np.array([*upbeat, 1.0, 0.0, 0.0])
 
 
 def _variety(rng: np.random.Generator) -> FloatArray:
@@ -153,14 +169,3 @@ def _variety(rng: np.random.Generator) -> FloatArray:
     variety[[ELBOW_OUT, PRONATION, FLEXION]] = rng.normal(0, _TURN_VARIETY, 3) * (0.6, 1.0, 0.5)
     variety[CURLS] = rng.normal(0, 0.06) + rng.normal(0, 0.05, 5)
     return variety
-
-
-def _drift(
-    times: FloatArray, channels: int, restlessness: float, rng: np.random.Generator
-) -> FloatArray:
-    noise = smooth_noise(times, channels, 0.08 * restlessness, 0.8 * restlessness, rng)
-    scale = np.zeros(channels)
-    scale[PLACE] = _HAND_DRIFT
-    scale[[ELBOW_OUT, PRONATION, FLEXION]] = (1.2, 2.0, 1.2)
-    scale[CURLS] = 0.07
-    return noise * scale

@@ -56,7 +56,7 @@ def stand(
     slow, quick = 0.05 * life.restlessness, 0.35 * life.restlessness
     drift = smooth_noise(times, 12, slow, quick, rng)
     breath = np.sin(2 * np.pi * life.breaths / 60 * times + rng.uniform(0, 2 * np.pi))
-    beat = _on_accents(prosody, times, rise=0.22, fall=0.4)
+    beat = on_accents(prosody, times, rise=0.22, fall=0.4)
     follow = _following(hands, prosody.frame_rate)
 
     pelvis = drift[:, 0:3] * _PELVIS_SWAY * life.sway
@@ -100,11 +100,11 @@ def _head(
 
 def _nods(prosody: Prosody, times: FloatArray) -> FloatArray:
     """Return nods, 1 at the lowest of the strongest: a little up, then down on the accent."""
-    up = _on_accents(prosody, times + 0.2, rise=0.2, fall=0.2)
-    return _on_accents(prosody, times, rise=0.17, fall=0.32) - 0.25 * up
+    up = on_accents(prosody, times + 0.2, rise=0.2, fall=0.2)
+    return on_accents(prosody, times, rise=0.17, fall=0.32) - 0.25 * up
 
 
-def _on_accents(prosody: Prosody, times: FloatArray, *, rise: float, fall: float) -> FloatArray:
+def on_accents(prosody: Prosody, times: FloatArray, *, rise: float, fall: float) -> FloatArray:
     """Return pulses that peak on the accents, as high as these are prominent."""
     beats = np.zeros(len(times))
     for accent, strength in zip(prosody.accents, prosody.prominence, strict=True):

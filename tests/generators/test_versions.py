@@ -17,7 +17,7 @@ from tests.generators.conftest import ClipsInMemory
 # What each version gives, by the name and the version of the generator. Where a change is wanted,
 # raise the generator's version and write its new numbers here.
 GOLDEN = {
-    ("rule_based", "2"): [-0.40322, -0.00786, -0.20237],
+    ("rule_based", "3"): [-0.46638, 0.00504, -0.18658],
     ("mismatched", "1"): [-0.07236, -0.15761, -0.37666],
     ("static", "1"): [-0.39178, 0.00000, 0.00000],
     ("broken", "1"): [0.31685, -0.15585, -0.25683],
