@@ -86,7 +86,7 @@ def test_a_corpus_becomes_a_network_and_the_network_moves_as_one_of_its_speakers
     assert (out.with_suffix(".run") / "curves.png").stat().st_size > 1000
     more = run(*given, "--steps", 4)
     assert more.exit_code == 0, more.output
-    assert " of 4.\n" in more.stdout
+    assert " of 4, where noise and reconstruction of held-out" in more.stdout
     other = run(*given, "--steps", 5, "--ablation", "reverse")
     assert other.exit_code == 1
     assert "the run that was begun here is another one" in other.output
