@@ -17,7 +17,7 @@ from analysis.planning.power import Effort, Power, power_of
 from analysis.planning.size import Size
 from motion.files import write_text
 
-VERSION: Final = "1"
+VERSION: Final = "2"
 """Raised whenever the same task is simulated otherwise."""
 
 

@@ -68,11 +68,6 @@ def decided_by_holm(p_values: Floats, company: Company, seed: int) -> Floats:
     return decided / rounds
 
 
-def decided_by_bonferroni(p_values: Floats) -> Floats:
-    """Return whether each test decides when those of its own block hold together."""
-    return np.asarray(p_values * p_values.shape[1] < LEVEL, np.float64)
-
-
 def right(tested: Findings, decided: Floats, true: Sequence[bool], *, effect: float) -> Floats:
     """Return the share of a block's true differences that are found, shape (blocks,).
 

@@ -108,8 +108,7 @@ class Part:
         How many blocks the report tests: one for each comparison with participants or motions of
         its own, and each question.
     family : str
-        Parts of one family are corrected together by Holm's method. Rankings are corrected within
-        each block, by Bonferroni's.
+        Parts of one family are corrected together by Holm's method.
     test : {'report', 'crossed_lmm'}
         What decides.
     """

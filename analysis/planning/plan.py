@@ -173,9 +173,7 @@ def plan(request: Request, runner: Runner) -> Plan:
             for effect in request.effects
         },
         tests={
-            part.name: len(part.trials.pairs)
-            if part.kind == "rankings"
-            else sum(other.tests for other in first.parts if other.family == part.family)
+            part.name: sum(other.tests for other in first.parts if other.family == part.family)
             for part in first.parts
         },
         smallest=smallest,

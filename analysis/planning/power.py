@@ -16,7 +16,6 @@ from analysis.planning.drawn_answers import drawn_answers
 from analysis.planning.families import (
     LEVEL,
     Company,
-    decided_by_bonferroni,
     decided_by_holm,
     right,
 )
@@ -215,9 +214,6 @@ def _power(
         def of(decided: Floats) -> Floats:
             return right(found, decided, true, effect=effect)
 
-        if part.kind == "rankings":
-            together = of(decided_by_bonferroni(found.p_values))
-            return {"power": together, "alone": together, "uncorrected": of(_below(found))}
         beside = Company(pools=tuple(pools[n].quick.p_values for n in family), counts=counts)
         without = Company(pools=tuple(nulls[n] for n in family), counts=counts)
         return {

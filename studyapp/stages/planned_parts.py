@@ -47,7 +47,7 @@ def planned_parts(
                 trials=trials,
                 levels=levels,
                 blocks=questions * alike,
-                family=name if isinstance(study, MismatchStudy | RankingStudy) else "",
+                family=name if isinstance(study, MismatchStudy) else "",
                 test=test,
             )
 

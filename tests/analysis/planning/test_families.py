@@ -7,7 +7,6 @@ from analysis.holm import holm
 from analysis.planning.clustered_tests import Findings
 from analysis.planning.families import (
     Company,
-    decided_by_bonferroni,
     decided_by_holm,
     right,
 )
@@ -38,10 +37,6 @@ def test_in_the_company_of_what_decides_a_block_is_hardly_corrected() -> None:
     assert decided_by_holm(np.array([[0.04]]), company, 1)[0, 0] == 1.0
 
 
-def test_rankings_hold_together_within_their_block() -> None:
-    assert decided_by_bonferroni(np.array([[0.02, 0.01, 0.9]])).tolist() == [[0.0, 1.0, 0.0]]
-
-
 def test_a_difference_counts_as_found_where_the_better_one_comes_out_ahead() -> None:
     tested = Findings(p_values=np.zeros((2, 2)), signs=np.array([[1.0, 1.0], [-1.0, 1.0]]))
     decided = np.ones((2, 2))
@@ -56,7 +51,6 @@ def test_tests_that_cannot_be_made_never_decide() -> None:
     decided = decided_by_holm(p_values, Company(pools=(p_values,), counts=(0,)), 1)
 
     assert decided.tolist() == [[0.0, 1.0]]
-    assert decided_by_bonferroni(p_values).tolist() == [[0.0, 1.0]]
 
 
 def test_the_same_seed_draws_the_same_companies() -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analysis.holm import holm_rows
 from analysis.planning.deciding_tests import DecidingTests
 from analysis.planning.drawn_answers import drawn_answers
 from analysis.planning.part import Opinions, Part
@@ -55,6 +56,13 @@ def test_more_tests_are_corrected_more() -> None:
 
     assert six.alone <= six.power < six.uncorrected
     assert six.uncorrected == pytest.approx(power(PAIRS, 12, 10, 0.6).power)
+
+
+def test_rankings_are_corrected_over_all_their_tests_as_the_report_does() -> None:
+    one = Sketch(kind="rankings", conditions=3)
+    three = power(replace(one, questions=3), 12, 10, 0.9)
+
+    assert three.alone < three.power < three.uncorrected
 
 
 def test_the_same_seed_gives_the_same_power_and_says_how_sure_it_is() -> None:
@@ -117,7 +125,7 @@ def test_what_the_quick_test_misses_is_put_right() -> None:
     tests = DecidingTests(rankings, ALIKE, 0.6)
     answers = drawn_answers(rankings, ALIKE, 0.6, 300, np.random.default_rng(9))
     exact = tests.exact(answers, np.empty(0, bool))
-    plain = float(np.mean(exact.p_values[:, :2] < 0.05 / 3))
+    plain = float(np.mean(holm_rows(exact.p_values)[:, :2] < 0.05))
 
     found = power_of((rankings,), ALIKE, 0.6, Effort(quick=600, exact=100), (4,))[0]
 
