@@ -387,6 +387,8 @@ def _engine(
             isolation_level="READ COMMITTED",
             pool_size=MOST_CONNECTIONS,
             max_overflow=0,
+            # The one that was used last has everything at hand, and few are used at all.
+            pool_use_lifo=True,
             **hidden,
         )
         bound_waiting(engine, seconds)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import secrets
-from base64 import urlsafe_b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
@@ -37,6 +36,9 @@ from studyapp.services.served_study import ServedStudy
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""
+
+TOKEN_LENGTH: Final = TOKEN_BYTES * 4 // 3
+"""Letters of a token, six bits each."""
 
 
 class json_rows(GenericFunction[Any]):  # noqa: N801 - SQLAlchemy takes the function's name from it
@@ -101,10 +103,10 @@ def new_token() -> str:
 
 
 def new_tokens(count: int) -> Iterator[str]:
-    """Yield as many random names, drawn at once."""
-    drawn = secrets.token_bytes(TOKEN_BYTES * count)
-    for start in range(0, len(drawn), TOKEN_BYTES):
-        yield urlsafe_b64encode(drawn[start : start + TOKEN_BYTES]).decode()
+    """Yield `count` random names, drawn at once."""
+    drawn = secrets.token_urlsafe(TOKEN_BYTES * count)
+    for start in range(0, len(drawn), TOKEN_LENGTH):
+        yield drawn[start : start + TOKEN_LENGTH]
 
 
 def store_trials(
