@@ -137,7 +137,7 @@ def main() -> None:
                 flooded = measured(server, database, BESIDE, seconds, flood=1)
                 ratios[backend] = slow.stored_p99_ms / alone.stored_p99_ms
                 floods[backend] = flooded.stored_p99_ms / alone.stored_p99_ms
-                arrivals += arrival_lines(server, backend, seconds)
+                arrivals += arrival_lines(server, database, seconds)
     backend, concurrency = STATED
     (stated,) = (row for row in rows if (row.backend, row.concurrency) == STATED)
     print(f"\n{os.cpu_count()} processors. The last lines: {backend}, {concurrency} at once;")
@@ -200,16 +200,21 @@ def measured(
     return asyncio.run(run())
 
 
-def arrival_lines(server: StudyServer, backend: Backend, seconds: float) -> list[str]:
-    """Return how long arrivals and all else take in real time, and how many arrive a second."""
+def arrival_lines(server: StudyServer, database: FreshDatabase, seconds: float) -> list[str]:
+    """Return how long arrivals and all else take in real time, and how many come at what cost."""
+    backend = database.backend
     lived, coming = Ledger(), Ledger()
     asyncio.run(live(server.port, count=IN_REAL_TIME, seconds=REAL_SECONDS, ledger=lived))
-    started = time.perf_counter()
+    before, started = _used(server, database), time.perf_counter()
     asyncio.run(
         keep_arriving(server.port, at_once=NEWCOMERS_AT_ONCE, seconds=seconds, ledger=coming)
     )
-    took = time.perf_counter() - started
-    lines = [f"{backend}_arrivals_per_s: {len(coming.seconds.get('start', [])) / took:.0f}"]
+    took, used = time.perf_counter() - started, _used(server, database) - before
+    arrived = len(coming.seconds.get("start", []))
+    lines = [f"{backend}_arrivals_per_s: {arrived / took:.0f}"]
+    for whose, spent in zip(("server", "database", "client"), used, strict=True):
+        each = spent / arrived if arrived else math.nan
+        lines.append(f"{backend}_arrival_{whose}_cpu_ms: {each:.1f}")
     rest = [kind for kind in lived.seconds if kind not in ARRIVAL]
     for name, kinds in (("arrival", ARRIVAL), ("rest", rest)):
         taken = [second for kind in kinds for second in lived.seconds.get(kind, [])]
