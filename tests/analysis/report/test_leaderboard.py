@@ -1,0 +1,82 @@
+"""A public leaderboard: many systems, a few votes of each visitor, few of each pair."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.report.answer import answer
+from analysis.results.pairwise import PairwiseResults
+from analysis.results.report import TableReport
+from analysis.results.strengths import Strengths
+from tests.analysis.report.made_reports import report_of, subject_of
+from tests.analysis.results.made_tables import THRESHOLDS
+
+SYSTEMS = 8
+PAIRS = SYSTEMS * (SYSTEMS - 1) // 2
+
+
+def leaderboard(spread: float, *, seed: int, votes: int = 500, each: int = 3) -> pd.DataFrame:
+    """Votes on drawn pairs of eight systems whose strengths lie evenly over `spread` logits."""
+    chance = np.random.default_rng(seed)
+    strengths = np.linspace(spread / 2, -spread / 2, SYSTEMS)
+    people, prompts = np.arange(votes) // each, chance.integers(60, size=votes)
+    tastes = chance.normal(0, 0.4, (people.max() + 1, SYSTEMS))
+    shown = np.array([chance.permutation(SYSTEMS)[:2] for _ in range(votes)])
+    worth = strengths[shown] + tastes[people[:, None], shown]
+    latent = worth[:, 1] - worth[:, 0] + chance.logistic(size=votes)
+    return pd.DataFrame(
+        {
+            "participant": [f"p{one:03d}" for one in people],
+            "segment": [f"s{one:02d}" for one in prompts],
+            "question": "quality",
+            "trial": np.arange(votes) % each + 1,
+            "left": [f"system-{one}" for one in shown[:, 0]],
+            "right": [f"system-{one}" for one in shown[:, 1]],
+            "response": np.digitize(latent, THRESHOLDS) + 1,
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> TableReport:
+    return report_of(leaderboard(1.8, seed=2), "pairwise", tmp_path_factory.mktemp("leaderboard"))
+
+
+def test_what_single_pairs_do_not_decide_is_decided_by_strengths(report: TableReport) -> None:
+    found = report.results
+    assert isinstance(found, PairwiseResults)
+    pairs = [one.decision.p_holm < 0.05 for one in found.comparisons]
+    strengths = [one.p_holm < 0.05 for one in found.contrasts]
+
+    assert found.decided_by == "strengths"
+    assert len(pairs) == len(strengths) == PAIRS
+    assert sum(pairs) < 3
+    assert sum(strengths) > 6
+
+
+def test_the_headline_names_what_is_decided(report: TableReport) -> None:
+    effect = answer(report, subject_of(report))[0]
+
+    assert effect.startswith("Participants preferred system-")
+    assert f"more of {PAIRS} tests" in effect
+
+
+def test_the_best_and_the_worst_have_no_rank_in_common(report: TableReport) -> None:
+    found = report.results
+    assert isinstance(found, PairwiseResults)
+    fitted = found.bradley_terry["quality"]
+    assert isinstance(fitted, Strengths)
+    ranks = fitted.ranks
+
+    assert ranks["system-0"].worst < ranks["system-7"].best
+    assert ranks["system-0"].best == 1
+
+
+def test_equal_systems_are_left_undecided(tmp_path: Path) -> None:
+    found = report_of(leaderboard(0.0, seed=2), "pairwise", tmp_path)
+
+    assert answer(found, subject_of(found))[0].startswith(f"None of {PAIRS} tests decides")
