@@ -66,7 +66,11 @@ def parts_of_step(
     return np.array_split(rows, shares * processes)
 
 
-def chance_of_part(seed: int, step: int, part: int) -> int:
-    """Return the seed of what is drawn while a part of a step is computed, from 0 to 2**63 - 1."""
-    state = np.random.SeedSequence((seed, step, part)).generate_state(1, np.uint64)
+def chance_of_part(seed: int, step: int, part: int, update: int = 0) -> int:
+    """Return the seed of what is drawn while a part of a step is computed, from 0 to 2**63 - 1.
+
+    Of several updates in a step each, numbered from 0, draws anew.
+    """
+    entropy = (seed, step, part, *((update,) if update else ()))
+    state = np.random.SeedSequence(entropy).generate_state(1, np.uint64)
     return int(state[0] >> np.uint64(1))

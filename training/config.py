@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any, Final, Literal, get_args
 
 from motion.errors import InputError
+from training.passes import Pass
 
 Optimizer = Literal["adam", "adamw"]
 Precision = Literal["float32", "bfloat16", "float16"]
@@ -86,6 +87,8 @@ class TrainingConfig:
         Steps after which the state is saved, beside the end and an interruption.
     seed : int
         Decides first weights, order of examples and dropout.
+    passes : tuple of Pass
+        The updates of a step, in their order; one of all weights where there are none.
 
     Raises
     ------
@@ -107,6 +110,7 @@ class TrainingConfig:
     validate_every: int = 100
     checkpoint_every: int = 500
     seed: int = 0
+    passes: tuple[Pass, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("steps", "batch_size", "accumulate", "validate_every", "checkpoint_every"):
@@ -121,20 +125,26 @@ class TrainingConfig:
         self._check("gradient_clip", clip is None or 0 < clip < math.inf, "a number above 0")
         self._check("ema_decay", decay is None or 0 < decay < 1, "a number above 0 and below 1")
         self._check("seed", 0 <= self.seed < 2**63, "a whole number of 0 or more")
+        names = [one.name for one in self.passes]
+        self._check("passes", len(set(names)) == len(names), "each a name of its own")
 
     def _check(self, name: str, fits: bool, wanted: str) -> None:
         _check(name, getattr(self, name), fits, wanted)
 
     def facts(self) -> dict[str, Any]:
         """Return the settings as JSON holds them."""
-        return asdict(self) | {"betas": list(self.betas)}
+        facts = asdict(self) | {"betas": list(self.betas)}
+        passes = [one | {"parts": list(one["parts"])} for one in facts.pop("passes")]
+        return facts | ({"passes": passes} if passes else {})
 
     @classmethod
     def from_facts(cls, facts: Mapping[str, Any]) -> TrainingConfig:
         """Return the settings that `facts` returned."""
-        known = {field.name: facts[field.name] for field in fields(cls)}
+        known = {field.name: facts[field.name] for field in fields(cls) if field.name != "passes"}
+        passes = [Pass(**one | {"parts": tuple(one["parts"])}) for one in facts.get("passes", ())]
         decay = None if known["decay"] is None else Decay(**known["decay"])
-        return cls(**known | {"betas": tuple(known["betas"]), "decay": decay})
+        told = {"betas": tuple(known["betas"]), "decay": decay, "passes": tuple(passes)}
+        return cls(**known | told)
 
 
 def _check(name: str, value: object, fits: bool, wanted: str) -> None:

@@ -25,12 +25,11 @@ _LOSS, _SMALL = 4.0, 2.2
 _PALE, _DARK, _HELD_OUT = "#c9d6e4", "#31597f", "#b3541e"
 
 
-def draw_curves(lines: Sequence[LogLine], path: Path) -> None:
+def draw_curves(lines: Sequence[LogLine], path: Path, *, kept: int | None = None) -> None:
     """Draw what the log of a run tells to the PNG file `path`.
 
     The loss is drawn large, the learning rate and everything else that was measured small below it.
-    A line marks the step whose weights are kept: where what held-out examples are measured by
-    first was least. Equal logs make equal bytes.
+    A line marks the step whose weights are `kept`. Equal logs make equal bytes.
     """
     # Drawing takes a second to load, and a run draws only when it saves.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -41,7 +40,6 @@ def draw_curves(lines: Sequence[LogLine], path: Path) -> None:
     held_out = _series([{"step": n["step"], **n["held_out"]} for n in lines if "held_out" in n])
     small = [name for name in {**learned, **held_out} if name != "loss"]
     chosen_by = next(iter(held_out), "")
-    kept = _least(*held_out[chosen_by]) if held_out else None
     rows = -(-len(small) // _ACROSS)
     height = _LOSS + _SMALL * rows
     figure = Figure(figsize=(9, height), dpi=100)
@@ -60,7 +58,13 @@ def draw_curves(lines: Sequence[LogLine], path: Path) -> None:
     places = [grid[0, :], *(grid[1 + n // _ACROSS, n % _ACROSS] for n in range(len(small)))]
     for name, place in zip(["loss", *small], places, strict=True):
         axes = figure.add_subplot(place)
-        _draw(axes, learned.get(name), held_out.get(name), kept, plain=name == "learning_rate")
+        _draw(
+            axes,
+            learned.get(name),
+            held_out.get(name),
+            kept,
+            plain=name.startswith("learning_rate"),
+        )
         chooses = " (chooses the weights)" if name == chosen_by else ""
         axes.set_title(f"{name.replace('_', ' ')}{chooses}", fontsize=10, loc="left")
         axes.spines[["top", "right"]].set_visible(False)
@@ -91,7 +95,7 @@ def _draw(
     axes: Axes,
     learned: tuple[FloatArray, FloatArray] | None,
     held_out: tuple[FloatArray, FloatArray] | None,
-    kept: float | None,
+    kept: int | None,
     *,
     plain: bool,
 ) -> None:
@@ -114,11 +118,6 @@ def _draw(
         )
     if kept is not None:
         axes.axvline(kept, color=_HELD_OUT, linewidth=0.8, linestyle=":", label="kept")
-
-
-def _least(steps: FloatArray, values: FloatArray) -> float:
-    """Return the first step at which the values are least."""
-    return float(steps[np.argmin(values)])
 
 
 def _draw_steps(axes: Axes, steps: FloatArray, values: FloatArray) -> None:

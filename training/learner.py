@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, Generic
+from typing import Any, Generic, cast
 
 import numpy as np
 import torch
@@ -26,7 +27,18 @@ from training.batch_order import (
 from training.batch_statistics import StepStatistics, batch_normed
 from training.config import TrainingConfig
 from training.group import Group
-from training.task import Network, Task
+from training.passes import Pass, Teaching
+from training.task import Network, Task, TaskInPasses
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Update:
+    """An update of weights in a step: by which pass, if there are several, and how fast."""
+
+    step: int
+    rate: float
+    number: int = 0
+    name: str = ""
 
 
 class Learner(Generic[Network]):
@@ -44,7 +56,7 @@ class Learner(Generic[Network]):
     Raises
     ------
     InputError
-        If there are fewer examples in a step than processes.
+        If there are fewer examples in a step than processes, or a pass does not fit the network.
     """
 
     def __init__(self, task: Task[Network], config: TrainingConfig, group: Group) -> None:
@@ -59,6 +71,7 @@ class Learner(Generic[Network]):
         self._group = group
         self._network = task.network()
         group.hand_out(self._network)
+        self._teaching = Teaching(self._network, config.passes, config.steps)
         self._optimizer = _optimizer(self._network, config)
         self._scaler = GradScaler(task.device, enabled=config.precision == "float16")
         decay = config.ema_decay
@@ -69,39 +82,76 @@ class Learner(Generic[Network]):
         """The network as it is measured and kept: of the mean weights, where there is a mean."""
         return self._network if self._average is None else self._average.network
 
-    def learning_rate(self, step: int) -> float:
-        """Return the learning rate of a step, from 0."""
+    def learning_rate(self, step: int, of: Pass | None = None) -> float:
+        """Return the learning rate of a step, from 0, or of one of its passes."""
         config = self._config
+        rate = config.learning_rate if of is None else of.learning_rate or config.learning_rate
         if config.decay is None:
-            return config.learning_rate
+            return rate
         epoch = step // batches_per_epoch(self._task.examples, config.batch_size)
-        return config.learning_rate * config.decay(epoch)
+        return rate * config.decay(epoch)
+
+    def learning_rates(self, step: int) -> dict[str, float]:
+        """Return the learning rates of a step, from 0, as the log tells them."""
+        rates = {
+            f"learning_rate_{one.name}": self.learning_rate(step, one)
+            for one in self._config.passes
+            if one.made(step)
+        }
+        return rates or {"learning_rate": self.learning_rate(step)}
 
     def learn(self, step: int) -> dict[str, float]:
-        """Make a step, counted from 0, and return its losses over all processes."""
+        """Make a step, counted from 0, and return its losses over all processes.
+
+        Of several passes each tells its loss under its name; ``loss`` is the first one's.
+        """
+        self._teaching.prepare(self._network, step)
+        losses: dict[str, float] = {}
+        for update in self._updates(step):
+            found = self._update(update)
+            if update.name:
+                found = {"loss": found["loss"], update.name: found.pop("loss")} | found
+            losses = found | losses
+        if self._average is not None:
+            self._average.follow(self._network)
+            average = self._average.network
+            self._teaching.prepare(average, step)
+            for update in self._updates(step) if batch_normed(average) else ():
+                StepStatistics(average, self._group, self._computed(update, average)).remember()
+        return losses
+
+    def _updates(self, step: int) -> list[_Update]:
+        """Return the updates of a step."""
+        passes = self._config.passes
+        if not passes:
+            return [_Update(step=step, rate=self.learning_rate(step))]
+        return [
+            _Update(step=step, number=number, name=one.name, rate=self.learning_rate(step, one))
+            for number, one in enumerate(passes)
+            if one.made(step)
+        ]
+
+    def _update(self, update: _Update) -> dict[str, float]:
+        """Make one update, and return its losses over all processes."""
         config = self._config
-        self._network.train()
         for settings in self._optimizer.param_groups:
-            settings["lr"] = self.learning_rate(step)
+            settings["lr"] = update.rate
+        # Weights without a gradient stay as they are, with their state of the optimizer.
         self._optimizer.zero_grad(set_to_none=True)
-        losses = self._gradients(step)
+        with self._teaching.of(self._network, update.name):
+            losses = self._gradients(update)
         self._scaler.unscale_(self._optimizer)
         if config.gradient_clip is not None:
             nn.utils.clip_grad_norm_(self._network.parameters(), config.gradient_clip)
         self._scaler.step(self._optimizer)
         self._scaler.update()
-        if self._average is not None:
-            self._average.follow(self._network)
-            average = self._average.network.train()
-            if batch_normed(average):
-                StepStatistics(average, self._group, self._computed(step, average)).remember()
         return losses
 
-    def _gradients(self, step: int) -> dict[str, float]:
-        """Sum the gradients of a step, and its losses."""
+    def _gradients(self, update: _Update) -> dict[str, float]:
+        """Sum the gradients of an update, and its losses."""
         group = self._group
-        rows, parts = self._parts(step)
-        computed = self._computed(step, self._network)
+        rows, parts = self._parts(update.step)
+        computed = self._computed(update, self._network)
         shared = None
         if len(parts) > 1 and batch_normed(self._network):
             shared = StepStatistics(self._network, group, computed)
@@ -126,21 +176,25 @@ class Learner(Generic[Network]):
         return rows, parts_of_step(rows, config.accumulate, self._group.size)
 
     def _computed(
-        self, step: int, network: Network
+        self, update: _Update, network: Network
     ) -> Sequence[Callable[[], Mapping[str, Tensor]]]:
-        """Return what computes the losses of each of this process' parts of a step."""
-        _, parts = self._parts(step)
+        """Return what computes the losses of each of this process' parts of an update."""
+        _, parts = self._parts(update.step)
         own = range(self._group.index, len(parts), self._group.size)
-        return [partial(self._losses, network, parts[number], step, number) for number in own]
+        return [partial(self._losses, network, parts[number], update, number) for number in own]
 
     def _losses(
-        self, network: Network, rows: NDArray[np.int64], step: int, number: int
+        self, network: Network, rows: NDArray[np.int64], update: _Update, number: int
     ) -> Mapping[str, Tensor]:
-        """Return the losses of a part of a step, with chance of its own."""
+        """Return the losses of a part of an update, with chance of its own."""
         low = self._config.precision != "float32"
         dtype = getattr(torch, self._config.precision) if low else None
-        torch.manual_seed(chance_of_part(self._config.seed, step, number))
+        chance = chance_of_part(self._config.seed, update.step, number, update.number)
+        torch.manual_seed(chance)
         with autocast(self._task.device, dtype=dtype, enabled=low):
+            if update.name:
+                task = cast("TaskInPasses[Network]", self._task)
+                return task.losses_of(update.name, network, rows)
             return self._task.losses(network, rows)
 
     def tensors(self) -> dict[str, Tensor]:

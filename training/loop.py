@@ -169,10 +169,10 @@ class _Run(Generic[Network]):
     def _advance(self) -> None:
         """Make one step, and look at held-out examples where it is time to."""
         losses = self._learner.learn(self._step)
-        rate = self._learner.learning_rate(self._step)
+        rates = self._learner.learning_rates(self._step)
         self._step += 1
         self._check_finite(losses)
-        self._log.add({"step": self._step, "learning_rate": rate, **losses})
+        self._log.add({"step": self._step, **rates, **losses})
         if self._step % self._config.validate_every == 0 and self._step < self._config.steps:
             self._validate()
 
@@ -182,7 +182,13 @@ class _Run(Generic[Network]):
         self._check_finite(measured)
         self._log.add({"step": self._step, "held_out": measured})
         chosen_by = next(iter(measured))
-        if self._best is None or measured[chosen_by] < self._best.measured[chosen_by]:
+        began = max((one.first for one in self._config.passes), default=0)
+        if (
+            self._best is None
+            # Weights of an earlier stage lack what the last one teaches.
+            or self._best.step <= began < self._step
+            or measured[chosen_by] < self._best.measured[chosen_by]
+        ):
             self._best = Best(step=self._step, measured=measured)
             if self._group.leads:
                 self._best_weights = {
@@ -217,7 +223,8 @@ class _Run(Generic[Network]):
         )
         # A long log takes a second to draw, and looks the same after a few steps more.
         if self._log.lines and (drawn or self._step >= 1.1 * self._drawn):
-            draw_curves(self._log.lines, self._folder.curves)
+            kept = None if self._best is None else self._best.step
+            draw_curves(self._log.lines, self._folder.curves, kept=kept)
             self._drawn = self._step
         self._watch.start(self._step)
 

@@ -58,3 +58,16 @@ class Task(Protocol[Network]):
         alike each time, so that what is drawn here is the same noise at every step.
         """
         ...
+
+
+class TaskInPasses(Task[Network], Protocol[Network]):
+    """Something that is learned in several passes; see `training.passes.Pass`."""
+
+    def losses_of(
+        self, name: str, network: Network, rows: NDArray[np.int64]
+    ) -> Mapping[str, Tensor]:
+        """Return the losses of a batch for the pass of that name, as `losses` does for all.
+
+        Weights that do not learn in the pass need no gradient while it is asked.
+        """
+        ...

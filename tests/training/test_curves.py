@@ -48,7 +48,7 @@ def test_the_step_whose_weights_are_kept_is_seen(tmp_path: Path) -> None:
             else line
             for line in lines(100)
         ]
-        draw_curves(shown, tmp_path / f"{name}.png")
+        draw_curves(shown, tmp_path / f"{name}.png", kept=chosen)
         with Image.open(tmp_path / f"{name}.png") as picture:
             pixels = np.asarray(picture.convert("RGB"), float)[40:140]
         orange = pixels[:, :, 0] - pixels[:, :, 2] > 40

@@ -1,0 +1,283 @@
+"""Several updates in a step, and training in stages."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from motion.errors import InputError
+from tests.training.lines import ENTRIES, VALUES, Line
+from training.batch_order import rows_of_step
+from training.config import TrainingConfig
+from training.group import Group
+from training.learner import Learner
+from training.loop import TrainingStopped, train
+from training.passes import Pass
+from training.run_folder import RunFolder
+from training.weights_file import read_weights
+
+JUDGE = Pass(name="judge", parts=("judge",), learning_rate=0.005)
+MAKER = Pass(name="maker", parts=("maker", "last"))
+CONFIG = TrainingConfig(
+    steps=9,
+    batch_size=8,
+    learning_rate=0.02,
+    optimizer="adam",
+    gradient_clip=None,
+    validate_every=4,
+    passes=(JUDGE, MAKER),
+)
+
+
+class Rivals(nn.Module):
+    """One makes lines, the other one tells them from right ones."""
+
+    def __init__(self, *, chance: bool) -> None:
+        super().__init__()
+        layers = (nn.BatchNorm1d(8), nn.Dropout(0.3)) if chance else ()
+        self.maker = nn.Sequential(nn.Linear(3, 8), *layers, nn.Tanh())
+        self.last = nn.Linear(8, 1)
+        self.judge = nn.Sequential(nn.Linear(4, 8), nn.Tanh(), nn.Linear(8, 1))
+
+    def forward(self, entries: Tensor) -> Tensor:
+        found: Tensor = self.last(self.maker(entries))
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rivalry(Line):
+    chance: bool = True
+
+    def network(self) -> Rivals:
+        return Rivals(chance=self.chance)
+
+    def losses_of(
+        self, name: str, network: Rivals, rows: NDArray[np.int64]
+    ) -> Mapping[str, Tensor]:
+        entries, values = ENTRIES[torch.from_numpy(rows)], VALUES[torch.from_numpy(rows)]
+        if self.chance:
+            entries = entries + 0.1 * torch.randn(len(rows), 3)
+        made = network(entries)
+        made_up = network.judge(torch.cat([entries, made], dim=1))
+        if name == "judge":
+            frozen = not any(weight.requires_grad for weight in network.maker.parameters())
+            assert frozen or not torch.is_grad_enabled()
+            real = network.judge(torch.cat([entries, values], dim=1))
+            return {"loss": (real - 1).square().mean() + made_up.square().mean()}
+        fit = nn.functional.mse_loss(made, values)
+        return {"loss": fit + (made_up - 1).square().mean(), "fit": fit}
+
+    def validation(self, network: Rivals) -> Mapping[str, float]:
+        return {"loss": float(nn.functional.mse_loss(network(ENTRIES[32:]), VALUES[32:]))}
+
+
+def learner_of(config: TrainingConfig, *, chance: bool = False) -> Learner[Rivals]:
+    torch.manual_seed(0)
+    return Learner(Rivalry(chance=chance), config, Group("cpu"))
+
+
+def state(learner: Learner[Rivals]) -> dict[str, Tensor]:
+    return {
+        name.removeprefix("network."): tensor.clone()
+        for name, tensor in learner.tensors().items()
+        if name.startswith("network.")
+    }
+
+
+def moved(before: dict[str, Tensor], after: dict[str, Tensor]) -> set[str]:
+    return {name.split(".")[0] for name in before if not before[name].equal(after[name])}
+
+
+def test_two_passes_come_to_what_two_optimizers_come_to() -> None:
+    learner = learner_of(CONFIG)
+    torch.manual_seed(0)
+    task = Rivalry(chance=False)
+    plain = task.network()
+    judges = torch.optim.Adam(plain.judge.parameters(), lr=0.005)
+    makers = torch.optim.Adam([*plain.maker.parameters(), *plain.last.parameters()], lr=0.02)
+    for step in range(6):
+        told = learner.learn(step)
+        rows = rows_of_step(step, 32, 8, 0)
+        for name, optimizer, others in (
+            ("judge", judges, (plain.maker, plain.last)),
+            ("maker", makers, (plain.judge,)),
+        ):
+            plain.requires_grad_(True)
+            for other in others:
+                other.requires_grad_(False)
+            optimizer.zero_grad()
+            losses = task.losses_of(name, plain, rows)
+            losses["loss"].backward()
+            optimizer.step()
+            assert told[name] == pytest.approx(float(losses["loss"].detach()), rel=1e-5)
+        assert told["loss"] == told["judge"]
+        assert set(told) == {"loss", "judge", "maker", "fit"}
+    for name, weight in plain.state_dict().items():
+        torch.testing.assert_close(state(learner)[name], weight, rtol=1e-5, atol=1e-6)
+
+
+def test_a_pass_has_its_rhythm_and_its_rate() -> None:
+    learner = learner_of(replace(CONFIG, passes=(MAKER, replace(JUDGE, every=3, first=1))))
+    changed = []
+    for step in range(6):
+        before = state(learner)
+        told = learner.learn(step)
+        changed.append("judge" in moved(before, state(learner)))
+        assert ("judge" in told, "loss" in told) == (step in (1, 4), True)
+    assert changed == [False, True, False, False, True, False]
+    assert learner.learning_rates(0) == {"learning_rate_maker": 0.02}
+    assert learner.learning_rates(4) == {
+        "learning_rate_maker": 0.02,
+        "learning_rate_judge": 0.005,
+    }
+
+
+def test_what_no_pass_of_a_stage_teaches_is_frozen_with_its_statistics_and_without_chance() -> None:
+    stages = (replace(MAKER, parts=("maker", "last"), end=3), replace(JUDGE, first=3))
+    learner = learner_of(replace(CONFIG, passes=stages, ema_decay=0.5), chance=True)
+    seen = []
+    for step in range(6):
+        before, mean = state(learner), learner.network.maker[1].running_mean.clone()
+        learner.learn(step)
+        seen.append(moved(before, state(learner)))
+        assert learner.network.maker[1].running_mean.equal(mean) == (step >= 3)
+        assert learner._network.maker[2].training == (step < 3)
+    assert seen == [{"maker", "last"}] * 3 + [{"judge"}] * 3
+    assert all(weight.requires_grad for weight in learner._network.parameters())
+
+
+def test_weights_that_needed_no_gradient_from_the_beginning_never_learn() -> None:
+    class Pretrained(Rivalry):
+        def network(self) -> Rivals:
+            network = Rivals(chance=False)
+            network.maker.requires_grad_(False)
+            return network
+
+    torch.manual_seed(0)
+    learner = Learner(Pretrained(chance=False), CONFIG, Group("cpu"))
+    before = state(learner)
+    for step in range(3):
+        learner.learn(step)
+    assert moved(before, state(learner)) == {"last", "judge"}
+    assert not any(weight.requires_grad for weight in learner._network.maker.parameters())
+
+
+@pytest.mark.parametrize("accumulate", [2, 4])
+def test_passes_in_parts_come_to_what_they_do_in_one(accumulate: int) -> None:
+    one, parts = learner_of(CONFIG), learner_of(replace(CONFIG, accumulate=accumulate))
+    for step in range(4):
+        assert parts.learn(step) == pytest.approx(one.learn(step), rel=1e-4)
+    torch.testing.assert_close(state(parts), state(one), rtol=1e-4, atol=1e-5)
+
+
+def run(folder: Path, config: TrainingConfig, *stops: int) -> dict[str, bytes]:
+    """Return the files of a run that was stopped after each of `stops`."""
+    asked = set(stops)
+
+    def show(done: int, total: int, detail: str) -> None:
+        if done in asked:
+            asked.remove(done)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    kept = RunFolder(folder)
+    for _ in stops:
+        with pytest.raises(TrainingStopped):
+            train(Rivalry(), config, kept, show=show)
+    train(Rivalry(), config, kept, show=show)
+    return {path.name: path.read_bytes() for path in (kept.checkpoint, kept.best, kept.log)}
+
+
+STAGED = replace(
+    CONFIG,
+    accumulate=2,
+    ema_decay=0.8,
+    weight_decay=0.1,
+    optimizer="adamw",
+    gradient_clip=0.5,
+    passes=(replace(MAKER, end=5), replace(JUDGE, every=2), replace(MAKER, name="late", first=5)),
+)
+
+
+@pytest.mark.parametrize("stops", [(1, 4), (5,), (6, 8)])
+def test_a_run_in_passes_and_stages_goes_on_to_the_same_bytes(
+    stops: tuple[int, ...], tmp_path: Path
+) -> None:
+    assert run(tmp_path / "parts", STAGED, *stops) == run(tmp_path / "whole", STAGED)
+
+
+def test_a_run_of_other_passes_is_not_continued_and_the_difference_is_named(tmp_path: Path) -> None:
+    with pytest.raises(TrainingStopped):
+        stop_at_once = lambda *told: os.kill(os.getpid(), signal.SIGINT)  # noqa: E731
+        train(Rivalry(), CONFIG, RunFolder(tmp_path), show=stop_at_once)
+    with pytest.raises(InputError, match=r"training passes was .*'every': 1.* and is .*'every': 2"):
+        slower = (MAKER, replace(JUDGE, every=2))
+        train(Rivalry(), replace(CONFIG, passes=slower), RunFolder(tmp_path))
+
+
+def test_weights_are_chosen_among_those_of_the_last_stage(tmp_path: Path) -> None:
+    beginning: list[Tensor] = []
+
+    class Forgetful(Rivalry):
+        """Measures how far the judge is from its beginning: least before it learns."""
+
+        def validation(self, network: Rivals) -> Mapping[str, float]:
+            weight = network.judge[0].weight
+            beginning.append(weight.clone())
+            return {"moved": float((weight - beginning[0]).abs().sum())}
+
+    stages = (replace(MAKER, end=5), replace(JUDGE, learning_rate=0.1, first=5))
+    config = replace(CONFIG, passes=stages, validate_every=1)
+    trained = train(Forgetful(), config, RunFolder(tmp_path))
+    lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
+    measured = {line["step"]: line["held_out"]["moved"] for line in lines if "held_out" in line}
+    assert measured[5] < min(value for step, value in measured.items() if step > 5)
+    assert trained.best.step > 5
+    assert read_weights(tmp_path / "best.safetensors").facts["step"] == trained.best.step
+
+
+@pytest.mark.parametrize(
+    ("passes", "said"),
+    [
+        ((replace(MAKER, parts=("painter",)),), r"teaches 'painter'.*parts: maker, last, judge"),
+        ((replace(MAKER, every=2),), "no pass is made in step 2 of 9"),
+        ((replace(MAKER, end=4), replace(JUDGE, first=5)), "no pass is made in step 5 of 9"),
+    ],
+)
+def test_passes_that_do_not_fit_the_network_or_the_steps_are_refused(
+    passes: tuple[Pass, ...], said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=said):
+        train(Rivalry(), replace(CONFIG, passes=passes), RunFolder(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"name": ""}, "name of the pass '' is ''"),
+        ({"learning_rate": 2.0}, "learning_rate of the pass 'a' is 2.0"),
+        ({"every": 0}, "every of the pass 'a' is 0"),
+        ({"first": 3, "end": 3}, "end of the pass 'a' is 3"),
+    ],
+)
+def test_numbers_out_of_range_are_refused(wrong: dict[str, object], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        Pass(**({"name": "a"} | wrong))  # type: ignore[arg-type]
+
+
+def test_passes_of_one_name_are_refused_and_a_file_tells_them_again() -> None:
+    with pytest.raises(InputError, match="each a name of its own"):
+        replace(CONFIG, passes=(JUDGE, JUDGE))
+    assert TrainingConfig.from_facts(json.loads(json.dumps(STAGED.facts()))) == STAGED
+    plain = replace(CONFIG, passes=())
+    assert "passes" not in plain.facts()
+    assert TrainingConfig.from_facts(plain.facts()) == plain

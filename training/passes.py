@@ -1,0 +1,137 @@
+"""Several updates in a step, each of some weights by a loss of its own, and training in stages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from torch import nn
+
+from motion.errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pass:
+    """An update of some weights by one loss.
+
+    Passes of a step are made one after the other: the second one sees what the first one changed.
+    Weights that belong to none of the passes of a stage are frozen in it.
+
+    Attributes
+    ----------
+    name : str
+        By which the task is asked for the loss, and the log tells of it.
+    parts : tuple of str
+        Names of the network's modules or weights that learn, as in ``named_modules``; all of it
+        where there are none.
+    learning_rate : float or None
+        None for the training's. It decays as the training's does.
+    every : int
+        It is made in each so-manieth step, the first one among them.
+    first : int
+        The step from which on it is made, from 0.
+    end : int or None
+        The step from which on it is made no more.
+    """
+
+    name: str
+    parts: tuple[str, ...] = ()
+    learning_rate: float | None = None
+    every: int = 1
+    first: int = 0
+    end: int | None = None
+
+    def __post_init__(self) -> None:
+        rate, end = self.learning_rate, self.end
+        for key, fits, wanted in (
+            ("name", bool(self.name), "a text"),
+            ("learning_rate", rate is None or 0 < rate <= 1, "a number above 0, at most 1"),
+            ("every", self.every >= 1, "a whole number of 1 or more"),
+            ("first", self.first >= 0, "a whole number of 0 or more"),
+            ("end", end is None or end > self.first, "a step after the first"),
+        ):
+            if not fits:
+                raise InputError(
+                    f"{key} of the pass {self.name!r} is {getattr(self, key)!r}",
+                    remedy=f"Give {wanted}",
+                )
+
+    def lasts(self, step: int) -> bool:
+        """Tell whether a step, from 0, is of the pass' stage."""
+        return self.first <= step and (self.end is None or step < self.end)
+
+    def made(self, step: int) -> bool:
+        """Tell whether the pass is made in a step, from 0."""
+        return self.lasts(step) and (step - self.first) % self.every == 0
+
+
+class Teaching:
+    """Which weights of a network learn in which pass.
+
+    Parameters
+    ----------
+    network : Module
+        Weights that need no gradient from the beginning never learn.
+    passes : sequence of Pass
+        With names of their own.
+    steps : int
+        Of the whole training.
+
+    Raises
+    ------
+    InputError
+        If the network has no such part, or no pass is made in some step.
+    """
+
+    def __init__(self, network: nn.Module, passes: Sequence[Pass], steps: int) -> None:
+        self._passes = passes
+        self._learning = {name for name, one in network.named_parameters() if one.requires_grad}
+        self._taught = {one.name: self._learning & _weights(network, one) for one in passes}
+        idle = next((n for n in range(steps) if not any(one.made(n) for one in passes)), None)
+        if passes and idle is not None:
+            raise InputError(
+                f"no pass is made in step {idle + 1} of {steps}",
+                remedy="Let one be made in every step",
+            )
+
+    def prepare(self, network: nn.Module, step: int) -> None:
+        """Put a network into training mode, but what is frozen in the step's stage."""
+        network.train()
+        if not self._passes:
+            return
+        learning = set().union(*(self._taught[one.name] for one in self._passes if one.lasts(step)))
+        for start, module in network.named_modules():
+            weights = {f"{start}.{name}".strip(".") for name, _ in module.named_parameters()}
+            if weights and not weights & learning:
+                module.eval()
+
+    @contextmanager
+    def of(self, network: nn.Module, name: str) -> Iterator[None]:
+        """Let only the weights of one pass gather gradients."""
+        if not name:
+            yield
+            return
+        weights: Mapping[str, nn.Parameter] = dict(network.named_parameters())
+        try:
+            for key in self._learning:
+                weights[key].requires_grad_(key in self._taught[name])
+            yield
+        finally:
+            for key in self._learning:
+                weights[key].requires_grad_(True)
+
+
+def _weights(network: nn.Module, one: Pass) -> set[str]:
+    """Return the names of the weights in the parts of a pass."""
+    names = [name for name, _ in network.named_parameters()]
+    for part in one.parts:
+        if not any(f"{name}.".startswith(f"{part}.") for name in names):
+            children = ", ".join(name for name, _ in network.named_children())
+            raise InputError(
+                f"the pass {one.name!r} teaches {part!r}, which has no weights in the network",
+                remedy=f"Name one of its parts: {children}",
+            )
+    if not one.parts:
+        return set(names)
+    return {name for name in names if any(f"{name}.".startswith(f"{part}.") for part in one.parts)}
