@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import NamedTuple
 
-from sqlalchemy import select
+from sqlalchemy import or_, select
 from sqlalchemy.orm import Session
 
 from studyapp.definition.study import Study
@@ -17,18 +17,23 @@ from studyapp.services.exclusion import JUDGED
 
 
 class Check(NamedTuple):
-    """One answered catch trial or attention check.
+    """One catch trial or attention check that somebody is done with.
 
     Attributes
     ----------
     item : str
         What it is: its segment and, of a catch trial, the conditions shown.
+    failed : bool
+        To leave one out is to fail it.
+    answered : bool
+        Whether it was answered, not left out.
     """
 
     sitting: int
     kind: str
     item: str
     failed: bool
+    answered: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +67,7 @@ class _Judged:
 
 
 def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Check]:
-    """Judge every answered check of the study sessions `wanted`."""
+    """Judge every check that was answered, or left out, in the study sessions `wanted`."""
     rows = (
         session.connection()
         .execute(
@@ -74,8 +79,12 @@ def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Chec
                 Trial.segment,
                 Trial.expected,
                 Trial.instructed,
+                Trial.answered_at.is_not(None),
             )
-            .where(Trial.kind.in_(JUDGED), Trial.answered_at.is_not(None))
+            .where(
+                Trial.kind.in_(JUDGED),
+                or_(Trial.answered_at.is_not(None), Trial.unplayable_at.is_not(None)),
+            )
             .order_by(Trial.id)
         )
         .all()
@@ -83,7 +92,7 @@ def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Chec
     shown = _conditions(session)
     answers = _answers(session)
     found = []
-    for trial_id, sitting, kind, part, segment, expected, instructed in rows:
+    for trial_id, sitting, kind, part, segment, expected, instructed, answered in rows:
         if sitting not in wanted:
             continue
         conditions = shown.get(trial_id, ())
@@ -91,20 +100,24 @@ def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Chec
             kind=kind, part=part, conditions=conditions, expected=expected, instructed=instructed
         )
         pair = f": {' and '.join(sorted(conditions))}" if kind == "catch" else ""
-        failed = study.failed(judged, answers.get(trial_id, {}))
-        found.append(Check(sitting, kind, f"{segment}{pair}", failed))
+        failed = not answered or study.failed(judged, answers.get(trial_id, {}))
+        found.append(Check(sitting, kind, f"{segment}{pair}", failed, answered))
     return found
 
 
 def checked_items(found: Iterable[Check]) -> tuple[CheckedItem, ...]:
-    """Return how each check was answered, those failed most often first."""
+    """Return how each check was answered, those failed most often first.
+
+    That one was left out says nothing of it; it does of the participant.
+    """
     found = list(found)
     failures: dict[int, int] = defaultdict(int)
     for check in found:
         failures[check.sitting] += check.failed
     by_item: dict[tuple[str, str], list[Check]] = defaultdict(list)
     for check in found:
-        by_item[check.kind, check.item].append(check)
+        if check.answered:
+            by_item[check.kind, check.item].append(check)
     items = [
         _item(kind, item, of_item, failures) for (kind, item), of_item in sorted(by_item.items())
     ]

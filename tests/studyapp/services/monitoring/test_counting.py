@@ -144,6 +144,7 @@ def test_a_check_that_only_careful_raters_fail_is_told_apart() -> None:
         Check(3, "catch", "hard", failed=True),
         Check(3, "catch", "easy", failed=True),
         Check(3, "attention", "read", failed=False),
+        Check(4, "catch", "easy", failed=True, answered=False),
     ]
 
     hard, easy, read = checked_items(found)
@@ -152,7 +153,7 @@ def test_a_check_that_only_careful_raters_fail_is_told_apart() -> None:
     assert (hard.careful_failed, hard.careful) == (3, 3)
     assert (easy.failed, easy.careful_failed, easy.careful) == (1, 0, 0)
     assert (read.kind, read.careful) == ("attention", 0)
-    assert failed_by_sitting(found, "catch") == {0: 1, 1: 1, 2: 1, 3: 2}
+    assert failed_by_sitting(found, "catch") == {0: 1, 1: 1, 2: 1, 3: 2, 4: 1}
 
 
 @pytest.mark.parametrize(
