@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import resource
 import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -58,6 +59,29 @@ def test_asking_often_writes_once(app: Flask, monkeypatch: pytest.MonkeyPatch) -
     answers = [app.test_client().get("/healthz").status_code for _ in range(5)]
 
     assert (answers, len(asked)) == ([200] * 5, 1)
+
+
+def test_where_the_database_does_not_answer_it_is_not_well_and_says_so_all_the_same(
+    app: Flask, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    thawed, asked = threading.Event(), list[Database]()
+
+    def wait_for_it(database: Database) -> None:
+        asked.append(database)
+        thawed.wait(60)
+
+    monkeypatch.setattr(Database, "try_writing", wait_for_it)
+    monkeypatch.setattr("studyapp.web.health.ANSWER_SECONDS", 0.05)
+    monkeypatch.setattr("studyapp.web.health.KNOWN_SECONDS", 0.0)
+    client = app.test_client()
+
+    frozen = [client.get("/healthz").status_code for _ in range(3)]
+    asked_while_frozen = len(asked)
+    thawed.set()
+    monkeypatch.setattr("studyapp.web.health.ANSWER_SECONDS", 60.0)
+
+    assert (frozen, asked_while_frozen) == ([503] * 3, 1)
+    assert client.get("/healthz").status_code == 200
 
 
 def test_without_its_database_it_is_not_well(app: Flask, tmp_path: Path) -> None:
