@@ -14,7 +14,14 @@ from generators.registry import generator_names, needs_model, needs_source
 from motion.errors import InputError
 from motion.segment import check_name
 from studyapp.command.asking import agree, ask, choose, explain
-from studyapp.command.init_options import FILES, VIDEOS, generator_sources, read_source, source_of
+from studyapp.command.init_options import (
+    FILES,
+    VIDEOS,
+    generator_sources,
+    read_source,
+    source_of,
+    source_words,
+)
 from studyapp.definition.conditions import Condition
 from studyapp.definition.placed_conditions import MOST_TOGETHER
 from studyapp.definition.study import GROUND_TRUTH
@@ -36,8 +43,8 @@ _SOURCES: Final[Mapping[str, str]] = MappingProxyType(
 def _sources() -> dict[str, str]:
     """Return where motion comes from, each with what it means; networks come last."""
     networks = [name for name in generator_names() if needs_model(name)]
-    words = "made here by a network from its weights: type {}:FILE"
-    return {**_SOURCES, **{name: words.format(name) for name in networks}}
+    words = "made here by a network from its weights: type {}"
+    return {**_SOURCES, **{name: words.format(source_words(name)) for name in networks}}
 
 
 @dataclass(frozen=True, kw_only=True)

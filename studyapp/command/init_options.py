@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Final
 
-from generators.registry import generator_names, needs_model, needs_source
-from generators.settings import ModelSettings
+from generators.registry import generator_names, needs_source, settings_type
+from generators.settings import File, told
 from motion.errors import InputError
+from motion.listing import listed
 from motion.segment import check_name
 from studyapp.command.setting_options import condition_of
 from studyapp.definition.conditions import Condition
@@ -30,7 +31,7 @@ def read_condition(text: str, folder: Path) -> tuple[str, Condition]:
     ----------
     text : str
         The source is ``files``, ``videos``, a generator, ``mismatched:NAME``, or a network and
-        the file of its weights, ``NETWORK:FILE``.
+        the file of its weights, ``NETWORK:FILE``, ``NETWORK:FILE,FILE`` where it has several.
     folder : Path
         The study's, from which files are named.
 
@@ -58,8 +59,9 @@ def read_source(text: str, folder: Path) -> Condition:
             f"unknown source {text!r}",
             remedy=f"Use {FILES}, {VIDEOS}, or a generator: {', '.join(generator_sources())}",
         )
-    if needs_model(kind):
-        return condition_of(kind, {"checkpoint": _weights(kind, of)}, folder)
+    if needed := _needed_files(kind):
+        weights = zip(needed, _weights(kind, of, needed), strict=True)
+        return condition_of(kind, dict(weights), folder)
     if needs_source(kind) != bool(of):
         says = "needs the condition it starts from" if needs_source(kind) else "needs no source"
         example = f"{kind}:OTHER" if needs_source(kind) else kind
@@ -67,33 +69,46 @@ def read_source(text: str, folder: Path) -> Condition:
     return Condition(generator=kind, source=check_name(of, "condition") if of else None)
 
 
-def _weights(generator: str, file: str) -> Path:
-    """Return the file of a network's weights."""
-    if not file:
+def _needed_files(generator: str) -> list[str]:
+    """Return the keys of the files that a generator cannot do without."""
+    kind = settings_type(generator)
+    needed = (each for each in told(kind) if each.type == File)
+    return [each.option for each in needed if kind.model_fields[each.keys[0]].is_required()]
+
+
+def _weights(generator: str, given: str, needed: Sequence[str]) -> list[Path]:
+    """Return the files of a network's weights."""
+    files = given.split(",") if len(needed) > 1 else [given]
+    if not all(files) or len(files) != len(needed):
         raise InputError(
             f"the generator {generator!r} is a network and needs its weights",
-            remedy=f"Give {generator}:FILE, its checkpoint",
+            remedy=f"Give {source_words(generator)}, its {listed(needed)}",
         )
-    path = Path(file).expanduser()
-    if not path.is_file():
-        raise InputError("there is no such file of weights", where=path)
-    return path
+    paths = [Path(file.strip()).expanduser() for file in files]
+    for path in paths:
+        if not path.is_file():
+            raise InputError("there is no such file of weights", where=path)
+    return paths
+
+
+def source_words(generator: str) -> str:
+    """Return a generator as a source is written."""
+    of = "OTHER" if needs_source(generator) else ",".join("FILE" for _ in _needed_files(generator))
+    return f"{generator}:{of}" if of else generator
 
 
 def generator_sources() -> tuple[str, ...]:
     """Return the generators as sources are written."""
-    return tuple(
-        f"{name}:OTHER" if needs_source(name) else f"{name}:FILE" if needs_model(name) else name
-        for name in generator_names()
-    )
+    return tuple(map(source_words, generator_names()))
 
 
 def source_of(condition: Condition, folder: Path) -> str:
     """Return the source of a condition of a study in `folder` as it is written in an option."""
     if condition.generator is None:
         return VIDEOS if condition.videos else FILES
-    told = condition.settings
-    of = str(folder / told.checkpoint) if isinstance(told, ModelSettings) else condition.source
+    keys = _needed_files(condition.generator)
+    of = ",".join(str(folder / getattr(condition.settings, key)) for key in keys)
+    of = of or condition.source or ""
     return f"{condition.generator}:{of}" if of else condition.generator
 
 

@@ -41,6 +41,12 @@ class SwaySettings(ModelSettings):
     pace: Pace = Pace()
 
 
+class PairSettings(ModelSettings):
+    """What a body takes that hears by a network of its own."""
+
+    ear: File
+
+
 class Sway:
     """Sways about the vertical; its weights are a number in a file."""
 
@@ -230,3 +236,26 @@ def test_a_new_study_has_it_as_a_condition(tmp_path: Path, weights: Path) -> Non
     assert ours == SwaySettings(checkpoint=weights)
     study = read_study(tmp_path / "b" / "study.toml")
     assert study.conditions["sway"].settings == SwaySettings(checkpoint=weights, pace=Pace(turns=2))
+
+
+def test_a_network_of_two_files_is_a_condition_by_both(
+    tmp_path: Path, weights: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entry = Entry(home=f"{__name__}:Sway", settings=f"{__name__}:PairSettings")
+    monkeypatch.setitem(GENERATORS, "pair", entry)
+    (tmp_path / "ear.txt").write_text("1")
+
+    made = run(
+        *("init", tmp_path / "a", "--condition", "real=files"),
+        *("--condition", f"ours=pair:{weights},{tmp_path / 'ear.txt'}"),
+    )
+    half = run("init", tmp_path / "b", "--condition", f"ours=pair:{weights}")
+    answers = "pairwise\nown\nreal\nfiles\nours\npair:" + f"{weights},{tmp_path / 'ear.txt'}\n"
+    asked = CliRunner().invoke(group, ["init", str(tmp_path / "c"), "--ask"], input=answers)
+
+    assert made.exit_code == 0, made.output
+    said = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
+    assert said == PairSettings(checkpoint=weights, ear=tmp_path / "ear.txt")
+    assert "Give pair:FILE,FILE, its checkpoint and ear" in half.output
+    assert "type pair:FILE,FILE" in asked.output
+    assert "needs its weights" not in asked.output
