@@ -49,6 +49,7 @@ GENERATORS: Final = {
     "amuse": Entry(
         home="generators.amuse.generate:Amuse",
         settings="generators.amuse.settings:AmuseSettings",
+        trainable="generators.amuse.config:TRAINABLE",
     ),
 }
 """Every generator under its name; whoever has another one adds it before a study is read."""

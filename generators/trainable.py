@@ -30,12 +30,15 @@ class TrainingChoice:
     help : str
         What it does, for whoever reads the command's help.
     values : tuple of str
-        What it may be; a folder's path where there are none.
+        What it may be; a path where there are none.
+    file : bool
+        Whether that is a file's path, and not a folder's.
     """
 
     name: str
     help: str
     values: tuple[str, ...] = ()
+    file: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -74,3 +74,8 @@ def chance_of_part(seed: int, step: int, part: int, update: int = 0) -> int:
     entropy = (seed, step, part, *((update,) if update else ()))
     state = np.random.SeedSequence(entropy).generate_state(1, np.uint64)
     return int(state[0] >> np.uint64(1))
+
+
+def evenly(count: int, most: int) -> NDArray[np.int64]:
+    """Return at most so many of `count` examples, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))

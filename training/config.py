@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
-from typing import Any, Final, Literal, get_args
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, Final, Literal, Self, get_args
 
 from motion.errors import InputError
+from training.batch_order import batches_per_epoch
 from training.passes import Pass
 
 Optimizer = Literal["adam", "adamw"]
@@ -130,6 +131,10 @@ class TrainingConfig:
 
     def _check(self, name: str, fits: bool, wanted: str) -> None:
         _check(name, getattr(self, name), fits, wanted)
+
+    def for_epochs(self, epochs: int, examples: int) -> Self:
+        """Return the settings with the steps that go so often through so many examples."""
+        return replace(self, steps=epochs * batches_per_epoch(examples, self.batch_size))
 
     def facts(self) -> dict[str, Any]:
         """Return the settings as JSON holds them."""

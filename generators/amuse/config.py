@@ -6,8 +6,13 @@ the release's value stands here, with the paper's beside it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
+
+from generators.trainable import Trainable, TrainingChoice
+from training.config import TrainingConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,3 +94,72 @@ class SpeechConfig:
 
 AMUSE: Final = MotionConfig()
 SPEECH: Final = SpeechConfig()
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionPreset:
+    """Sizes and training of prior and denoiser.
+
+    Attributes
+    ----------
+    network : MotionConfig
+        Their sizes; conditions are as wide as the speech model's latents.
+    training : TrainingConfig
+        How; its steps are those of one epoch where `epochs` are told.
+    epochs : int or None
+        How often all windows are gone through, in place of a number of steps.
+    """
+
+    network: MotionConfig
+    training: TrainingConfig
+    epochs: int | None = None
+
+
+MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
+    {
+        "tiny": MotionPreset(
+            network=MotionConfig(
+                frames=120, width=64, feed_forward=128, layers=5, longest=122, dropout=0.0
+            ),
+            training=TrainingConfig(
+                steps=1_500,
+                batch_size=32,
+                learning_rate=1e-3,
+                ema_decay=0.995,
+                validate_every=100,
+                checkpoint_every=250,
+            ),
+        ),
+        "full": MotionPreset(
+            network=AMUSE,
+            training=TrainingConfig(
+                steps=1,
+                batch_size=64,
+                learning_rate=1e-4,
+                validate_every=500,
+                checkpoint_every=500,
+            ),
+            epochs=5_000,
+        ),
+    }
+)
+"""By config: four seconds and a small width; the released size, trained as the paper says."""
+
+TRAINABLE: Final = Trainable(
+    summary="Train AMUSE's motion prior and denoiser on recordings of speech with motion.",
+    explanation="""
+    Learns from the takes of the training split, and measures itself on those of the validation
+    split. Any recordings of a whole body will do: BVH of BEAT, or SMPL-X. What is said, with which
+    emotion and by whom is heard by a speech model, which stays as it is.
+    """,
+    configs={
+        "tiny": "a small network for windows of four seconds, which a processor trains in minutes",
+        "full": "the released size",
+    },
+    home="generators.amuse.train:train_amuse",
+    choices=(
+        TrainingChoice(
+            name="speech_model", help="Weights of AMUSE's speech model; needed.", file=True
+        ),
+    ),
+)

@@ -11,6 +11,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from generators.amuse.config import SpeechConfig
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
@@ -156,12 +157,16 @@ class Amuse:
         found = {part: self._stand_in(part, plan.count) for part in self._swapped}
         own = [part for part in PARTS if part not in found]
         heard: dict[Part, list[Tensor]] = {part: [] for part in own}
-        for number, rows in enumerate(self._windows_of(audio, plan)):
+        for number, rows in enumerate(self._windows(audio, plan)):
             for part in own:
                 heard[part].append(self._speech.model.latent(part, rows))
             on_part(number + 1, plan.count)
         found |= {part: torch.cat(latents) for part, latents in heard.items()}
         return [found[part] for part in PARTS]
+
+    def _windows(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:
+        windows = heard_windows(audio, plan, self._speech.model.config)
+        return [rows.to(self._device) for rows in windows]
 
     def _stand_in(self, part: Part, windows: int) -> Tensor:
         """Return the latents (windows, latent) of what stands in for a part of the speech.
@@ -184,7 +189,7 @@ class Amuse:
             return self._speech.labelled(part, named)[None].to(self._device)
         try:
             audio = read_audio(named)
-            windows = self._windows_of(audio, self._plan(audio))
+            windows = self._windows(audio, self._plan(audio))
         except InputError as error:
             raise InputError(
                 f"{part} cannot be heard: {error.what}",
@@ -193,15 +198,20 @@ class Amuse:
             ) from error
         return torch.cat([self._speech.model.latent(part, rows) for rows in windows])
 
-    def _windows_of(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:
-        """Return the filterbank of each window of speech, (1, rows, bands)."""
-        samples = at_speech_rate(audio)
-        check_speech(samples)
-        config = self._speech.model.config
-        per_frame = SPEECH_RATE / FRAME_RATE
-        windows = []
-        for start in plan.starts:
-            first, last = round(start * per_frame), round((start + plan.frames) * per_frame)
-            rows = filterbank(samples[first:last], config.frames, config.bands)
-            windows.append(rows[None].to(self._device))
-        return windows
+
+def heard_windows(audio: Audio, plan: WindowPlan, config: SpeechConfig) -> list[Tensor]:
+    """Return the filterbank (1, rows, bands) of the speech under each window of motion.
+
+    Raises
+    ------
+    InputError
+        If the speech is shorter than half a second, or silent.
+    """
+    samples = at_speech_rate(audio)
+    check_speech(samples)
+    per_frame = SPEECH_RATE / FRAME_RATE
+    windows = []
+    for start in plan.starts:
+        first, last = round(start * per_frame), round((start + plan.frames) * per_frame)
+        windows.append(filterbank(samples[first:last], config.frames, config.bands)[None])
+    return windows

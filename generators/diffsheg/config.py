@@ -9,7 +9,6 @@ from typing import Any, Final, Literal
 
 from generators.trainable import Trainable, TrainingChoice
 from motion.errors import InputError
-from training.batch_order import batches_per_epoch
 from training.config import TrainingConfig
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
@@ -215,7 +214,7 @@ class TrainingPreset:
         config = replace(self.training, **changes)
         if self.epochs is None or "steps" in changes:
             return config
-        return replace(config, steps=self.epochs * batches_per_epoch(examples, config.batch_size))
+        return config.for_epochs(self.epochs, examples)
 
 
 _TINY_TRAINING: Final = TrainingConfig(

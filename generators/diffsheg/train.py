@@ -21,6 +21,7 @@ from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.network_file import MotionNetwork, write_network
 from generators.trainable import Show, TrainedGenerator, TrainingRequest
 from motion.errors import InputError
+from training.batch_order import evenly
 from training.data.feature_cache import PreparedTakes, prepare
 from training.data.take import TakeFolder
 from training.data.windows import Windows
@@ -134,7 +135,7 @@ class DiffShegTask:
     @cached_property
     def _seen(self) -> NDArray[np.float32]:
         """Normalised windows, evenly among those to learn from."""
-        rows = _evenly(len(self.training), _SEEN)
+        rows = evenly(len(self.training), _SEEN)
         values = self.training.batch(rows)
         motion = np.concatenate([values["gesture"], values["expression"]], axis=-1)
         return self.normalisation.normalised(motion.astype(np.float64)).astype(np.float32)
@@ -171,11 +172,6 @@ class _Batch:
     hubert: Tensor
     person: Tensor
     semantic: Tensor | None
-
-
-def _evenly(count: int, most: int) -> NDArray[np.int64]:
-    """Return at most so many of `count` rows, the first and the last among them."""
-    return np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
 
 
 @contextmanager

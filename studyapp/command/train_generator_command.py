@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, get_args
 import click
 
 from generators.registry import trainable_of
-from generators.trainable import Device, Trainable, TrainingRequest
+from generators.trainable import Device, Trainable, TrainingChoice, TrainingRequest
 from motion.errors import InputError
 from studyapp.command.progress import progress
 from training.data.take import KINDS
@@ -69,8 +69,8 @@ def generator_command(name: str) -> click.Command:
         ),
         *(
             click.Option(
-                [f"--{choice.name}"],
-                type=click.Choice(choice.values) if choice.values else _folder,
+                [f"--{choice.name.replace('_', '-')}"],
+                type=_type_of(choice),
                 help=choice.help,
             )
             for choice in trainable.choices
@@ -111,6 +111,12 @@ def generator_command(name: str) -> click.Command:
         help=f"{trainable.summary}\n\n{_paragraph(trainable.explanation)}\n\n"
         "An interrupted run goes on when the same command is given.",
     )
+
+
+def _type_of(choice: TrainingChoice) -> click.ParamType[Any]:
+    if choice.values:
+        return click.Choice(choice.values)
+    return _file if choice.file else _folder
 
 
 def _paragraph(text: str) -> str:

@@ -1,0 +1,121 @@
+"""What AMUSE's motion networks learn by (Chhatre et al. 2024, section 3.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from generators.amuse.config import MotionConfig
+from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.sampling import STEPS
+from training.body_points import BodyPoints
+from training.diffusion import SCALED_LINEAR
+
+
+@dataclass(frozen=True, kw_only=True)
+class LossWeights:
+    """How much each loss counts; those of 0 are not computed.
+
+    Attributes
+    ----------
+    rec, vrec : float
+        Of the prior's reconstruction, L_rec, and of the body's points in it, L_Vrec.
+    kl : float
+        Of the latent's distance from a standard normal law, L_KL.
+    ld : float
+        Of the noise that the denoiser does not find, L_LD.
+    align, valign : float
+        Of the motion that is decoded from a fully denoised latent, L_align, and of the body's
+        points in it, L_Valign.
+    """
+
+    rec: float = 1.0
+    vrec: float = 1.0
+    kl: float = 1e-4
+    ld: float = 1.0
+    align: float = 1.0
+    valign: float = 1.0
+
+
+class MotionModel(nn.Module):
+    """Prior and denoiser, which learn together."""
+
+    def __init__(self, config: MotionConfig) -> None:
+        super().__init__()
+        self.prior = MotionPrior(config)
+        self.denoiser = Denoiser(config)
+        self.points = BodyPoints()
+
+
+def motion_losses(
+    model: MotionModel,
+    motion: Tensor,
+    latents: Sequence[Tensor],
+    noise: Tensor,
+    timestep: Tensor,
+    weights: LossWeights,
+) -> dict[str, Tensor]:
+    """Return the loss of the three-step pass, and its parts.
+
+    First the prior codes and decodes the motion. Then its latent, of which no gradient is taken,
+    gets noise for the denoiser to find. Last a latent is denoised from noise alone, without
+    gradients, and decoded: what misses the motion then teaches the decoder.
+
+    Parameters
+    ----------
+    model : MotionModel
+        The networks.
+    motion : Tensor
+        (batch, frames, motion width).
+    latents : sequence of Tensor
+        Content, emotion and style, (batch, 1, condition width) each.
+    noise : Tensor
+        (3, batch, 1, width): for the prior's latent, for the diffusion, and to denoise from.
+    timestep : Tensor
+        (batch,) diffusion steps.
+    weights : LossWeights
+        How the parts add up.
+
+    Returns
+    -------
+    dict of str to Tensor
+        ``loss``, and unweighted ``rec``, ``vrec``, ``kl``, ``ld``, ``align``, ``valign``, of those
+        that count.
+    """
+    mu, std = model.prior.encode(motion)
+    z = mu + std * noise[0]
+    parts = {"kl": (mu.square() + std.square() - 2 * std.log() - 1).sum(dim=-1).mean() / 2}
+    points = model.points(motion) if weights.vrec or weights.valign else None
+    parts |= _missed(model, motion, points, z, "rec", "vrec", weights)
+    if weights.ld:
+        z_t = SCALED_LINEAR.x_t(z.detach(), noise[1], timestep)
+        parts["ld"] = functional.mse_loss(model.denoiser(z_t, timestep, *latents), noise[1])
+    if weights.align or weights.valign:
+        with torch.no_grad():
+            z = SCALED_LINEAR.ddim(noise[2], lambda z_t, t: model.denoiser(z_t, t, *latents), STEPS)
+        parts |= _missed(model, motion, points, z, "align", "valign", weights)
+    total = sum(
+        (getattr(weights, name) * part for name, part in parts.items()), motion.new_zeros(())
+    )
+    return {"loss": total, **parts}
+
+
+def _missed(
+    model: MotionModel,
+    motion: Tensor,
+    points: Tensor | None,
+    z: Tensor,
+    whole: str,
+    surface: str,
+    weights: LossWeights,
+) -> dict[str, Tensor]:
+    """Return by how much the motion of latents misses the true one, and its points theirs."""
+    decoded = model.prior.decode(z, motion.shape[1])
+    parts = {whole: functional.smooth_l1_loss(decoded, motion)}
+    if points is not None and getattr(weights, surface):
+        parts[surface] = functional.smooth_l1_loss(model.points(decoded), points)
+    return parts

@@ -1,0 +1,216 @@
+"""Training AMUSE's motion prior and denoiser on recordings, told what a speech model hears."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from generators.amuse.config import MOTION_PRESETS, MotionConfig
+from generators.amuse.generate import FRAME_RATE, heard_windows
+from generators.amuse.losses import LossWeights, MotionModel, motion_losses
+from generators.amuse.network_file import (
+    MotionNetworks,
+    SpeechNetwork,
+    load_speech_network,
+    write_motion_networks,
+)
+from generators.amuse.sampling import WindowPlan
+from generators.amuse.speech import PARTS
+from generators.settings import content
+from generators.trainable import Show, TrainedGenerator, TrainingRequest
+from motion.audio import read_audio
+from motion.errors import InputError
+from motion.formats import read_motion
+from motion.resample import resample
+from training.batch_order import evenly
+from training.data.feature import Feature
+from training.data.feature_cache import prepare
+from training.data.take import Take
+from training.data.windows import Windows
+from training.device import check_device
+from training.diffusion import SCALED_LINEAR
+from training.launching import is_leader
+from training.loop import train
+from training.run_folder import RunFolder
+from training.spaces.smplx_6d import smplx_6d_values
+
+HELD_OUT: Final = 128
+"""At most so many windows tell how well held-out takes are known."""
+
+SEEN: Final = 1_000
+"""At most so many windows tell the mean of the motion."""
+
+_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch", "transformers")
+_VERSION: Final = "1"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionTask:
+    """Learning the latent of motion, and to find it from the speech.
+
+    Attributes
+    ----------
+    config : MotionConfig
+        The networks.
+    weights : LossWeights
+        What counts how much.
+    training, held_out : Windows
+        Of the features ``motion`` and ``latents``, side by side without overlap.
+    settings : mapping
+        What else makes this training another one than the next, as JSON values.
+    data_sha256 : str
+        Hash of all takes and features.
+    device : str
+        ``cpu`` or ``cuda``.
+    """
+
+    config: MotionConfig
+    weights: LossWeights
+    training: Windows
+    held_out: Windows
+    settings: Mapping[str, Any]
+    data_sha256: str
+    device: str = "cpu"
+
+    @property
+    def examples(self) -> int:
+        """Windows to learn from."""
+        return len(self.training)
+
+    def network(self) -> MotionModel:
+        """Return fresh networks, whose prior sets out from the mean of the motion."""
+        model = MotionModel(self.config)
+        seen = self.training.batch(evenly(self.examples, SEEN))["motion"]
+        with torch.no_grad():
+            model.prior.final_layer.bias.copy_(torch.from_numpy(seen.mean(axis=(0, 1))))
+        return model.to(self.device)
+
+    def losses(self, network: MotionModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+        """Return `motion_losses` of a batch at steps and with noise that chance draws."""
+        return self._losses(network, self.training, rows)
+
+    def validation(self, network: MotionModel) -> Mapping[str, float]:
+        """Return `motion_losses` of held-out windows, evenly among them."""
+        rows = evenly(len(self.held_out), HELD_OUT)
+        losses = self._losses(network, self.held_out, rows)
+        return {name: float(value) for name, value in losses.items()}
+
+    def _losses(
+        self, network: MotionModel, windows: Windows, rows: NDArray[np.int64]
+    ) -> Mapping[str, Tensor]:
+        values = windows.batch(rows)
+        motion = torch.from_numpy(values["motion"]).to(self.device)
+        # All frames of a window are told the same of its speech.
+        told = torch.from_numpy(values["latents"][:, :1]).to(self.device)
+        noise = torch.randn(3, len(rows), 1, self.config.width).to(self.device)
+        timestep = torch.randint(0, SCALED_LINEAR.steps, (len(rows),)).to(self.device)
+        latents = torch.chunk(told, len(PARTS), dim=-1)
+        return motion_losses(network, motion, latents, noise, timestep, self.weights)
+
+
+def whole_body() -> Feature:
+    """Return a take's rotations in 6D and its translation, 333 channels, placed on the floor."""
+
+    def compute(take: Take) -> NDArray[np.float32]:
+        clip = resample(read_motion(take.motion), FRAME_RATE)
+        return smplx_6d_values(clip).astype(np.float32)
+
+    return Feature(name="motion", version=_VERSION, compute=compute)
+
+
+def speech_latents(speech: SpeechNetwork, identity: str, frames: int) -> Feature:
+    """Return content, emotion and style of each window of `frames`, the same in all its frames."""
+
+    def compute(take: Take) -> NDArray[np.float32]:
+        audio = read_audio(take.speech)
+        total = max(1, round(audio.duration * FRAME_RATE))
+        count = -(-total // frames)
+        plan = WindowPlan(frames=frames, stride=frames, count=count, fade=0)
+        told = [
+            torch.cat([speech.model.latent(part, rows) for part in PARTS], dim=-1)
+            for rows in heard_windows(audio, plan, speech.model.config)
+        ]
+        return torch.cat(told).repeat_interleave(frames, dim=0)[:total].numpy()
+
+    return Feature(name="latents", version=f"{_VERSION} {identity} {frames}", compute=compute)
+
+
+def train_amuse(
+    request: TrainingRequest,
+    out: Path,
+    run: Path,
+    *,
+    show_preparing: Show,
+    show_training: Show,
+) -> TrainedGenerator:
+    """Train AMUSE's motion networks; see `generators.trainable.TrainGenerator`."""
+    check_device(request.device)
+    preset = MOTION_PRESETS[request.config]
+    speech, identity = _speech_of(request)
+    config = replace(preset.network, condition_width=speech.model.config.latent)
+    features = (whole_body(), speech_latents(speech, identity, config.frames))
+    prepared = prepare(
+        request.takes, features, request.cache, frame_rate=FRAME_RATE, show=show_preparing
+    )
+    weights = LossWeights()
+    task = MotionTask(
+        config=config,
+        weights=weights,
+        training=Windows(prepared, split="train", frames=config.frames, stride=config.frames),
+        held_out=Windows(prepared, split="validation", frames=config.frames, stride=config.frames),
+        settings={
+            **{f"network {name}": value for name, value in asdict(config).items()},
+            **{f"loss {name}": value for name, value in asdict(weights).items()},
+            "speech model": identity,
+            "device": request.device,
+        },
+        data_sha256=prepared.sha256,
+        device=request.device,
+    )
+    training = replace(preset.training, **request.changes)
+    if preset.epochs is not None and "steps" not in request.changes:
+        training = training.for_epochs(preset.epochs, task.examples)
+    trained = train(task, training, RunFolder(run), show=show_training)
+    model = trained.network.cpu()
+    facts = {
+        "config": training.facts(),
+        "speech_model": identity,
+        "best_step": trained.best.step,
+        "held_out": dict(trained.best.measured),
+        "data": {"kind": request.takes.kind, "sha256": prepared.sha256},
+        "versions": {name: metadata.version(name) for name in _PACKAGES},
+    }
+    if is_leader():
+        networks = MotionNetworks(prior=model.prior, denoiser=model.denoiser, training=facts)
+        write_motion_networks(out, networks)
+    found = trained.best.measured
+    return TrainedGenerator(
+        sentences=(
+            f"Learned from {len(task.training)} windows of {config.frames / FRAME_RATE:g} s.",
+            f"Noise that it does not find in {len(task.held_out)} held-out windows: "
+            f"{found['ld']:.3f} of 1. Its reconstruction misses them by {found['rec']:.4f}, the "
+            f"motion that it tells to their speech by {found['align']:.4f}.",
+            f"Its weights are those of step {trained.best.step} of {trained.steps}.",
+        ),
+        warnings=(),
+        skipped=prepared.skipped,
+    )
+
+
+def _speech_of(request: TrainingRequest) -> tuple[SpeechNetwork, str]:
+    """Return the speech model and the hash of its file."""
+    named = request.choices.get("speech_model")
+    if named is None:
+        raise InputError(
+            "AMUSE's motion networks learn from what a speech model hears, and none is named",
+            remedy="Give its weights: --speech-model FILE",
+        )
+    return load_speech_network(Path(named)), str(content(Path(named)))

@@ -1,0 +1,86 @@
+"""What AMUSE's motion networks learn by."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import torch
+
+from generators.amuse.losses import LossWeights, MotionModel, motion_losses
+from tests.generators.amuse.small_networks import MOTION
+
+SMALL = replace(MOTION, frames=12)
+
+
+@pytest.fixture(name="model")
+def _model() -> MotionModel:
+    torch.manual_seed(5)
+    return MotionModel(SMALL).eval()
+
+
+def _losses(model: MotionModel, weights: LossWeights) -> dict[str, torch.Tensor]:
+    random = torch.Generator().manual_seed(2)
+    motion = torch.randn(2, 12, 333, generator=random)
+    latents = [torch.randn(2, 1, 8, generator=random) for _ in range(3)]
+    noise = torch.randn(3, 2, 1, SMALL.width, generator=random)
+    return motion_losses(model, motion, latents, noise, torch.tensor([3, 700]), weights)
+
+
+def _taught(model: MotionModel, weights: LossWeights) -> set[str]:
+    """Which networks get a gradient of the loss."""
+    model.zero_grad()
+    _losses(model, weights)["loss"].backward()
+    parts = {
+        "encoder": model.prior.encoder,
+        "decoder": model.prior.decoder,
+        "denoiser": model.denoiser,
+    }
+    return {
+        name
+        for name, part in parts.items()
+        if any(weight.grad is not None and weight.grad.any() for weight in part.parameters())
+    }
+
+
+_NOTHING = LossWeights(rec=0, vrec=0, kl=0, ld=0, align=0, valign=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "taught"),
+    [
+        ("rec", {"encoder", "decoder"}),
+        ("vrec", {"encoder", "decoder"}),
+        ("kl", {"encoder"}),
+        ("ld", {"denoiser"}),
+        ("align", {"decoder"}),
+        ("valign", {"decoder"}),
+    ],
+)
+def test_each_loss_teaches_the_networks_that_the_paper_says(
+    model: MotionModel, name: str, taught: set[str]
+) -> None:
+    assert _taught(model, replace(_NOTHING, **{name: 1.0})) == taught
+
+
+def test_the_loss_is_the_weighted_sum_of_its_parts(model: MotionModel) -> None:
+    weights = LossWeights(rec=2, vrec=3, kl=1e-4, ld=5, align=0.5, valign=0.25)
+    losses = {name: float(value.detach()) for name, value in _losses(model, weights).items()}
+    parts = sum(getattr(weights, name) * losses[name] for name in losses if name != "loss")
+    assert losses["loss"] == pytest.approx(parts, rel=1e-5)
+
+
+def test_the_latents_distance_is_that_of_two_normal_laws(model: MotionModel) -> None:
+    motion = torch.randn(2, 12, 333, generator=torch.Generator().manual_seed(2))
+    mu, std = model.prior.encode(motion)
+    found = torch.distributions.kl_divergence(
+        torch.distributions.Normal(mu, std), torch.distributions.Normal(0.0, 1.0)
+    )
+    assert float(_losses(model, LossWeights())["kl"].detach()) == pytest.approx(
+        float(found.sum(dim=-1).mean().detach()), rel=1e-5
+    )
+
+
+def test_losses_that_count_nothing_are_not_computed(model: MotionModel) -> None:
+    losses = _losses(model, replace(LossWeights(), align=0, valign=0, ld=0, vrec=0))
+    assert set(losses) == {"loss", "kl", "rec"}

@@ -1,0 +1,143 @@
+"""AMUSE's motion networks learn, say what from, and go on where they were stopped."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter1d
+
+from generators.amuse.config import MOTION_PRESETS
+from generators.amuse.network_file import load_motion_networks, load_speech_network
+from generators.amuse.train import speech_latents, train_amuse
+from generators.trainable import TrainedGenerator, TrainingRequest
+from motion.audio import Audio, write_wav
+from motion.errors import InputError
+from tests.generators.amuse.small_networks import MOTION, written_networks
+from training.data.feature_cache import PreparedTakes
+from training.data.take import Take, TakeFolder
+from training.loop import TrainingStopped
+
+Learn = Callable[..., TrainedGenerator]
+
+FRAMES = 12
+
+
+def _unseen(done: int, total: int, detail: str) -> None:
+    """Show nothing."""
+
+
+@pytest.fixture(scope="module", name="takes")
+def _takes() -> PreparedTakes:
+    """Takes whose motion is one curve, which the speech model hears."""
+    chance = np.random.default_rng(3)
+    mixing = chance.standard_normal((1, 333))
+    takes, motion, latents = [], [], []
+    for number in range(8):
+        curve = 3 * gaussian_filter1d(chance.standard_normal((5 * FRAMES, 1)), 3, axis=0)
+        motion.append((curve @ mixing).astype(np.float32))
+        means = curve.reshape(5, FRAMES).mean(axis=1)
+        latents.append(np.repeat(means, FRAMES)[:, None].repeat(24, axis=1).astype(np.float32))
+        takes.append(
+            Take(
+                name=f"{number:02}",
+                speaker="1",
+                emotion="",
+                split="train" if number % 4 else "validation",
+                speech=Path(f"{number}.wav"),
+                motion=Path(f"{number}.bvh"),
+            )
+        )
+    return PreparedTakes(
+        takes=tuple(takes),
+        arrays={"motion": tuple(motion), "latents": tuple(latents)},
+        frame_rate=30.0,
+        skipped=(),
+        sha256="c" * 64,
+    )
+
+
+@pytest.fixture(name="learn")
+def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
+    settings = written_networks(tmp_path)
+    tiny = replace(MOTION_PRESETS["tiny"], network=replace(MOTION, frames=FRAMES))
+    monkeypatch.setattr("generators.amuse.train.MOTION_PRESETS", {"tiny": tiny})
+    monkeypatch.setattr("generators.amuse.losses.STEPS", 5)
+    monkeypatch.setattr("generators.amuse.train.prepare", lambda *given, **options: takes)
+
+    def train(
+        steps: int,
+        out: Path,
+        show: Callable[[int, int, str], None] = _unseen,
+        **choices: str | None,
+    ) -> TrainedGenerator:
+        named = {"speech_model": str(settings.speech_model), **choices}
+        request = TrainingRequest(
+            takes=TakeFolder(kind="beat", takes=takes.takes, speakers=("1",)),
+            cache=tmp_path,
+            config="tiny",
+            changes={"steps": steps, "batch_size": 16, "learning_rate": 3e-3},
+            choices={key: value for key, value in named.items() if value is not None},
+        )
+        return train_amuse(
+            request, out, out.with_suffix(".run"), show_preparing=_unseen, show_training=show
+        )
+
+    return train
+
+
+def test_a_short_training_reconstructs_and_denoises_better_than_its_beginning(
+    learn: Learn, tmp_path: Path
+) -> None:
+    found = {}
+    for steps in (1, 40):
+        out = tmp_path / f"{steps}.safetensors"
+        said = learn(steps, out)
+        found[steps] = load_motion_networks(out).training["held_out"]
+    for loss in ("rec", "ld", "align"):
+        assert found[40][loss] < 0.9 * found[1][loss]
+    assert "30 windows of 0.4 s" in said.sentences[0]
+
+
+def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
+    whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
+
+    def stop(done: int, total: int, detail: str) -> None:
+        if done == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    learn(4, whole)
+    with pytest.raises(TrainingStopped):
+        learn(4, parts, stop)
+    learn(4, parts)
+    assert whole.read_bytes() == parts.read_bytes()
+
+
+def test_training_without_a_speech_model_is_refused(learn: Learn, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none is named.*--speech-model FILE"):
+        learn(1, tmp_path / "out.safetensors", speech_model=None)
+    with pytest.raises(InputError, match="weights, but not of AMUSE's speech model"):
+        learn(1, tmp_path / "out.safetensors", speech_model=str(tmp_path / "motion.safetensors"))
+
+
+def test_each_window_is_told_what_is_heard_in_it(tmp_path: Path) -> None:
+    settings = written_networks(tmp_path)
+
+    network = load_speech_network(settings.speech_model)
+    times = np.arange(3 * 16_000) / 16_000
+    samples = np.where(times < 2, np.sin(900 * times), np.sin(6000 * times)).astype(np.float32)
+    write_wav(tmp_path / "a.wav", Audio(samples, 16_000))
+    take = Take(
+        name="a", speaker="1", emotion="", split="train",
+        speech=tmp_path / "a.wav", motion=tmp_path / "a.bvh",
+    )  # fmt: skip
+    told = speech_latents(network, "x", frames=30).compute(take)
+    assert told.shape == (90, 24)
+    assert (told[:30] == told[0]).all()
+    same, other = (np.linalg.norm(told[0] - told[frame]) for frame in (30, 89))
+    assert same < 0.2 * other
