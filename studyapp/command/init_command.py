@@ -183,13 +183,13 @@ def _learned(
     protocol = ALIASES.get(template, template)
     papers = (paper for paper, of in ALIASES.items() if of == protocol)
     named = generator or next((paper for paper in papers if paper in generator_names()), None)
-    if named is None or not needs_model(named):
+    if protocol != "ranking" or named is None:
         raise InputError(
-            f"the template {template!r} has no condition that a network could take over"
-            if named is None
-            else f"the generator {named} is no network",
-            remedy="Give it as a --condition",
+            f"the template {template!r} has no condition that a network could take over",
+            remedy="Give the network as a --condition",
         )
+    if not needs_model(named):
+        raise InputError(f"the generator {named} is no network", remedy="Give it as a --condition")
     learned = condition_of(named, given, folder)
     learned.settings.within(folder)
     return learned

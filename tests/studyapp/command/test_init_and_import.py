@@ -118,3 +118,21 @@ def test_init_names_a_checkpoint_that_is_not_there(tmp_path: Path) -> None:
     assert said.exit_code == 1
     assert "no such checkpoint" in said.output
     assert not (tmp_path / "s" / "study.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--checkpoint", "net.pt"), "the template 'pairwise' has no condition that a network"),
+        (("--template", "ranking", "--speaker", "ada"), "'diffsheg' needs a checkpoint"),
+        (("--template", "ranking", "--generator", "static"), "generator static is no network"),
+        (("--template", "ranking", "--generator", "psychic"), "there is no generator 'psychic'"),
+    ],
+)
+def test_init_says_which_options_of_a_network_fit_nothing(
+    tmp_path: Path, options: tuple[str, ...], said: str
+) -> None:
+    refused = invoke("init", tmp_path / "s", *options)
+    assert refused.exit_code == 1
+    assert said in refused.output
+    assert not (tmp_path / "s" / "study.toml").exists()
