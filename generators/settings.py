@@ -86,7 +86,12 @@ class Settings(BaseModel):
             return given
         wrong = [(key, reader.unknown(key, list(known))) for key in given if key not in known]
         wrong += [
-            (key, f"generator {reader.generator!r} needs a {key}")
+            (
+                key,
+                f"generator {reader.generator!r} needs a {key}"
+                if reader.generator
+                else "is missing",
+            )
             for key, field in known.items()
             if field.is_required() and key not in given
         ]
@@ -113,12 +118,14 @@ class Settings(BaseModel):
             If a file or folder is not there.
         """
         values = {name: getattr(self, name) for name in type(self).model_fields}
-        for each in told(type(self)):
-            path = values[each.keys[0]]
-            if isinstance(path, Path):
-                path = values[each.keys[0]] = folder / path
-                if not (path.is_file() if each.type == File else path.is_dir()):
-                    what = each.option if each.type == File else f"folder of {each.option}"
+        types = {each.keys[0]: each.type for each in told(type(self)) if len(each.keys) == 1}
+        for key, value in values.items():
+            if isinstance(value, Settings):
+                values[key] = value.within(folder)
+            elif isinstance(value, Path) and types[key] in (File, Folder):
+                path = values[key] = folder / value
+                if not (path.is_file() if types[key] == File else path.is_dir()):
+                    what = key if types[key] == File else f"folder of {key}"
                     raise InputError(
                         f"there is no such {what}", where=path, remedy="Check the path"
                     )

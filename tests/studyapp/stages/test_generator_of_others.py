@@ -30,6 +30,7 @@ class Pace(Settings):
 
     kind: Literal["slow", "brisk"] = Field("slow", description="How fast.")
     turns: int = Field(1, description="Turns a second.")
+    drum: File | None = Field(None, description="A recording that beats time.")
 
 
 class SwaySettings(ModelSettings):
@@ -143,7 +144,7 @@ def test_a_study_moves_by_it_and_makes_clips_anew_where_anything_it_is_told_chan
     ]  # fmt: skip
     told = read_clip(next((folder.root / "motion" / "ours").glob("*.npz"))).provenance["told"]
     assert '"angle":0.2' in told
-    assert '"pace":{"kind":"brisk","turns":2}' in told
+    assert '"pace":{"kind":"brisk","turns":2,"drum":null}' in told
 
 
 @pytest.mark.parametrize(
@@ -181,12 +182,12 @@ def test_the_command_line_moves_by_it(speech: Path, weights: Path, tmp_path: Pat
     options = ("--checkpoint", weights, "--angle", 0.3, "--pace", "brisk", "--turns", 3)
     said = run(
         "generate", "--generator", "sway", "--speech", speech, "--out", tmp_path / "out",
-        *options, "--melody", speech, "--emotion", "laughter.wav",
+        *options, "--melody", speech, "--drum", speech, "--emotion", "laughter.wav",
     )  # fmt: skip
     assert said.exit_code == 0, said.output
     told = read_clip(tmp_path / "out" / "hello.npz").provenance["told"]
     assert '"emotion":"laughter.wav","angle":0.3' in told
-    assert '"pace":{"kind":"brisk","turns":3}' in told
+    assert f'"pace":{{"kind":"brisk","turns":3,"drum":"{speech}"}}' in told
 
 
 @pytest.mark.parametrize(
@@ -196,6 +197,7 @@ def test_the_command_line_moves_by_it(speech: Path, weights: Path, tmp_path: Pat
         (("diffsheg", "--angle", 0.1), "give --generator sway"),
         (("sway", "--hubert", "."), "--hubert is of a learned generator, not of sway"),
         (("sway", "--checkpoint", "absent.txt"), "there is no such checkpoint"),
+        (("sway", "--checkpoint", "{weights}", "--drum", "a.wav"), "there is no such drum"),
         (("sway", "--checkpoint", "{weights}", "--angle", 2), "angle: Input should be less than"),
         (("static", "--emotion", "laughter.wav"), "there is no emotion 'laughter.wav'"),
     ],
