@@ -20,6 +20,8 @@ class MadeThere(BaseModel):
     ----------
     prolific_study : str or None
         Prolific's id of the study.
+    prolific_codes : mapping of str to str
+        The completion codes that Prolific knows, each with what it stands for there.
     sandbox_hits, live_hits : tuple of str
         Mechanical Turk's ids of the HITs, in the order they were made.
     """
@@ -27,6 +29,7 @@ class MadeThere(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     prolific_study: str | None = None
+    prolific_codes: dict[str, str] = {}
     sandbox_hits: tuple[str, ...] = ()
     live_hits: tuple[str, ...] = ()
 

@@ -48,6 +48,15 @@ AFTER: Final[Mapping[Action, tuple[str, ...]]] = {
 """Where a study may stand after an action."""
 
 
+class CompletionCode(BaseModel):
+    """A code that participants may come back with, and what it stands for."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    code: str
+    code_type: str
+
+
 class ProlificStudy(BaseModel):
     """A study as Prolific knows it; what is not needed of it is passed over."""
 
@@ -59,6 +68,7 @@ class ProlificStudy(BaseModel):
     total_available_places: int | None = None
     places_taken: int | None = None
     reward: int | None = None
+    completion_codes: tuple[CompletionCode, ...] = ()
 
 
 class Submission(BaseModel):

@@ -15,6 +15,13 @@ PLACEHOLDERS: Final = (
 )
 """What Prolific fills in for each participant."""
 
+CODE_TYPES: Final = {
+    "completed": ("COMPLETED",),
+    "screened_out": ("FIXED_SCREENOUT", "OTHER"),
+    "failed_attention": ("FAILED_ATTENTION_CHECK",),
+}
+"""What Prolific calls each of the study's codes; the screened out are paid, or not."""
+
 RETURN_REASON: Final = "The study looks for other participants."
 
 CENTS: Final = 100
@@ -51,6 +58,7 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
                 "slots": recruited.screened_out_places,
             }
         ]
+    paid, unpaid = CODE_TYPES["screened_out"]
     finished = "AUTOMATICALLY_APPROVE" if recruited.automatic else "MANUALLY_REVIEW"
     phones = study.page.phones == "usable"
     heard = any(
@@ -63,14 +71,14 @@ def prolific_draft(study: Study, segments: Sequence[Segment], address: str) -> d
         "external_study_url": address + PLACEHOLDERS,
         "prolific_id_option": "url_parameters",
         "completion_codes": [
-            _code("COMPLETED", recruited.completed, [{"action": finished}]),
+            _code(CODE_TYPES["completed"][0], recruited.completed, [{"action": finished}]),
             _code(
-                "FIXED_SCREENOUT" if recruited.screened_out_reward else "OTHER",
+                paid if recruited.screened_out_reward else unpaid,
                 recruited.screened_out,
                 screened_out,
             ),
             _code(
-                "FAILED_ATTENTION_CHECK",
+                CODE_TYPES["failed_attention"][0],
                 recruited.failed_attention,
                 [{"action": "MANUALLY_REVIEW"}],
             ),

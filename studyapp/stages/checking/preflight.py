@@ -29,7 +29,11 @@ from studyapp.stages.checking.pace import Pace, pace_of_pilot, pace_of_study
 from studyapp.stages.checking.page_checks import page_findings
 from studyapp.stages.checking.page_weight import weight_findings
 from studyapp.stages.checking.pay_checks import pay_findings
-from studyapp.stages.checking.recruiting_checks import code_findings, recruiting_findings
+from studyapp.stages.checking.recruiting_checks import (
+    code_findings,
+    made_findings,
+    recruiting_findings,
+)
 from studyapp.stages.checking.serving_checks import probe_findings, serving_findings
 from studyapp.stages.checking.shown_video_checks import shown_video_findings
 from studyapp.stages.checking.sound_checks import sound_findings
@@ -94,6 +98,7 @@ def _findings(folder: StudyFolder, pace: Pace | None) -> Iterator[Finding]:
         return
     yield from page_findings(study)
     yield from recruiting_findings(study)
+    yield from made_findings(study, folder.root)
     try:
         material = Material.of(folder, study)
     except InputError as missing:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Final
 
+from motion.errors import InputError
 from motion.listing import listed
 from studyapp.definition.recruitment import FEWEST_FAILED_CHECKS, Recruitment
 from studyapp.definition.study import Study
-from studyapp.services.recruiting.prolific_draft import places_of
+from studyapp.services.recruiting.made_there import FILE, read_made_there
+from studyapp.services.recruiting.prolific_draft import CODE_TYPES, places_of
 from studyapp.stages.checking.finding import Finding, error, note, warning
 
 CODES_MISSING: Final = error(
@@ -25,6 +28,16 @@ CODES_ALIKE: Final = error(
     "codes-alike",
     "two of Prolific's three codes are the same, so that it cannot be told who finished",
     "Draw the codes with 'motionjury recruit STUDY codes'",
+)
+CODES_DIFFER: Final = error(
+    "codes-differ",
+    "Prolific was told other codes than study.toml has, and pays nobody who comes back with these",
+    "Write the codes that recruitment.json has noted back into study.toml",
+)
+MADE_THERE_UNREADABLE: Final = error(
+    "made-there-unreadable",
+    "recruitment.json is damaged, so that nobody knows what was made at recruiters' sites",
+    "Bring it back from a backup",
 )
 PLACES_DIFFER: Final = warning(
     "places-differ",
@@ -74,6 +87,22 @@ def recruiting_findings(study: Study) -> Iterator[Finding]:
                 "who finishes is, whatever the exclusion rules say",
                 where="recruitment.unpaid_failed_checks",
             )
+
+
+def made_findings(study: Study, root: Path) -> Iterator[Finding]:
+    """Say which codes Prolific does not know, where the study in `root` was made there."""
+    try:
+        there = read_made_there(root).prolific_codes
+    except InputError as damaged:
+        yield MADE_THERE_UNREADABLE.found(damaged.what, where=FILE)
+        return
+    codes = study.recruitment.prolific.model_dump()
+    unknown = [key for key, types in CODE_TYPES.items() if there.get(codes[key]) not in types]
+    if there and unknown and study.recruitment.channel == "prolific":
+        yield CODES_DIFFER.found(
+            f"Prolific does not know what study.toml has as the code for {listed(unknown)}",
+            where="recruitment.prolific",
+        )
 
 
 def _place_findings(study: Study) -> Iterator[Finding]:

@@ -68,13 +68,16 @@ def create(folder: StudyFolder, client: ProlificClient, address: str) -> tuple[P
     """
     draft = draft_of(folder, address)
     made = read_made_there(folder.root)
-    if made.prolific_study is not None:
-        return client.study(made.prolific_study), False
-    # An earlier try may have come through although its answer did not.
-    known = client.study_named(internal_name(folder.study()))
-    study = known or client.create(draft)
-    write_made_there(folder.root, made.model_copy(update={"prolific_study": study.id}))
-    return study, known is None
+    identity = made.prolific_study
+    if identity is None:
+        # An earlier try may have come through although its answer did not.
+        known = client.study_named(internal_name(folder.study()))
+        identity = None if known is None else known.id
+    study = client.create(draft) if identity is None else client.study(identity)
+    codes = {each.code: each.code_type for each in study.completion_codes}
+    noted = {"prolific_study": study.id, "prolific_codes": codes or made.prolific_codes}
+    write_made_there(folder.root, made.model_copy(update=noted))
+    return study, identity is None
 
 
 def study_id(folder: StudyFolder) -> str:

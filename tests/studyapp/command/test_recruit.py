@@ -22,6 +22,7 @@ from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.recruiting.made_there import read_made_there
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from studyapp.stages.checking.recruiting_checks import made_findings
 from studyapp.stages.recruiting.codes import draw_codes
 from tests.studyapp.services.recruiting.prolific_stand_in import TOKEN, StandIn, served
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -272,6 +273,30 @@ def test_a_table_of_something_else_is_not_written_over(tiny_study: Path) -> None
 
     assert "no table of invitations" in refused.output
     assert other.read_text("utf-8") == "a,b\n1,2\n"
+
+
+def test_a_code_that_was_changed_after_prolific_was_told_is_found(
+    folder: Path, stand_in: StandIn
+) -> None:
+    def problems() -> dict[str, str]:
+        study = StudyFolder(folder).study()
+        return {each.name: each.what for each in made_findings(study, folder)}
+
+    path = folder / "study.toml"
+    as_told = path.read_text("utf-8")
+    assert problems() == {}
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    assert problems() == {}
+
+    code = tomllib.loads(as_told)["recruitment"]["prolific"]["screened_out"]
+    path.write_text(as_told.replace(code, "HB4NVJ9ZCDQW"), "utf-8")
+    assert problems()["codes-differ"].endswith("the code for screened_out")
+    said(folder, "create", "--address", ADDRESS, "--yes")
+    assert list(problems()) == ["codes-differ"]
+
+    path.write_text(as_told, "utf-8")
+    (folder / "recruitment.json").write_text("{", "utf-8")
+    assert list(problems()) == ["made-there-unreadable"]
 
 
 def test_what_was_made_there_is_not_lost_for_a_file_that_cannot_be_read(folder: Path) -> None:
