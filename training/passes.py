@@ -88,6 +88,10 @@ class Teaching:
         self._passes = passes
         self._learning = {name for name, one in network.named_parameters() if one.requires_grad}
         self._taught = {one.name: self._learning & _weights(network, one) for one in passes}
+        self._inside = {
+            start: {f"{start}.{name}".strip(".") for name, _ in module.named_parameters()}
+            for start, module in network.named_modules()
+        }
         idle = next((n for n in range(steps) if not any(one.made(n) for one in passes)), None)
         if passes and idle is not None:
             raise InputError(
@@ -102,8 +106,8 @@ class Teaching:
             return
         learning = set().union(*(self._taught[one.name] for one in self._passes if one.lasts(step)))
         for start, module in network.named_modules():
-            weights = {f"{start}.{name}".strip(".") for name, _ in module.named_parameters()}
-            if weights and not weights & learning:
+            weights = self._inside[start]
+            if weights and weights.isdisjoint(learning):
                 module.eval()
 
     @contextmanager
