@@ -116,6 +116,7 @@ class Amuse:
             device=self._device,
             checkpoint=self._settings.checkpoint.name,
             checkpoint_sha256=self._settings.checkpoint_sha256,
+            speech_model=self._settings.speech_model.name,
             **{part: Path(named).name for part, named in self._swapped.items()},
         )
 
@@ -131,11 +132,15 @@ class Amuse:
     @cached_property
     def _speech(self) -> SpeechNetwork:
         network = load_speech_network(self._settings.speech_model)
-        wanted = self._networks.prior.config.condition_width
-        if network.model.config.latent != wanted:
+        motion, found = self._networks, self._settings.fingerprint()[1]
+        width = motion.prior.config.condition_width
+        if (
+            network.model.config.latent != width
+            or motion.training.get("speech_model", found) != found
+        ):
             raise InputError(
-                f"the speech model's latents have {network.model.config.latent} values, and the "
-                f"denoiser was trained on {wanted}",
+                "the denoiser was trained with another speech model, whose latents mean something "
+                "else",
                 where=self._settings.speech_model,
                 remedy="Give the speech model that the denoiser was trained with",
             )

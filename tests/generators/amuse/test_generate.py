@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from analysis.metrics.seams import windows_of
 from generators.amuse.generate import Amuse
+from generators.amuse.network_file import load_motion_networks, write_motion_networks
 from generators.amuse.settings import AmuseSettings
 from generators.interface import SpeechSegment
 from motion.audio import Audio, write_wav
@@ -153,10 +155,23 @@ def test_speech_of_a_moment_is_refused(settings: AmuseSettings) -> None:
         _clip(settings, _speech(0.2))
 
 
-def test_a_speech_model_of_another_size_is_refused(settings: AmuseSettings, tmp_path: Path) -> None:
+def test_a_file_of_other_networks_is_no_speech_model(
+    settings: AmuseSettings, tmp_path: Path
+) -> None:
     swapped = settings.model_copy(update={"speech_model": settings.checkpoint})
     with pytest.raises(InputError, match="not of AMUSE's speech model"):
         _clip(swapped, _speech(3.0))
+
+
+def test_a_speech_model_that_the_denoiser_did_not_learn_from_is_refused(
+    settings: AmuseSettings, tmp_path: Path
+) -> None:
+    networks = load_motion_networks(settings.checkpoint)
+    learned = replace(networks, training={"speech_model": "0" * 64})
+    write_motion_networks(tmp_path / "motion.safetensors", learned)
+    changed = settings.model_copy(update={"checkpoint": tmp_path / "motion.safetensors"})
+    with pytest.raises(InputError, match="trained with another speech model"):
+        _clip(changed, _speech(3.0))
 
 
 def test_settings_tell_a_recording_from_a_label(settings: AmuseSettings, tmp_path: Path) -> None:
