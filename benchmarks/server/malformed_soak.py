@@ -102,7 +102,10 @@ def stored(url: str) -> dict[str, str]:
 
 
 async def _participants(port: int) -> Known:
-    """Bring a few participants to their first trial, and return the names that they know."""
+    """Bring a few participants to their first trial, and return the names that they know.
+
+    They have fetched its videos: when one is first sent is stored.
+    """
     pages, trials, videos = [], [], []
     ledger = Ledger()
     for number in range(PARTICIPANTS):
@@ -114,7 +117,9 @@ async def _participants(port: int) -> Known:
             form = seen_form(page)
             pages.append(address)
             trials += [form.hidden["trial"]] if form else []
-            videos += [video.source[len("/media/") : -len(".mp4")] for video in seen_videos(page)]
+            for video in seen_videos(page):
+                await wire.get(video.source)
+                videos.append(video.source.removeprefix("/media/").removesuffix(".mp4"))
     return Known(pages=pages, trials=trials, videos=videos)
 
 
