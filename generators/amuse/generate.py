@@ -117,6 +117,7 @@ class Amuse:
             checkpoint=self._settings.checkpoint.name,
             checkpoint_sha256=self._settings.checkpoint_sha256,
             speech_model=self._settings.speech_model.name,
+            strength=f"{self._settings.strength:g}",
             **{part: Path(named).name for part, named in self._swapped.items()},
         )
 
@@ -160,13 +161,16 @@ class Amuse:
     def _latents(self, audio: Audio, plan: WindowPlan, on_part: OnPart) -> list[Tensor]:
         """Return content, emotion and style of each window, (windows, latent) each."""
         found = {part: self._stand_in(part, plan.count) for part in self._swapped}
-        own = [part for part in PARTS if part not in found]
+        strengths = {part: 1.0 if part == "content" else self._settings.strength for part in found}
+        own = [part for part in PARTS if strengths.get(part, 0) < 1]
         heard: dict[Part, list[Tensor]] = {part: [] for part in own}
         for number, rows in enumerate(self._windows(audio, plan)):
             for part in own:
                 heard[part].append(self._speech.model.latent(part, rows))
             on_part(number + 1, plan.count)
-        found |= {part: torch.cat(latents) for part, latents in heard.items()}
+        for part, latents in heard.items():
+            latent = torch.cat(latents)
+            found[part] = torch.lerp(latent, found.get(part, latent), strengths.get(part, 0.0))
         return [found[part] for part in PARTS]
 
     def _windows(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:

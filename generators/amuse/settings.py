@@ -28,6 +28,8 @@ class AmuseSettings(ModelSettings):
     emotion, style : str, Path or None
         An emotion or a speaker that the speech model learned, or a recording to hear it from;
         `within` tells the two apart.
+    strength : float
+        Where between the speech's own emotion and style, 0, and those that are named, 1, it moves.
     """
 
     speech_model: File = Field(description="Weights of the speech model.")
@@ -38,6 +40,9 @@ class AmuseSettings(ModelSettings):
     style: str | Path | None = Field(
         None, description="As whom it moves: a speaker it learned from, or a recording."
     )
+    strength: float = Field(
+        1.0, ge=0, le=1, description="How far emotion and style go from the speech's own: 1."
+    )
 
     def within(self, folder: Path) -> Self:
         """Return the settings with paths from `folder`; see `Settings.within`."""
@@ -47,7 +52,7 @@ class AmuseSettings(ModelSettings):
     def fingerprint(self) -> tuple[object, ...]:
         """Return what changes with any value and the content of any file, not with its place."""
         files = (self.checkpoint, self.speech_model, self.content, self.emotion, self.style)
-        return tuple(content(file) for file in files)
+        return (*(content(file) for file in files), self.strength)
 
 
 _VOICES = ("emotion", "style")

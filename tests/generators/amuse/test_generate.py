@@ -118,6 +118,22 @@ def test_an_emotion_is_named_by_a_label_that_the_speech_model_learned(
     assert not np.allclose(happy.poses, afraid.poses, atol=1e-4)
 
 
+def test_motion_goes_from_the_speechs_own_emotion_to_the_one_that_is_named(
+    settings: AmuseSettings,
+) -> None:
+    own, none, half, full = (
+        _clip(settings.model_copy(update=changes), _speech(3.0)).poses
+        for changes in (
+            {},
+            {"emotion": "fear", "strength": 0.0},
+            {"emotion": "fear", "strength": 0.5},
+            {"emotion": "fear"},
+        )
+    )
+    assert np.abs(own - none).max() < 1e-5
+    assert 0 < np.linalg.norm(half - own) < np.linalg.norm(full - own)
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
