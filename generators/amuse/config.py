@@ -161,5 +161,11 @@ TRAINABLE: Final = Trainable(
         TrainingChoice(
             name="speech_model", help="Weights of AMUSE's speech model; needed.", file=True
         ),
+        TrainingChoice(
+            name="ablation",
+            help="Train without the losses that align motion with speech (appendix C.3), or first "
+            "the prior and then the denoiser (Table A.4).",
+            values=("without_alignment", "disjoint"),
+        ),
     ),
 )

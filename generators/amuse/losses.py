@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import torch
 from torch import Tensor, nn
@@ -39,6 +40,11 @@ class LossWeights:
     ld: float = 1.0
     align: float = 1.0
     valign: float = 1.0
+
+
+PRIOR_ALONE: Final = LossWeights(ld=0, align=0, valign=0)
+DENOISER_ALONE: Final = LossWeights(rec=0, vrec=0, kl=0, align=0, valign=0)
+WITHOUT_ALIGNMENT: Final = LossWeights(align=0, valign=0)
 
 
 class MotionModel(nn.Module):
@@ -88,9 +94,12 @@ def motion_losses(
     """
     mu, std = model.prior.encode(motion)
     z = mu + std * noise[0]
-    parts = {"kl": (mu.square() + std.square() - 2 * std.log() - 1).sum(dim=-1).mean() / 2}
+    parts: dict[str, Tensor] = {}
     points = model.points(motion) if weights.vrec or weights.valign else None
-    parts |= _missed(model, motion, points, z, "rec", "vrec", weights)
+    if weights.kl:
+        parts["kl"] = (mu.square() + std.square() - 2 * std.log() - 1).sum(dim=-1).mean() / 2
+    if weights.rec or weights.vrec:
+        parts |= _missed(model, motion, points, z, "rec", "vrec", weights)
     if weights.ld:
         z_t = SCALED_LINEAR.x_t(z.detach(), noise[1], timestep)
         parts["ld"] = functional.mse_loss(model.denoiser(z_t, timestep, *latents), noise[1])

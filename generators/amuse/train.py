@@ -15,7 +15,14 @@ from torch import Tensor
 
 from generators.amuse.config import MOTION_PRESETS, MotionConfig
 from generators.amuse.generate import FRAME_RATE, heard_windows
-from generators.amuse.losses import LossWeights, MotionModel, motion_losses
+from generators.amuse.losses import (
+    DENOISER_ALONE,
+    PRIOR_ALONE,
+    WITHOUT_ALIGNMENT,
+    LossWeights,
+    MotionModel,
+    motion_losses,
+)
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
@@ -39,6 +46,7 @@ from training.device import check_device
 from training.diffusion import SCALED_LINEAR
 from training.launching import is_leader
 from training.loop import train
+from training.passes import Pass
 from training.run_folder import RunFolder
 from training.spaces.smplx_6d import smplx_6d_values
 
@@ -47,6 +55,9 @@ HELD_OUT: Final = 128
 
 SEEN: Final = 1_000
 """At most so many windows tell the mean of the motion."""
+
+STAGES: Final = {"prior": PRIOR_ALONE, "denoiser": DENOISER_ALONE}
+"""What counts where prior and denoiser learn one after the other (Table A.4)."""
 
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch", "transformers")
 _VERSION: Final = "1"
@@ -95,16 +106,29 @@ class MotionTask:
 
     def losses(self, network: MotionModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
         """Return `motion_losses` of a batch at steps and with noise that chance draws."""
-        return self._losses(network, self.training, rows)
+        return self._losses(network, self.training, rows, self.weights)
+
+    def losses_of(
+        self, name: str, network: MotionModel, rows: NDArray[np.int64]
+    ) -> Mapping[str, Tensor]:
+        """Return the losses of the prior's or the denoiser's stage, where they learn apart."""
+        return self._losses(network, self.training, rows, STAGES[name])
 
     def validation(self, network: MotionModel) -> Mapping[str, float]:
-        """Return `motion_losses` of held-out windows, evenly among them."""
+        """Return `motion_losses` of held-out windows, evenly among them.
+
+        All count, whatever is learned by, so that ablations are measured alike.
+        """
         rows = evenly(len(self.held_out), HELD_OUT)
-        losses = self._losses(network, self.held_out, rows)
+        losses = self._losses(network, self.held_out, rows, LossWeights())
         return {name: float(value) for name, value in losses.items()}
 
     def _losses(
-        self, network: MotionModel, windows: Windows, rows: NDArray[np.int64]
+        self,
+        network: MotionModel,
+        windows: Windows,
+        rows: NDArray[np.int64],
+        weights: LossWeights,
     ) -> Mapping[str, Tensor]:
         values = windows.batch(rows)
         motion = torch.from_numpy(values["motion"]).to(self.device)
@@ -113,7 +137,7 @@ class MotionTask:
         noise = torch.randn(3, len(rows), 1, self.config.width).to(self.device)
         timestep = torch.randint(0, SCALED_LINEAR.steps, (len(rows),)).to(self.device)
         latents = torch.chunk(told, len(PARTS), dim=-1)
-        return motion_losses(network, motion, latents, noise, timestep, self.weights)
+        return motion_losses(network, motion, latents, noise, timestep, weights)
 
 
 def whole_body() -> Feature:
@@ -160,7 +184,8 @@ def train_amuse(
     prepared = prepare(
         request.takes, features, request.cache, frame_rate=FRAME_RATE, show=show_preparing
     )
-    weights = LossWeights()
+    ablation = request.choices.get("ablation")
+    weights = WITHOUT_ALIGNMENT if ablation == "without_alignment" else LossWeights()
     task = MotionTask(
         config=config,
         weights=weights,
@@ -178,11 +203,21 @@ def train_amuse(
     training = replace(preset.training, **request.changes)
     if preset.epochs is not None and "steps" not in request.changes:
         training = training.for_epochs(preset.epochs, task.examples)
+    if ablation == "disjoint":
+        half = max(1, training.steps // 2)
+        training = replace(
+            training,
+            passes=(
+                Pass(name="prior", parts=("prior",), end=half),
+                Pass(name="denoiser", parts=("denoiser",), first=half),
+            ),
+        )
     trained = train(task, training, RunFolder(run), show=show_training)
     model = trained.network.cpu()
     facts = {
         "config": training.facts(),
         "speech_model": identity,
+        "ablation": ablation,
         "best_step": trained.best.step,
         "held_out": dict(trained.best.measured),
         "data": {"kind": request.takes.kind, "sha256": prepared.sha256},

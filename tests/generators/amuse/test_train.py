@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 from collections.abc import Callable
@@ -102,6 +103,28 @@ def test_a_short_training_reconstructs_and_denoises_better_than_its_beginning(
     for loss in ("rec", "ld", "align"):
         assert found[40][loss] < 0.9 * found[1][loss]
     assert "30 windows of 0.4 s" in said.sentences[0]
+
+
+def test_prior_and_denoiser_can_learn_one_after_the_other(learn: Learn, tmp_path: Path) -> None:
+    out = tmp_path / "out.safetensors"
+    learn(8, out, ablation="disjoint")
+    log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
+    learned = [set(json.loads(line)) for line in log if "held_out" not in line]
+    assert [("rec" in names, "ld" in names) for names in learned] == [
+        *[(True, False)] * 4,
+        *[(False, True)] * 4,
+    ]
+    assert load_motion_networks(out).training["ablation"] == "disjoint"
+
+
+def test_a_network_without_alignment_is_measured_by_all_losses(
+    learn: Learn, tmp_path: Path
+) -> None:
+    out = tmp_path / "out.safetensors"
+    learn(2, out, ablation="without_alignment")
+    log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
+    assert "align" not in json.loads(log[0])
+    assert "align" in load_motion_networks(out).training["held_out"]
 
 
 def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
