@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any, Final, cast
 
@@ -26,14 +27,15 @@ class Entry:
     settings : str or None
         Its type of `generators.settings.Settings`, ``module:name``, whose module loads no torch.
         One whose weights must be given has `generators.settings.ModelSettings`.
-    trainable : str or None
-        Its `generators.trainable.Trainable`, ``module:name``, where it learns.
+    trainable : mapping of str to str
+        Its networks that learn, by the name that trains them: `generators.trainable.Trainable`,
+        ``module:name``.
     """
 
     home: str
     needs_source: bool = False
     settings: str | None = None
-    trainable: str | None = None
+    trainable: Mapping[str, str] = field(default_factory=dict)
 
 
 GENERATORS: Final = {
@@ -44,12 +46,15 @@ GENERATORS: Final = {
     "diffsheg": Entry(
         home="generators.diffsheg.generate:DiffSheg",
         settings="generators.diffsheg.settings:DiffShegSettings",
-        trainable="generators.diffsheg.config:TRAINABLE",
+        trainable={"diffsheg": "generators.diffsheg.config:TRAINABLE"},
     ),
     "amuse": Entry(
         home="generators.amuse.generate:Amuse",
         settings="generators.amuse.settings:AmuseSettings",
-        trainable="generators.amuse.config:TRAINABLE",
+        trainable={
+            "amuse": "generators.amuse.config:TRAINABLE",
+            "amuse-speech": "generators.amuse.config:TRAINABLE_SPEECH",
+        },
     ),
 }
 """Every generator under its name; whoever has another one adds it before a study is read."""
@@ -77,25 +82,25 @@ def settings_type(name: str) -> type[Settings]:
 
 
 def trainable_names() -> tuple[str, ...]:
-    """Return the names of the generators that can be trained here."""
-    return tuple(name for name, entry in GENERATORS.items() if entry.trainable is not None)
+    """Return the names of the networks that can be trained here."""
+    return tuple(name for entry in GENERATORS.values() for name in entry.trainable)
 
 
 def trainable_of(name: str) -> Trainable:
-    """Return what can be trained of generator `name`; no network is loaded.
+    """Return what can be trained under that name; no network is loaded.
 
     Raises
     ------
     InputError
-        If there is no such generator, or it does not learn.
+        If nothing learns under that name.
     """
-    home = _entry(name).trainable
-    if home is None:
-        raise InputError(
-            f"the generator {name} does not learn",
-            remedy=f"Train one of {', '.join(trainable_names())}",
-        )
-    return cast("Trainable", _named(home))
+    for entry in GENERATORS.values():
+        if name in entry.trainable:
+            return cast("Trainable", _named(entry.trainable[name]))
+    raise InputError(
+        f"the generator {name} does not learn" if name in GENERATORS else f"there is no {name!r}",
+        remedy=f"Train one of {', '.join(trainable_names())}",
+    )
 
 
 def load_generator(name: str, settings: Settings | None = None, device: str = "cpu") -> Generator:

@@ -57,6 +57,8 @@ class Trainable:
         Where its `TrainGenerator` lives, ``module:function``.
     choices : tuple of TrainingChoice
         Settings of its own.
+    taken_by : str
+        The command that takes the network's file, which stands for ``{out}`` in it.
     """
 
     summary: str
@@ -64,6 +66,7 @@ class Trainable:
     configs: Mapping[str, str]
     home: str
     choices: tuple[TrainingChoice, ...] = ()
+    taken_by: str
 
     def load(self) -> TrainGenerator:
         """Return what trains it; its module is imported now."""

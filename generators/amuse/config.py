@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Final
 
 from generators.trainable import Trainable, TrainingChoice
-from training.config import TrainingConfig
+from training.config import Decay, TrainingConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,6 +145,98 @@ MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
 )
 """By config: four seconds and a small width; the released size, trained as the paper says."""
 
+
+@dataclass(frozen=True, kw_only=True)
+class SpeechPreset:
+    """Sizes and training of the speech model.
+
+    Attributes
+    ----------
+    network : SpeechConfig
+        Its sizes; emotions and styles are those of the recordings.
+    seconds : int
+        Length of a window.
+    training : TrainingConfig
+        How; its steps are those of one epoch where `epochs` are told.
+    epochs : int or None
+        How often all quadruples are gone through, in place of a number of steps.
+    """
+
+    network: SpeechConfig
+    seconds: int
+    training: TrainingConfig
+    epochs: int | None = None
+
+
+SPEECH_PRESETS: Final[Mapping[str, SpeechPreset]] = MappingProxyType(
+    {
+        "tiny": SpeechPreset(
+            network=SpeechConfig(
+                frames=400,
+                patch_stride=16,
+                width=64,
+                feed_forward=128,
+                heads=4,
+                layers=2,
+                latent=32,
+                decoder_width=64,
+                decoder_hidden=32,
+                decoder_feed_forward=128,
+                fusion_layers=1,
+                decoder_layers=1,
+                dropout=0.0,
+            ),
+            seconds=4,
+            training=TrainingConfig(
+                steps=600,
+                batch_size=8,
+                learning_rate=1e-3,
+                validate_every=50,
+                checkpoint_every=100,
+            ),
+        ),
+        "full": SpeechPreset(
+            network=SPEECH,
+            seconds=10,
+            training=TrainingConfig(
+                steps=1,
+                batch_size=1,
+                learning_rate=1e-5,
+                decay=Decay(factor=0.85, from_epoch=5),
+                optimizer="adam",
+                betas=(0.95, 0.999),
+                weight_decay=5e-7,
+                validate_every=500,
+                checkpoint_every=500,
+            ),
+            epochs=25,
+        ),
+    }
+)
+"""By config: four seconds and small encoders; the released size, trained as the release was."""
+
+TRAINABLE_SPEECH: Final = Trainable(
+    summary="Train AMUSE's speech model on recordings of speech alone or with motion.",
+    explanation="""
+    Learns content, emotion and style from fours of recordings: two texts, each spoken by two
+    speakers, all in one emotion. Texts and emotions are told by BEAT's names of recordings. A
+    synthetic corpus needs --shared-passages.
+    """,
+    configs={
+        "tiny": "a small network for windows of four seconds, which a processor trains in minutes",
+        "full": "the released size",
+    },
+    home="generators.amuse.train_speech:train_amuse_speech",
+    choices=(
+        TrainingChoice(
+            name="ablation",
+            help="Take apart only emotion and content, or only style and content (appendix B.6).",
+            values=("emotion_only", "style_only"),
+        ),
+    ),
+    taken_by="motionjury train amuse --speech-model {out}",
+)
+
 TRAINABLE: Final = Trainable(
     summary="Train AMUSE's motion prior and denoiser on recordings of speech with motion.",
     explanation="""
@@ -168,4 +260,5 @@ TRAINABLE: Final = Trainable(
             values=("without_alignment", "disjoint"),
         ),
     ),
+    taken_by="motionjury generate --generator amuse --checkpoint {out}",
 )

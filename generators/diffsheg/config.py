@@ -327,4 +327,5 @@ TRAINABLE: Final = Trainable(
             help="HuBERT's weights; without, a stand-in hears, which tells sounds but no words.",
         ),
     ),
+    taken_by="motionjury generate --generator diffsheg --checkpoint {out}",
 )

@@ -42,6 +42,11 @@ from studyapp.command.progress import progress
     help="The last speakers, whom no training hears.",
 )
 @click.option(
+    "--shared-passages",
+    is_flag=True,
+    help="All speakers speak the same passages, which a speech model such as AMUSE's learns from.",
+)
+@click.option(
     "--fps",
     type=click.FloatRange(MIN_FRAME_RATE, MAX_FRAME_RATE),
     default=30.0,
@@ -56,6 +61,7 @@ def command(
     sentences: int,
     takes: int,
     held_out_speakers: int,
+    shared_passages: bool,
     fps: float,
     seed: int,
     processes: int,
@@ -78,6 +84,7 @@ def command(
         sentences=sentences,
         takes=takes,
         held_out_speakers=held_out_speakers,
+        shared_passages=shared_passages,
         frame_rate=fps,
         seed=seed,
     )

@@ -160,9 +160,7 @@ def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
     trained = _trained(trainable, request, out, run)
     if is_leader():
         _tell(trained)
-        click.echo(
-            f"Wrote {out}; 'motionjury generate --generator {name} --checkpoint {out}' takes it."
-        )
+        click.echo(f"Wrote {out}; '{trainable.taken_by.format(out=out)}' takes it.")
 
 
 def _trained(

@@ -17,6 +17,9 @@ from training.corpus.request import CorpusRequest
 
 DESCRIPTION: Final = "corpus.json"
 
+_SHARED: Final = "shared_passages"
+"""Said only where it is so."""
+
 
 def claim(folder: Path, request: CorpusRequest) -> None:
     """Say in a folder which corpus it holds.
@@ -58,7 +61,11 @@ def read_request(folder: Path) -> CorpusRequest:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         version = content["process_version"]
-        asked = {field.name: content[field.name] for field in fields(CorpusRequest)}
+        asked = {
+            field.name: content[field.name]
+            for field in fields(CorpusRequest)
+            if field.name in content or field.name != _SHARED
+        }
         request = TypeAdapter(CorpusRequest).validate_python(asked)
     except (OSError, ValueError, KeyError, TypeError, ValidationError) as error:
         raise InputError(
@@ -80,5 +87,5 @@ def _description(request: CorpusRequest) -> dict[str, object]:
         "corpus": "synthetic speech and motion with known truth, in the files and folders of BEAT",
         "process_version": VERSION,
         "speech": synthesiser_version(),
-        **asdict(request),
+        **{key: value for key, value in asdict(request).items() if value or key != _SHARED},
     }

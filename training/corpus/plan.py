@@ -1,7 +1,7 @@
 """Which takes a corpus has, and what each is for.
 
-Every speaker has passages of their own. With p the number of a speaker plus that of an emotion,
-counted from 0 in the order of `motion.segment.EMOTIONS`:
+Every speaker has passages of their own, unless all are to speak the same. With p the number of a
+speaker plus that of an emotion, counted from 0 in the order of `motion.segment.EMOTIONS`:
 
 ======= ==================================================================================
 p mod 4 what is kept from training
@@ -104,12 +104,13 @@ def _take(
     elif place == 0 and last_take:
         only_one = request.passages * request.takes == 1
         split = "validation" if turn == 2 else "test" if turn == 1 and not only_one else "train"
+    before = 0 if request.shared_passages else (speaker.number - 1) * request.passages
     name = recording_name(speaker.number, speaker.name, emotion, place * request.takes + take)
     return PlannedTake(
         name=name,
         speaker=speaker,
         emotion=emotion,
-        text=passage(emotion, (speaker.number - 1) * request.passages + place, unheard=unheard),
+        text=passage(emotion, before + place, unheard=unheard),
         take=take + 1,
         split=split,
         unheard=unheard,

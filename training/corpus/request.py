@@ -32,6 +32,9 @@ class CorpusRequest:
         Frames per second of the body's motion.
     seed : int
         Where all random numbers come from, at least 0.
+    shared_passages : bool
+        Whether all speakers speak the same passages, as BEAT's do, rather than passages of their
+        own.
 
     Raises
     ------
@@ -45,6 +48,7 @@ class CorpusRequest:
     held_out_speakers: int = 2
     frame_rate: float = 30.0
     seed: int = 1
+    shared_passages: bool = False
 
     def __post_init__(self) -> None:
         if not 1 <= self.speakers <= MOST_SPEAKERS:

@@ -85,6 +85,7 @@ TRAINABLE = Trainable(
     explanation="",
     configs={"tiny": "one number"},
     home="nowhere:x",
+    taken_by="motionjury generate --generator sway --checkpoint {out}",
 )
 
 
@@ -93,7 +94,7 @@ def weights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     entry = Entry(
         home=f"{__name__}:Sway",
         settings=f"{__name__}:SwaySettings",
-        trainable=f"{__name__}:TRAINABLE",
+        trainable={"sway": f"{__name__}:TRAINABLE"},
     )
     monkeypatch.setitem(GENERATORS, "sway", entry)
     path = tmp_path / "sway.txt"

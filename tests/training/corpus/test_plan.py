@@ -96,3 +96,15 @@ def test_a_speaker_moves_alike_whatever_the_size_of_the_corpus() -> None:
 def test_a_corpus_that_cannot_be_made_is_refused(numbers: dict[str, int], complaint: str) -> None:
     with pytest.raises(InputError, match=complaint):
         CorpusRequest(**numbers)  # type: ignore[arg-type]
+
+
+def test_speakers_that_share_passages_speak_the_same_under_the_same_text() -> None:
+    request = CorpusRequest(speakers=4, sentences=16, takes=1, shared_passages=True)
+    texts: dict[tuple[int, int, bool], set[str]] = {}
+    for take in planned_takes(request):
+        name = BeatName.parse(take.name)
+        assert name is not None
+        texts.setdefault((name.start, name.end, take.unheard), set()).add(take.text)
+    assert {len(spoken) for spoken in texts.values()} == {1}
+    alone = {take.text for take in planned_takes(CorpusRequest(speakers=4, takes=1))}
+    assert len(alone) > len(texts)

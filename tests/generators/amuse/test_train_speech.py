@@ -1,0 +1,104 @@
+"""AMUSE's speech model learns to take speech apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from generators.amuse.config import SPEECH_PRESETS
+from generators.amuse.network_file import load_speech_network
+from generators.amuse.train_speech import macro_f1, speech_filterbank, train_amuse_speech
+from generators.trainable import TrainedGenerator, TrainingRequest
+from motion.audio import Audio, write_wav
+from motion.errors import InputError
+from tests.generators.amuse.test_speech import SMALL
+from tests.generators.amuse.toy_speech import toy_speech
+from training.data.take import Take, TakeFolder
+
+Learn = Callable[..., TrainedGenerator]
+
+
+def _unseen(done: int, total: int, detail: str) -> None:
+    """Show nothing."""
+
+
+@pytest.fixture(name="learn")
+def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
+    prepared = toy_speech()
+    small = replace(
+        SPEECH_PRESETS["tiny"], network=replace(SMALL, frames=100, patch_stride=16), seconds=1
+    )
+    monkeypatch.setattr("generators.amuse.train_speech.SPEECH_PRESETS", {"tiny": small})
+    monkeypatch.setattr("generators.amuse.train_speech.prepare", lambda *given, **options: prepared)
+
+    def train(steps: int, out: Path, **choices: str) -> TrainedGenerator:
+        request = TrainingRequest(
+            takes=TakeFolder(kind="beat", takes=prepared.takes, speakers=("ann", "bob")),
+            cache=tmp_path,
+            config="tiny",
+            changes={"steps": steps, "batch_size": 2, "learning_rate": 3e-3, "validate_every": 5},
+            choices=choices,
+        )
+        return train_amuse_speech(
+            request, out, out.with_suffix(".run"), show_preparing=_unseen, show_training=_unseen
+        )
+
+    return train
+
+
+def test_it_learns_to_tell_emotions_and_speakers_of_texts_it_never_heard(
+    learn: Learn, tmp_path: Path
+) -> None:
+    out = tmp_path / "speech.safetensors"
+    said = learn(60, out)
+    network = load_speech_network(out)
+    found = network.training["held_out"]
+    assert found["emotion accuracy"] == found["emotion F1"] == 1
+    assert found["style accuracy"] == found["style F1"] == 1
+    assert "2 speakers in 2 emotions" in said.sentences[0]
+    assert set(network.latents["emotion"]) == {"anger", "happiness"}
+    assert set(network.latents["style"]) == {"ann", "bob"}
+    happy, angry = (network.labelled("emotion", name) for name in ("happiness", "anger"))
+    assert float((happy - angry).norm()) > 0.1
+
+
+def test_an_ablation_does_not_learn_what_it_leaves_out(learn: Learn, tmp_path: Path) -> None:
+    learn(2, tmp_path / "out.safetensors", ablation="emotion_only")
+    log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
+    assert '"emo"' in log[0]
+    assert '"sty"' not in log[0]
+
+
+def test_recordings_without_a_known_speaker_for_validation_are_refused(
+    learn: Learn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    prepared = toy_speech()
+    strangers = tuple(
+        replace(take, speaker="eve") if take.split == "validation" else take
+        for take in prepared.takes
+    )
+    monkeypatch.setattr(
+        "generators.amuse.train_speech.prepare",
+        lambda *given, **options: replace(prepared, takes=strangers),
+    )
+    with pytest.raises(InputError, match="no recording for validation is by a speaker"):
+        learn(1, tmp_path / "out.safetensors")
+
+
+def test_a_takes_filterbank_has_a_row_each_ten_milliseconds(tmp_path: Path) -> None:
+    times = np.arange(32_000) / 16_000
+    write_wav(tmp_path / "a.wav", Audio(np.sin(900 * times).astype(np.float32), 16_000))
+    take = Take(
+        name="a", speaker="1", emotion="", split="train",
+        speech=tmp_path / "a.wav", motion=tmp_path / "a.bvh",
+    )  # fmt: skip
+    assert speech_filterbank(128).compute(take).shape == (200, 128)
+
+
+def test_the_macro_f1_weighs_rare_classes_like_common_ones() -> None:
+    told, true = np.array([0, 0, 0, 0]), np.array([0, 0, 0, 1])
+    assert macro_f1(told, true) == pytest.approx((6 / 7 + 0) / 2)
