@@ -5,7 +5,6 @@ Chhatre et al. 2024, appendix B.4: two texts, each spoken by two speakers, all i
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -14,9 +13,6 @@ from numpy.typing import NDArray
 from motion.errors import InputError
 from training.data.beat_names import BeatName
 from training.data.windows import Windows
-
-Rows = Mapping[tuple[str, str], Mapping[str, Sequence[int]]]
-"""By emotion and text, by speaker: the rows of the windows, in order."""
 
 
 def quadruples(windows: Windows, *, most: int, seed: int) -> NDArray[np.int64]:

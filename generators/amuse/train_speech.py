@@ -23,9 +23,10 @@ from generators.trainable import Show, TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
 from training.batch_order import evenly
+from training.corpus.description import DESCRIPTION, read_request
 from training.data.feature import Feature
 from training.data.feature_cache import prepare
-from training.data.take import Take
+from training.data.take import Take, TakeFolder
 from training.data.windows import Windows
 from training.device import check_device
 from training.hearing.filterbank import ROWS_PER_SECOND, check_speech, filterbank
@@ -201,6 +202,7 @@ def train_amuse_speech(
 ) -> TrainedGenerator:
     """Train AMUSE's speech model; see `generators.trainable.TrainGenerator`."""
     check_device(request.device)
+    _check_texts(request.takes)
     preset = SPEECH_PRESETS[request.config]
     prepared = prepare(
         request.takes,
@@ -265,6 +267,18 @@ def train_amuse_speech(
         warnings=(),
         skipped=prepared.skipped,
     )
+
+
+def _check_texts(takes: TakeFolder) -> None:
+    """Raise where names of recordings tell no texts: in a corpus whose speakers have their own."""
+    for folder in takes.takes[0].speech.resolve().parents:
+        if (folder / DESCRIPTION).exists() and not read_request(folder).shared_passages:
+            raise InputError(
+                "each speaker of this corpus speaks texts of their own, and a speech model learns "
+                "from texts that several speak",
+                where=folder,
+                remedy="Make a corpus with 'motionjury corpus --shared-passages'",
+            )
 
 
 def _said(task: SpeechTask, found: Mapping[str, float], best: int, steps: int) -> tuple[str, ...]:

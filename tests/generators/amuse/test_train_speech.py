@@ -17,6 +17,8 @@ from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.test_speech import SMALL
 from tests.generators.amuse.toy_speech import toy_speech
+from training.corpus.description import claim
+from training.corpus.request import CorpusRequest
 from training.data.take import Take, TakeFolder
 
 Learn = Callable[..., TrainedGenerator]
@@ -35,9 +37,10 @@ def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
     monkeypatch.setattr("generators.amuse.train_speech.SPEECH_PRESETS", {"tiny": small})
     monkeypatch.setattr("generators.amuse.train_speech.prepare", lambda *given, **options: prepared)
 
-    def train(steps: int, out: Path, **choices: str) -> TrainedGenerator:
+    def train(steps: int, out: Path, folder: Path = tmp_path, **choices: str) -> TrainedGenerator:
+        takes = tuple(replace(take, speech=folder / take.speech) for take in prepared.takes)
         request = TrainingRequest(
-            takes=TakeFolder(kind="beat", takes=prepared.takes, speakers=("ann", "bob")),
+            takes=TakeFolder(kind="beat", takes=takes, speakers=("ann", "bob")),
             cache=tmp_path,
             config="tiny",
             changes={"steps": steps, "batch_size": 2, "learning_rate": 3e-3, "validate_every": 5},
@@ -87,6 +90,19 @@ def test_recordings_without_a_known_speaker_for_validation_are_refused(
     )
     with pytest.raises(InputError, match="no recording for validation is by a speaker"):
         learn(1, tmp_path / "out.safetensors")
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_a_corpus_whose_speakers_share_no_texts_is_refused(
+    learn: Learn, tmp_path: Path, shared: bool
+) -> None:
+    claim(tmp_path / "corpus", CorpusRequest(shared_passages=shared))
+    out = tmp_path / "out.safetensors"
+    if shared:
+        learn(1, out, tmp_path / "corpus")
+        return
+    with pytest.raises(InputError, match=r"texts of their own.*--shared-passages"):
+        learn(1, out, tmp_path / "corpus")
 
 
 def test_a_takes_filterbank_has_a_row_each_ten_milliseconds(tmp_path: Path) -> None:
