@@ -285,8 +285,9 @@ def _said(task: SpeechTask, found: Mapping[str, float], best: int, steps: int) -
     return (
         f"Learned from {len(task.fours)} fours of {len(task.training)} windows, by "
         f"{len(task.speakers)} speakers in {len(task.emotions)} emotions.",
-        f"Of held-out windows it tells the emotion of {found['emotion accuracy']:.0%} (chance "
-        f"{1 / len(task.emotions):.0%}) and the speaker of {found['style accuracy']:.0%} (chance "
-        f"{1 / len(task.speakers):.0%}); its filterbanks miss theirs by {found['self']:.3f}.",
+        f"Of {min(HELD_OUT, len(task.known(task.held_out)))} held-out windows it tells the emotion "
+        f"of {found['emotion accuracy']:.0%} (chance {1 / len(task.emotions):.0%}) and the speaker "
+        f"of {found['style accuracy']:.0%} (chance {1 / len(task.speakers):.0%}); its filterbanks "
+        f"miss theirs by {found['self']:.3f}.",
         f"Its weights are those of step {best} of {steps}.",
     )
