@@ -132,9 +132,16 @@ class TrainingConfig:
     def _check(self, name: str, fits: bool, wanted: str) -> None:
         _check(name, getattr(self, name), fits, wanted)
 
-    def for_epochs(self, epochs: int, examples: int) -> Self:
-        """Return the settings with the steps that go so often through so many examples."""
-        return replace(self, steps=epochs * batches_per_epoch(examples, self.batch_size))
+    def changed(self, changes: Mapping[str, Any], *, epochs: int | None, examples: int) -> Self:
+        """Return the settings with some of them changed.
+
+        Where `epochs` are told and the changes tell no steps, there are as many steps as go so
+        often through so many examples.
+        """
+        config = replace(self, **changes)
+        if epochs is None or "steps" in changes:
+            return config
+        return replace(config, steps=epochs * batches_per_epoch(examples, config.batch_size))
 
     def facts(self) -> dict[str, Any]:
         """Return the settings as JSON holds them."""

@@ -15,7 +15,7 @@ from motion.formats.retarget import rest_corrections
 from motion.formats.ted_npz import BONES
 from motion.hands import FINGERS, RELAXED_HANDS
 from motion.rest_pose import REST_JOINTS
-from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
+from motion.skeleton import forward_kinematics, joint_index
 from training.spaces.beat_skeleton import BEAT_SKELETON, TOLD_JOINTS
 
 FloatArray = NDArray[np.float64]
@@ -52,12 +52,6 @@ TALKSHOW_JOINTS: Final = tuple(
     joint for place, joint in enumerate(_SHOW_ORDER) if place not in _NOT_SHOWN
 )
 """The 43 SMPL-X joints that TalkSHOW's network sees, in its order."""
-
-
-def emage_frames(clip: MotionClip) -> FloatArray:
-    """Return the rotations of all 55 joints, the first two rows of each matrix, (T, 330)."""
-    matrices = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_matrix()
-    return np.asarray(matrices[:, :2].reshape(len(clip), 6 * JOINT_COUNT))
 
 
 def talkshow_frames(clip: MotionClip) -> FloatArray:

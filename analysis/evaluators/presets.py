@@ -14,6 +14,7 @@ from analysis.evaluators import clip_inputs
 from analysis.evaluators.published_distance import Rule
 from analysis.metrics.network_names import PUBLISHED
 from motion.clip import MotionClip
+from training.spaces.smplx_6d import rotation_rows
 
 if TYPE_CHECKING:
     from torch import nn
@@ -99,7 +100,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             title=PUBLISHED["emage"],
             source="PantoMatrix 0bbb03d, VAESKConv (AESKConv_240_100.bin)",
             sees="55 SMPL-X joints, the first two rows of each rotation matrix, not normalised",
-            frames=clip_inputs.emage_frames,
+            frames=rotation_rows,
             channels=330,
             features=240,
             frame_rate=30.0,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import random
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager
 
+from benchmarks.server.beside import beside
 from studyapp.services.watch_evidence import MOST_INTERVALS, MOST_REPORTS
 from tests.support.page_scan import SeenVideo, seen_videos
 from tests.support.study_server import HOST
@@ -18,15 +18,8 @@ from tests.support.wire import Wire
 @asynccontextmanager
 async def report_flood(port: int, count: int) -> AsyncIterator[None]:
     """Let `count` participants each send the largest reports during the block, without a pause."""
-    floods = [asyncio.create_task(_flood(port, number)) for number in range(count)]
-    try:
+    async with beside(_flood(port, number) for number in range(count)):
         yield
-    finally:
-        for flood in floods:
-            flood.cancel()
-        for flood in floods:
-            with suppress(asyncio.CancelledError):
-                await flood
 
 
 async def _flood(port: int, number: int) -> None:

@@ -6,9 +6,10 @@ import asyncio
 import random
 import socket
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager
 from typing import Final
 
+from benchmarks.server.beside import beside
 from tests.support.page_scan import seen_videos
 from tests.support.study_server import HOST
 from tests.support.visitor import Ledger, Visitor
@@ -27,15 +28,8 @@ BUFFER_BYTES: Final = 4096
 async def slow_readers(port: int, count: int) -> AsyncIterator[None]:
     """Let `count` participants read a video very slowly during the block."""
     sources = [await _source(port, number) for number in range(count)]
-    readers = [asyncio.create_task(_read(port, source)) for source in sources]
-    try:
+    async with beside(_read(port, source) for source in sources):
         yield
-    finally:
-        for reader in readers:
-            reader.cancel()
-        for reader in readers:
-            with suppress(asyncio.CancelledError):
-                await reader
 
 
 async def _source(port: int, number: int) -> str:

@@ -29,6 +29,7 @@ from generators.amuse.settings import AmuseSettings
 from generators.amuse.speech import PARTS, Part
 from generators.clip_length import with_length
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
+from generators.settings import content
 from motion.audio import SPEECH_RATE, Audio, read_audio
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
@@ -133,7 +134,7 @@ class Amuse:
     @cached_property
     def _speech(self) -> SpeechNetwork:
         network = load_speech_network(self._settings.speech_model)
-        motion, found = self._networks, self._settings.fingerprint()[1]
+        motion, found = self._networks, content(self._settings.speech_model)
         width = motion.prior.config.condition_width
         if (
             network.model.config.latent != width

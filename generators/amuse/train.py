@@ -200,9 +200,9 @@ def train_amuse(
         data_sha256=prepared.sha256,
         device=request.device,
     )
-    training = replace(preset.training, **request.changes)
-    if preset.epochs is not None and "steps" not in request.changes:
-        training = training.for_epochs(preset.epochs, task.examples)
+    training = preset.training.changed(
+        request.changes, epochs=preset.epochs, examples=task.examples
+    )
     if ablation == "disjoint":
         half = max(1, training.steps // 2)
         training = replace(

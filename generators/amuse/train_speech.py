@@ -243,9 +243,9 @@ def train_amuse_speech(
             "no recording for validation is by a speaker and in an emotion that is learned",
             remedy="Give a split list (--split) with such recordings for validation",
         )
-    training_config = replace(preset.training, **request.changes)
-    if preset.epochs is not None and "steps" not in request.changes:
-        training_config = training_config.for_epochs(preset.epochs, task.examples)
+    training_config = preset.training.changed(
+        request.changes, epochs=preset.epochs, examples=task.examples
+    )
     trained = train(task, training_config, RunFolder(run), show=show_training)
     found = trained.best.measured
     if is_leader():

@@ -211,10 +211,7 @@ class TrainingPreset:
 
     def trained_on(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
         """Return how it is trained on so many examples, with some settings changed."""
-        config = replace(self.training, **changes)
-        if self.epochs is None or "steps" in changes:
-            return config
-        return config.for_epochs(self.epochs, examples)
+        return self.training.changed(changes, epochs=self.epochs, examples=examples)
 
 
 _TINY_TRAINING: Final = TrainingConfig(

@@ -23,9 +23,13 @@ FloatArray = NDArray[np.float64]
 
 def smplx_6d_values(clip: MotionClip) -> FloatArray:
     """Return a clip's rotations in 6D and its translation in metres, (T, 333)."""
-    matrices = Rotation.from_rotvec(clip.poses.reshape(-1, 3)).as_matrix()
-    rows = matrices[:, :2].reshape(len(clip), 6 * JOINT_COUNT)
-    return np.concatenate([rows, clip.trans], axis=1)
+    return np.concatenate([rotation_rows(clip), clip.trans], axis=1)
+
+
+def rotation_rows(clip: MotionClip) -> FloatArray:
+    """Return the first two rows of each joint's rotation matrix, (T, 330)."""
+    matrices = Rotation.from_rotvec(clip.poses.reshape(-1, 3).astype(float)).as_matrix()
+    return matrices[:, :2].reshape(len(clip), 6 * JOINT_COUNT)
 
 
 def smplx_6d_clip(values: FloatArray, frame_rate: float) -> MotionClip:

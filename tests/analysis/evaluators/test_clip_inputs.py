@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from analysis.evaluators.clip_inputs import (
     MEAN_DIRECTIONS,
     beat_frames,
-    emage_frames,
     talkshow_frames,
     ted_frames,
     ted_joints,
@@ -20,6 +19,7 @@ from motion.hands import FINGERS, RELAXED_HANDS
 from motion.skeleton import joint_index
 from training.spaces.beat import beat_clip, told_motion
 from training.spaces.beat_skeleton import TOLD_JOINTS
+from training.spaces.smplx_6d import rotation_rows
 
 
 def _clip(poses: NDArray[np.floating]) -> MotionClip:
@@ -30,13 +30,13 @@ def _clip(poses: NDArray[np.floating]) -> MotionClip:
 def test_emage_sees_the_first_two_rows_of_each_joints_rotation_matrix(reference: Path) -> None:
     with np.load(reference / "emage_plain.npz") as expected:
         for poses, seen in zip(expected["axis_angle"], expected["motion"], strict=True):
-            np.testing.assert_allclose(emage_frames(_clip(poses)), seen, atol=1e-6)
+            np.testing.assert_allclose(rotation_rows(_clip(poses)), seen, atol=1e-6)
 
 
 def test_a_joint_turned_by_a_quarter_about_x_shows_emage_rows_not_columns() -> None:
     poses = np.zeros((1, 55, 3))
     poses[0, 5, 0] = np.pi / 2
-    seen = emage_frames(_clip(poses))[0].reshape(55, 6)
+    seen = rotation_rows(_clip(poses))[0].reshape(55, 6)
     np.testing.assert_allclose(seen[5], [1, 0, 0, 0, 0, -1], atol=1e-7)
     np.testing.assert_allclose(seen[6], [1, 0, 0, 0, 1, 0], atol=1e-7)
 
@@ -105,7 +105,7 @@ def test_beats_own_angles_come_back_from_the_clip_that_they_made() -> None:
     np.testing.assert_allclose(found[:, forearms], wanted[:, forearms], atol=3)
 
 
-@pytest.mark.parametrize("frames", [emage_frames, beat_frames, ted_frames, talkshow_frames])
+@pytest.mark.parametrize("frames", [rotation_rows, beat_frames, ted_frames, talkshow_frames])
 def test_no_network_sees_where_the_body_stands(frames) -> None:  # type: ignore[no-untyped-def]
     clip = _clip(np.random.default_rng(0).normal(0, 0.2, (3, 55, 3)))
     moved = MotionClip(poses=clip.poses, trans=clip.trans + 2, frame_rate=30.0)
