@@ -1,0 +1,126 @@
+"""A motion clip of where joints and landmarks are: what systems that work on positions give."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.body import BodyModel
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.points.facial_actions import facial_actions
+from motion.points.joint_rotations import NEEDED, rotations_from_joints
+from motion.skeleton import JOINT_NAMES, PARENTS, joint_index
+
+FloatArray = NDArray[np.float32]
+
+_OTHER_SIZE: Final = 2.5
+"""How many times longer or shorter than the body's bones those of a person in metres may be."""
+
+_NO_LENGTH: Final = 1e-6
+"""Metres below which a bone has no direction."""
+
+
+def clip_from_points(
+    joints: FloatArray,
+    names: tuple[str, ...],
+    frame_rate: float,
+    *,
+    body: BodyModel,
+    landmarks: FloatArray | None = None,
+) -> MotionClip:
+    """Return the clip in which a body's bones, and its face, are as points tell.
+
+    Parameters
+    ----------
+    joints : ndarray, shape (T, J, 3)
+        Where joints are, metres, y up. Only directions count: the body keeps its own lengths.
+    names : tuple of str
+        Their SMPL-X names, in any order: at least pelvis, neck and both shoulders. What is not
+        told stays at rest: relaxed hands, arms down, standing legs.
+    frame_rate : float
+        Frames per second.
+    body : BodyModel
+        The body that will show the clip.
+    landmarks : ndarray, shape (T, L, 3), optional
+        How far the landmarks of `motion.face_landmarks.FaceLandmarks.of(body)` shift from the
+        neutral face in the head's frame, metres. They become facial actions.
+
+    Raises
+    ------
+    InputError
+        If joints are missing, unknown or without number or direction, not in metres, or the
+        landmarks are not those of the body.
+    """
+    given = _checked(joints, names)
+    rest = body.joints(np.zeros(0))
+    _check_bones(given, rest)
+    if landmarks is not None and len(landmarks) != len(joints):
+        raise InputError(
+            f"there are {len(landmarks)} frames of landmarks and {len(joints)} of joints",
+            remedy="Give both for the same frames",
+        )
+    poses, trans = rotations_from_joints(given, rest, frame_rate)
+    return MotionClip(
+        poses=poses.astype(np.float32),
+        trans=trans.astype(np.float32),
+        frame_rate=frame_rate,
+        arkit=None if landmarks is None else facial_actions(landmarks, body),
+    )
+
+
+def _checked(joints: FloatArray, names: tuple[str, ...]) -> dict[str, NDArray[np.float64]]:
+    """Return where each joint is, shape (T, 3) each."""
+    if joints.ndim != 3 or joints.shape[1:] != (len(names), 3) or not len(joints):
+        raise InputError(
+            f"the joints have shape {joints.shape}, with {len(names)} names",
+            remedy=f"Give (frames, {len(names)}, 3), at least one frame",
+        )
+    unknown = [name for name in names if name not in JOINT_NAMES]
+    if unknown or len(set(names)) < len(names):
+        what = f"unknown joint {unknown[0]!r}" if unknown else "a joint is named twice"
+        raise InputError(what, remedy=f"Use SMPL-X's names: {', '.join(JOINT_NAMES[:22])}, …")
+    missing = [name for name in NEEDED if name not in names]
+    if missing:
+        raise InputError(
+            f"the joints lack {', '.join(missing)}",
+            remedy=f"Give at least {', '.join(NEEDED)}",
+        )
+    if not np.isfinite(joints).all():
+        frame, joint = map(int, np.argwhere(~np.isfinite(joints))[0, :2])
+        raise InputError(
+            f"{names[joint]} is no number in frame {frame}",
+            remedy="Fill the gap or leave the frame out",
+        )
+    return {name: joints[:, index].astype(np.float64) for index, name in enumerate(names)}
+
+
+def _check_bones(given: dict[str, NDArray[np.float64]], rest: NDArray[np.float64]) -> None:
+    """Raise where a bone has no direction, or the figure is not as large as a person."""
+    ratios = []
+    for start, end in _bones(given):
+        lengths = np.linalg.norm(given[end] - given[start], axis=1)
+        if lengths.min() < _NO_LENGTH:
+            raise InputError(
+                f"{start} and {end} are one point in frame {int(lengths.argmin())}",
+                remedy="Leave out frames in which joints were not found",
+            )
+        own = np.linalg.norm(rest[joint_index(end)] - rest[joint_index(start)])
+        ratios.append(float(np.median(lengths)) / float(own))
+    size = float(np.median(ratios))
+    if not 1 / _OTHER_SIZE < size < _OTHER_SIZE:
+        raise InputError(
+            f"the bones are {size:.3g} times as long as the body's",
+            remedy="Give metres",
+        )
+
+
+def _bones(given: dict[str, NDArray[np.float64]]) -> list[tuple[str, str]]:
+    """Return the bones that are told: of the trunk, then each joint with its parent."""
+    trunk = [("pelvis", "neck"), ("right_shoulder", "left_shoulder")]
+    trunk += [("neck", f"{side}_shoulder") for side in ("left", "right")]
+    pairs = zip(PARENTS, JOINT_NAMES, strict=True)
+    limbs = [(JOINT_NAMES[parent], joint) for parent, joint in pairs if parent >= 0]
+    return trunk + [bone for bone in limbs if bone[0] in given and bone[1] in given]

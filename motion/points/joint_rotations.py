@@ -1,0 +1,297 @@
+"""From where the joints of somebody are to how the joints of a body are turned.
+
+Every bone that is told points where it was told to, with the body's own length. What positions
+cannot tell is chosen as people are built: upper arms and thighs are twisted so that elbows and
+knees bend the way they can, a turn of the head is shared by the neck, one of the shoulders by the
+spine, and legs that are not told stand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial.transform import Rotation
+
+from motion.formats.forearm_twist import share_forearm_twist
+from motion.hands import FINGERS, RELAXED_HANDS
+from motion.points.turning import smallest_turns, turns_of_frames
+from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS, joint_index
+from motion.skinning import twist_angles
+
+FloatArray = NDArray[np.float64]
+
+NEEDED: Final = ("pelvis", "neck", "left_shoulder", "right_shoulder")
+"""Joints without which nobody knows how the trunk is turned."""
+
+LEGS: Final = ("left_knee", "right_knee", "left_ankle", "right_ankle")
+"""Joints without which the body stands where it is."""
+
+_SIDES: Final = (("left", 1.0), ("right", -1.0))
+_SPINE: Final = ("pelvis", "spine1", "spine2", "spine3", "neck")
+_FINGERS: Final = ("index", "middle", "pinky", "ring", "thumb")
+_ACROSS: Final = (np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, 1.0]))
+
+_PELVIS_STAYS: Final = np.radians(45)
+"""How far the shoulders turn to either side before the hips, where these are not told, follow."""
+
+_STRAIGHT: Final = np.sin(np.radians(12))
+"""Sine of the bend of an elbow or knee below which its plane tells little about the twist."""
+
+_PLANE_OVER: Final = 0.08
+"""Seconds, a standard deviation, over which the plane of a bend is averaged."""
+
+_HANGING: Final = 72.0
+"""Degrees by which arms that are not told hang down from the rest pose."""
+
+
+class _Figure:
+    """The turns of joints in the world, found one after the other from the pelvis outwards."""
+
+    def __init__(
+        self, given: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
+    ) -> None:
+        self.given = given
+        self.rest = rest
+        self.frame_rate = frame_rate
+        self.frames = len(given["pelvis"])
+        self.world: dict[str, Rotation] = {}
+
+    def has(self, *names: str) -> bool:
+        return all(name in self.given for name in names)
+
+    def told(self, start: str, end: str) -> FloatArray:
+        """Return what leads from one joint to another in each frame, shape (T, 3)."""
+        return self.given[end] - self.given[start]
+
+    def resting(self, start: str, end: str) -> FloatArray:
+        """Return what leads from one joint to another at rest, shape (3,)."""
+        return np.asarray(self.rest[joint_index(end)] - self.rest[joint_index(start)])
+
+    def reached(self, start: str, end: str) -> FloatArray:
+        """Return what leads from a joint to its child as it is turned now, shape (T, 3)."""
+        return np.asarray(self.world[start].apply(self.resting(start, end)))
+
+    def swing(self, joint: str, end: str, above: str) -> None:
+        """Turn `joint` as `above` is, and on to point at `end` by the smallest turn."""
+        self.world[joint] = self.world[above]
+        if self.has(joint, end):
+            turn = smallest_turns(self.reached(joint, end), self.told(joint, end))
+            self.world[joint] = turn * self.world[joint]
+
+    def locals(self) -> FloatArray:
+        """Return rotation matrices against the parents, shape (T, 55, 3, 3)."""
+        local = np.broadcast_to(np.eye(3), (self.frames, JOINT_COUNT, 3, 3)).copy()
+        relaxed = Rotation.from_rotvec(RELAXED_HANDS.astype(float)).as_matrix()
+        local[:, FINGERS] = relaxed
+        for index, (joint, parent) in enumerate(zip(JOINT_NAMES, PARENTS, strict=True)):
+            turned = self.world.get(joint)
+            if parent < 0 and turned is not None:
+                local[:, index] = turned.as_matrix()
+            elif turned is not None:
+                local[:, index] = (self.world[JOINT_NAMES[parent]].inv() * turned).as_matrix()
+        return local
+
+
+def rotations_from_joints(
+    given: Mapping[str, FloatArray], rest: FloatArray, frame_rate: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the rotations and the translation of a body whose bones point as told.
+
+    Parameters
+    ----------
+    given : mapping of str to ndarray, shape (T, 3)
+        Where SMPL-X joints are, metres, y up; at least `NEEDED`. A joint counts where its parent,
+        or the next one inwards on a spine that is told in parts, is told as well.
+    rest : ndarray, shape (55, 3)
+        The joints of the body at rest, metres.
+    frame_rate : float
+        Frames per second.
+
+    Returns
+    -------
+    poses : ndarray, shape (T, 55, 3)
+        Axis-angle against the parent, radians.
+    trans : ndarray, shape (T, 3)
+        Metres. Where legs are not told, the body stands at the origin and its feet stay.
+    """
+    figure = _Figure(given, rest, frame_rate)
+    heading = _heading(figure)
+    _turn_trunk(figure, heading)
+    _turn_head(figure)
+    for side, sign in _SIDES:
+        _turn_arm(figure, side, sign)
+        _turn_hand(figure, side)
+        _turn_leg(figure, side, heading)
+    local = figure.locals()
+    share_forearm_twist(local, None)
+    poses = Rotation.from_matrix(local.reshape(-1, 3, 3)).as_rotvec()
+    return poses.reshape(-1, JOINT_COUNT, 3), _translation(figure, heading)
+
+
+def _heading(figure: _Figure) -> Rotation:
+    """Return how the hips are turned about the vertical."""
+    if figure.has("left_hip", "right_hip"):
+        return _about_y(_yaw(figure.told("right_hip", "left_hip")))
+    yaw = _yaw(figure.told("right_shoulder", "left_shoulder"))
+    turned = yaw - yaw.mean()
+    return _about_y(yaw.mean() + turned - np.clip(turned, -_PELVIS_STAYS, _PELVIS_STAYS))
+
+
+def _yaw(across: FloatArray) -> FloatArray:
+    return np.unwrap(np.arctan2(-across[:, 2], across[:, 0]))
+
+
+def _about_y(angles: FloatArray) -> Rotation:
+    return Rotation.from_rotvec(angles[:, None] * np.array([0, 1.0, 0]))
+
+
+def _turn_trunk(figure: _Figure, heading: Rotation) -> None:
+    """Turn pelvis and spine: upwards as told, and between the turns of hips and shoulders."""
+    knots = [joint for joint in _SPINE if figure.has(joint)]
+    if figure.has("left_hip", "right_hip"):
+        hips = figure.told("right_hip", "left_hip"), figure.resting("right_hip", "left_hip")
+    else:
+        hips = heading.apply(_ACROSS[0]), _ACROSS[0]
+    wide = "collar" if figure.has("left_collar", "right_collar") else "shoulder"
+    right, left = f"right_{wide}", f"left_{wide}"
+    low, high = knots[:2], knots[-2:]
+    pelvis = turns_of_frames((figure.resting(*low), hips[1]), (figure.told(*low), hips[0]))
+    chest = turns_of_frames(
+        (figure.resting(*high), figure.resting(right, left)),
+        (figure.told(*high), figure.told(right, left)),
+    )
+    bend = (pelvis.inv() * chest).as_rotvec()
+    for number, joint in enumerate(_SPINE[:-1]):
+        figure.world[joint] = pelvis * Rotation.from_rotvec(bend * number / 3)
+    for start, end in pairwise(knots):
+        between = _SPINE[_SPINE.index(start) : _SPINE.index(end) + 1]
+        reached = sum(figure.reached(*bone) for bone in pairwise(between))
+        turn = smallest_turns(np.asarray(reached), figure.told(start, end))
+        for joint in between[:-1]:
+            figure.world[joint] = turn * figure.world[joint]
+
+
+def _turn_head(figure: _Figure) -> None:
+    """Turn neck and head; both take half of how far the head is turned about the neck."""
+    top = "head" if figure.has("head") else "jaw"
+    figure.swing("neck", top, "spine3")
+    neck = figure.world["neck"]
+    figure.world["head"] = neck
+    if not figure.has("head"):
+        return
+    if figure.has("left_eye", "right_eye"):
+        eyes = ("right_eye", "left_eye")
+        ahead = "jaw" if figure.has("jaw") else "left_eye"
+        figure.world["head"] = turns_of_frames(
+            (figure.resting(*eyes), figure.resting("head", ahead)),
+            (figure.told(*eyes), figure.told("head", ahead)),
+        )
+    else:
+        figure.swing("head", "jaw", "neck")
+    axis = figure.resting("neck", "head")
+    axis = axis / np.linalg.norm(axis)
+    turned = twist_angles((neck.inv() * figure.world["head"]).as_quat(), axis)
+    figure.world["neck"] = neck * Rotation.from_rotvec(turned[:, None] / 2 * axis)
+
+
+def _turn_arm(figure: _Figure, side: str, sign: float) -> None:
+    collar, shoulder, elbow, wrist = (
+        f"{side}_{part}" for part in ("collar", "shoulder", "elbow", "wrist")
+    )
+    if figure.has(collar):
+        figure.swing(collar, shoulder, "spine3")
+    else:
+        _turn_collar(figure, collar, shoulder)
+    if figure.has(elbow):
+        _turn_limb(figure, (shoulder, elbow, wrist), collar, _ACROSS[2])
+    else:
+        down = Rotation.from_euler("z", -sign * _HANGING, degrees=True)
+        figure.world[shoulder] = figure.world[elbow] = figure.world[collar] * down
+
+
+def _turn_collar(figure: _Figure, collar: str, shoulder: str) -> None:
+    """Turn a collar that is not told so that the shoulder lies where it is told to from the neck.
+
+    The collar's end can only be on a sphere around its start: it is put where the line from the
+    neck leaves that sphere, or comes nearest to it.
+    """
+    chest = figure.world["spine3"]
+    start = chest.apply(figure.resting("neck", collar))
+    reach = np.linalg.norm(figure.resting(collar, shoulder))
+    line = figure.told("neck", shoulder)
+    line = line / np.linalg.norm(line, axis=1, keepdims=True)
+    along = (start * line).sum(axis=1)
+    beside = (start**2).sum(axis=1) - along**2
+    far = along + np.sqrt(np.maximum(reach**2 - beside, 0))
+    wanted = far[:, None] * line - start
+    figure.world[collar] = (
+        smallest_turns(chest.apply(figure.resting(collar, shoulder)), wanted) * chest
+    )
+
+
+def _turn_limb(figure: _Figure, limb: tuple[str, str, str], above: str, bends: FloatArray) -> None:
+    """Turn the two long bones of an arm or leg, twisted so that the joint between bends as it can.
+
+    A limb that is nearly straight does not tell its twist; it then is as after the smallest turn.
+    """
+    start, middle, end = limb
+    figure.swing(start, middle, above)
+    figure.world[middle] = figure.world[start]
+    if not figure.has(start, middle, end):
+        return
+    axis = figure.told(start, middle)
+    axis = axis / np.linalg.norm(axis, axis=1, keepdims=True)
+    lower = figure.told(middle, end)
+    lower = lower / np.linalg.norm(lower, axis=1, keepdims=True)
+    forwards = figure.world[start].apply(bends)
+    forwards -= (forwards * axis).sum(axis=1, keepdims=True) * axis
+    sideways = np.cross(axis, forwards)
+    beside = lower - (lower * axis).sum(axis=1, keepdims=True) * axis
+    weight = np.linalg.norm(beside, axis=1)
+    plane = weight[:, None] * np.column_stack(
+        [(beside * forwards).sum(axis=1), (beside * sideways).sum(axis=1)]
+    )
+    plane[:, 0] += _STRAIGHT**2
+    plane = gaussian_filter1d(plane, _PLANE_OVER * figure.frame_rate, axis=0, mode="nearest")
+    twist = np.arctan2(plane[:, 1], plane[:, 0])
+    figure.world[start] = Rotation.from_rotvec(twist[:, None] * axis) * figure.world[start]
+    figure.swing(middle, end, start)
+
+
+def _turn_hand(figure: _Figure, side: str) -> None:
+    """Turn a hand and its fingers as far as they are told; the rest is relaxed."""
+    wrist, middle, index = (f"{side}_{part}" for part in ("wrist", "middle1", "index1"))
+    last = next((f"{side}_{f}1" for f in ("ring", "pinky") if figure.has(f"{side}_{f}1")), None)
+    figure.swing(wrist, middle, f"{side}_elbow")
+    if last is not None and figure.has(wrist, middle, index):
+        figure.world[wrist] = turns_of_frames(
+            (figure.resting(wrist, middle), figure.resting(last, index)),
+            (figure.told(wrist, middle), figure.told(last, index)),
+        )
+    for finger in _FINGERS:
+        chain = [f"{side}_{finger}{number}" for number in (1, 2, 3)]
+        if figure.has(wrist, *chain):
+            for (joint, end), above in zip(pairwise(chain), (wrist, chain[0]), strict=True):
+                figure.swing(joint, end, above)
+            figure.world[chain[-1]] = figure.world[chain[-2]]
+
+
+def _turn_leg(figure: _Figure, side: str, heading: Rotation) -> None:
+    hip, knee, ankle, foot = (f"{side}_{part}" for part in ("hip", "knee", "ankle", "foot"))
+    if figure.has(hip, *LEGS):
+        _turn_limb(figure, (hip, knee, ankle), "pelvis", -_ACROSS[2])
+        figure.swing(ankle, foot, knee)
+    else:
+        figure.world[hip] = heading
+
+
+def _translation(figure: _Figure, heading: Rotation) -> FloatArray:
+    if figure.has("left_hip", "right_hip", *LEGS):
+        return np.asarray(figure.given["pelvis"] - figure.rest[0])
+    hips = (figure.resting("pelvis", "left_hip") + figure.resting("pelvis", "right_hip")) / 2
+    return np.asarray(heading.apply(hips) - figure.world["pelvis"].apply(hips))
