@@ -113,6 +113,7 @@ def verdicts(
     for measure, called in (
         ("wrist_speed", "wrists follow the known process"),
         ("beats", "beat alignment is above chance"),
+        ("strokes", "stroke alignment is above chance"),
     ):
         mine = [found[name].own[measure] for name in trained]
         others = [found[name].swapped[measure] for name in trained]

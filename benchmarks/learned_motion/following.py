@@ -43,11 +43,14 @@ class Speech:
         The process' own curves without chance, at the clips' frame rate.
     onsets : ndarray, shape (N,)
         When sounds begin, in seconds.
+    strokes : ndarray, shape (M,)
+        When the process lets strokes arrive, in seconds.
     """
 
     wrist_speed: FloatArray
     jaw_open: FloatArray
     onsets: FloatArray
+    strokes: FloatArray
 
     def __len__(self) -> int:
         return len(self.wrist_speed)
@@ -63,14 +66,17 @@ class Followed:
         Pearson's correlation of the clip's curve with the process' own.
     beats : float
         Beat alignment (AMUSE's) minus chance.
+    strokes : float
+        The same, with the process' strokes in place of the onsets of sounds.
     """
 
     wrist_speed: float
     jaw_open: float
     beats: float
+    strokes: float
 
 
-MEASURES: Final = ("wrist_speed", "jaw_open", "beats")
+MEASURES: Final = ("wrist_speed", "jaw_open", "beats", "strokes")
 
 
 def follow(clip: MotionClip, speech: Speech) -> Followed:
@@ -79,17 +85,17 @@ def follow(clip: MotionClip, speech: Speech) -> Followed:
     edge = round(EDGE * rate)
     inside = slice(edge, min(len(clip), len(speech)) - edge)
     if inside.stop - inside.start < _FEWEST * rate:
-        return Followed(wrist_speed=np.nan, jaw_open=np.nan, beats=np.nan)
+        return Followed(wrist_speed=np.nan, jaw_open=np.nan, beats=np.nan, strokes=np.nan)
     positions = joint_motion(clip, rate).relative
+    arms = select(positions[inside], BEATS.joints)
     jaw = np.zeros(len(clip)) if clip.arkit is None else clip.arkit[:, JAW].astype(np.float64)
-    onsets = speech.onsets[(speech.onsets >= EDGE) & (speech.onsets < inside.stop / rate)] - EDGE
-    aligned = beat_alignment(
-        select(positions[inside], BEATS.joints),
-        onsets,
-        frame_rate=rate,
-        settings=BEATS,
-        detector=DETECTOR,
-    )
+
+    def aligned(times: FloatArray, detector: str) -> float:
+        heard = times[(times >= EDGE) & (times < inside.stop / rate)] - EDGE
+        return beat_alignment(
+            arms, heard, frame_rate=rate, settings=BEATS, detector=detector
+        ).above_chance.value
+
     return Followed(
         wrist_speed=follow_curve(
             "wrist_speed",
@@ -97,7 +103,8 @@ def follow(clip: MotionClip, speech: Speech) -> Followed:
             speech.wrist_speed[inside],
         ).correlation,
         jaw_open=follow_curve("jaw_open", jaw[inside], speech.jaw_open[inside]).correlation,
-        beats=aligned.above_chance.value,
+        beats=aligned(speech.onsets, DETECTOR),
+        strokes=aligned(speech.strokes, "the process' strokes"),
     )
 
 

@@ -36,6 +36,7 @@ def _speech(corpus: Path, take: Take) -> Speech:
         wrist_speed=_at_frames(truth.drive.wrist_speed, truth.frame_rate, frames),
         jaw_open=_at_frames(truth.drive.jaw_open, truth.frame_rate, frames),
         onsets=speech_onsets(audio),
+        strokes=truth.strokes.times,
     )
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -45,7 +46,10 @@ def curve(seed: int) -> NDArray[np.float64]:
 
 def speech(seed: int) -> Speech:
     return Speech(
-        wrist_speed=curve(seed), jaw_open=curve(seed + 100), onsets=np.arange(0.2, 6, 0.7)
+        wrist_speed=curve(seed),
+        jaw_open=curve(seed + 100),
+        onsets=np.arange(0.2, 6, 0.7),
+        strokes=np.arange(0.5, 6, 0.9),
     )
 
 
@@ -86,12 +90,22 @@ def test_what_happens_in_the_silence_at_both_ends_does_not_count() -> None:
     assert one == other
 
 
+def test_hands_that_rest_at_the_strokes_of_a_speech_are_aligned_with_them() -> None:
+    said = speech(1)
+    moment = (np.arange(FRAMES) + 0.5) / RATE
+    since = np.abs(moment[:, None] - said.strokes).min(axis=1)
+    resting = swinging(np.minimum(since, 0.3))
+    elsewhere = replace(said, strokes=said.strokes + 0.45)
+    assert follow(resting, said).strokes > 0.4
+    assert follow(resting, elsewhere).strokes < 0
+
+
 def test_too_short_a_clip_has_no_score() -> None:
     assert math.isnan(follow(swinging(curve(1)[:40], curve(2)[:40]), speech(1)).jaw_open)
 
 
 def followed(**values: float) -> Followed:
-    return Followed(**{"wrist_speed": 0.0, "jaw_open": 0.0, "beats": 0.0} | values)
+    return Followed(**{"wrist_speed": 0.0, "jaw_open": 0.0, "beats": 0.0, "strokes": 0.0} | values)
 
 
 def mean_of(values: dict[str, float], groups: dict[str, str]) -> MeanFollowed:
