@@ -45,6 +45,9 @@ _STRAIGHT: Final = np.sin(np.radians(12))
 _PLANE_OVER: Final = 0.08
 """Seconds, a standard deviation, over which the plane of a bend is averaged."""
 
+_UPRIGHT: Final = 0.5
+"""How far a head whose roll is not told is held upright against its neck, of the way to the chest."""
+
 _HANGING: Final = 72.0
 """Degrees by which arms that are not told hang down from the rest pose."""
 
@@ -76,9 +79,9 @@ class _Figure:
         """Return what leads from a joint to its child as it is turned now, shape (T, 3)."""
         return np.asarray(self.world[start].apply(self.resting(start, end)))
 
-    def swing(self, joint: str, end: str, above: str) -> None:
-        """Turn `joint` as `above` is, and on to point at `end` by the smallest turn."""
-        self.world[joint] = self.world[above]
+    def swing(self, joint: str, end: str, start: Rotation) -> None:
+        """Turn `joint` from `start` on by the smallest turn that makes it point at `end`."""
+        self.world[joint] = start
         if self.has(joint, end):
             turn = smallest_turns(self.reached(joint, end), self.told(joint, end))
             self.world[joint] = turn * self.world[joint]
@@ -179,7 +182,7 @@ def _turn_trunk(figure: _Figure, heading: Rotation) -> None:
 def _turn_head(figure: _Figure) -> None:
     """Turn neck and head; both take half of how far the head is turned about the neck."""
     top = "head" if figure.has("head") else "jaw"
-    figure.swing("neck", top, "spine3")
+    figure.swing("neck", top, figure.world["spine3"])
     neck = figure.world["neck"]
     figure.world["head"] = neck
     if not figure.has("head"):
@@ -192,7 +195,9 @@ def _turn_head(figure: _Figure) -> None:
             (figure.told(*eyes), figure.told("head", ahead)),
         )
     else:
-        figure.swing("head", "jaw", "neck")
+        # A head that leans aside is held more upright than its neck: half way back to the chest.
+        lean = (neck.inv() * figure.world["spine3"]).as_rotvec()
+        figure.swing("head", "jaw", neck * Rotation.from_rotvec(_UPRIGHT * lean))
     axis = figure.resting("neck", "head")
     axis = axis / np.linalg.norm(axis)
     turned = twist_angles((neck.inv() * figure.world["head"]).as_quat(), axis)
@@ -204,7 +209,7 @@ def _turn_arm(figure: _Figure, side: str, sign: float) -> None:
         f"{side}_{part}" for part in ("collar", "shoulder", "elbow", "wrist")
     )
     if figure.has(collar):
-        figure.swing(collar, shoulder, "spine3")
+        figure.swing(collar, shoulder, figure.world["spine3"])
     else:
         _turn_collar(figure, collar, shoulder)
     if figure.has(elbow):
@@ -240,7 +245,7 @@ def _turn_limb(figure: _Figure, limb: tuple[str, str, str], above: str, bends: F
     A limb that is nearly straight does not tell its twist; it then is as after the smallest turn.
     """
     start, middle, end = limb
-    figure.swing(start, middle, above)
+    figure.swing(start, middle, figure.world[above])
     figure.world[middle] = figure.world[start]
     if not figure.has(start, middle, end):
         return
@@ -260,14 +265,14 @@ def _turn_limb(figure: _Figure, limb: tuple[str, str, str], above: str, bends: F
     plane = gaussian_filter1d(plane, _PLANE_OVER * figure.frame_rate, axis=0, mode="nearest")
     twist = np.arctan2(plane[:, 1], plane[:, 0])
     figure.world[start] = Rotation.from_rotvec(twist[:, None] * axis) * figure.world[start]
-    figure.swing(middle, end, start)
+    figure.swing(middle, end, figure.world[start])
 
 
 def _turn_hand(figure: _Figure, side: str) -> None:
     """Turn a hand and its fingers as far as they are told; the rest is relaxed."""
     wrist, middle, index = (f"{side}_{part}" for part in ("wrist", "middle1", "index1"))
     last = next((f"{side}_{f}1" for f in ("ring", "pinky") if figure.has(f"{side}_{f}1")), None)
-    figure.swing(wrist, middle, f"{side}_elbow")
+    figure.swing(wrist, middle, figure.world[f"{side}_elbow"])
     if last is not None and figure.has(wrist, middle, index):
         figure.world[wrist] = turns_of_frames(
             (figure.resting(wrist, middle), figure.resting(last, index)),
@@ -277,7 +282,7 @@ def _turn_hand(figure: _Figure, side: str) -> None:
         chain = [f"{side}_{finger}{number}" for number in (1, 2, 3)]
         if figure.has(wrist, *chain):
             for (joint, end), above in zip(pairwise(chain), (wrist, chain[0]), strict=True):
-                figure.swing(joint, end, above)
+                figure.swing(joint, end, figure.world[above])
             figure.world[chain[-1]] = figure.world[chain[-2]]
 
 
@@ -285,7 +290,7 @@ def _turn_leg(figure: _Figure, side: str, heading: Rotation) -> None:
     hip, knee, ankle, foot = (f"{side}_{part}" for part in ("hip", "knee", "ankle", "foot"))
     if figure.has(hip, *LEGS):
         _turn_limb(figure, (hip, knee, ankle), "pelvis", -_ACROSS[2])
-        figure.swing(ankle, foot, knee)
+        figure.swing(ankle, foot, figure.world[knee])
     else:
         figure.world[hip] = heading
 
