@@ -24,6 +24,7 @@ from motion.formats.retarget import retarget
 from motion.formats.smplx_rows import read_rows
 from motion.hands import FINGERS, RELAXED_HANDS, added_to_mean_hands
 from motion.placement import place
+from motion.points.joint_file import holds_joints, read_joints
 
 _UNMOVED: Final = 1e-6
 """Radians that fingers turn at most where a file does not tell them."""
@@ -43,17 +44,17 @@ def read_motion(
     ----------
     path : Path
         BVH of any skeleton, ``.npz`` (AMASS, BEAT2, AMUSE, SMPL, SMPL+H, own), ``.npy`` of
-        TalkSHOW or Motion-X.
+        TalkSHOW or Motion-X; joint positions as `motion.points.joint_file` reads them.
     frame_rate : float, optional
         Frames per second; overrides the file's own.
     joint_map : mapping of str to str, optional
-        For a BVH of an unknown skeleton: SMPL-X joint names to the file's.
+        For a BVH or joint positions of an unknown skeleton: SMPL-X joint names to the file's.
     mean_hands : ndarray, shape (30, 3), optional
         SMPL-X's own mean hands, as `motion.hands.read_mean_hands` gives them, for BEAT2, TalkSHOW
         and Motion-X, which tell fingers relative to them. Without, relaxed hands take their place.
     as_recorded : bool
-        Whether hands of a BVH stay where they come to lie inside the body, rather than being
-        moved out by `motion.clearance`.
+        Whether hands of a BVH or of joint positions stay where they come to lie inside the body,
+        rather than being moved out by `motion.clearance`.
 
     Returns
     -------
@@ -75,6 +76,11 @@ def read_motion(
         raise InputError(
             "the motion file cannot be read", where=path, remedy="Check the path"
         ) from error
+    if holds_joints(path, start):
+        clip = read_joints(path, frame_rate=frame_rate, joint_map=joint_map)
+        clip, moved = (clip, ()) if as_recorded else clear_of_body(clip)
+        told = "rotations were found from joint positions; bones have our body's lengths"
+        return _placed(clip, path, "joint positions", (told, *moved))
     if start.startswith(b"PK"):
         clip = read_clip(path, frame_rate=frame_rate)
         if has_provenance(path):
@@ -92,7 +98,8 @@ def read_motion(
     raise InputError(
         "the file is no motion of a known format",
         where=path,
-        remedy="Give a .bvh, an SMPL-X .npz, or a .npy file of TalkSHOW or Motion-X",
+        remedy="Give a .bvh, an SMPL-X .npz, a .npy file of TalkSHOW or Motion-X, or joint "
+        "positions with their names",
     )
 
 

@@ -46,7 +46,7 @@ _PLANE_OVER: Final = 0.08
 """Seconds, a standard deviation, over which the plane of a bend is averaged."""
 
 _UPRIGHT: Final = 0.5
-"""How far a head whose roll is not told is held upright against its neck, of the way to the chest."""
+"""How far a head whose roll is not told goes back from how its neck leans to how the chest does."""
 
 _HANGING: Final = 72.0
 """Degrees by which arms that are not told hang down from the rest pose."""

@@ -1,0 +1,264 @@
+"""Files that tell where joints are: arrays with names, or in the order of a known skeleton."""
+
+from __future__ import annotations
+
+import csv
+import re
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.clip import MotionClip, check_frame_rate
+from motion.errors import InputError
+from motion.formats.joint_maps import JointMap
+from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
+from motion.formats.ted_npz import BONES, JOINTS, read_ted_npz
+from motion.points.joint_rotations import rotations_from_joints
+from motion.points.person import body_joints
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import BODY_JOINTS, JOINT_NAMES, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+
+FloatArray = NDArray[np.float64]
+
+_TED: Final = (
+    "pelvis", "neck", "nose", "crown", "left_shoulder", "left_elbow", "left_wrist",
+    "right_shoulder", "right_elbow", "right_wrist",
+)  # fmt: skip
+_TED_LENGTHS: Final = (0.26, 0.18, 0.14, 0.22, 0.36, 0.33, 0.22, 0.36, 0.33)
+"""Of TED Gesture's bones, in units of its own (Yoon et al. 2020)."""
+_TED_TURN: Final = np.array([-1.0, -1.0, 1.0])
+"""TED Gesture's axes: x to the person's right, y down, z forward."""
+
+_SMPL: Final = (*BODY_JOINTS, "left_hand", "right_hand")
+MEDIAPIPE: Final = (
+    "nose", "left_eye_inner", "left_eye", "left_eye_outer", "right_eye_inner", "right_eye",
+    "right_eye_outer", "left_ear", "right_ear", "mouth_left", "mouth_right", "left_shoulder",
+    "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist", "left_pinky",
+    "right_pinky", "left_index", "right_index", "left_thumb", "right_thumb", "left_hip",
+    "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle", "left_heel", "right_heel",
+    "left_foot_index", "right_foot_index",
+)  # fmt: skip
+"""Landmarks of MediaPipe's (BlazePose's) pose, in order."""
+
+_KNOWN_ORDERS: Final[Mapping[int, tuple[str, ...]]] = {
+    JOINTS: _TED,
+    len(BODY_JOINTS): BODY_JOINTS,
+    len(_SMPL): _SMPL,
+    len(MEDIAPIPE): MEDIAPIPE,
+    len(BODY_JOINTS) + 30: (*BODY_JOINTS, *LEFT_HAND_JOINTS, *RIGHT_HAND_JOINTS),
+    len(JOINT_NAMES): JOINT_NAMES,
+}
+"""Skeletons by their number of joints: TED Gesture, SMPL without and with hands' ends, MediaPipe,
+SMPL+H, SMPL-X."""
+
+_OTHER_NAMES: Final = {
+    "hips": "pelvis", "mid_hip": "pelvis", "midhip": "pelvis", "root": "pelvis",
+    "left_foot_index": "left_foot", "right_foot_index": "right_foot",
+    "left_toe": "left_foot", "right_toe": "right_foot", "head_top": "crown", "top_head": "crown",
+}  # fmt: skip
+_RATES: Final = ("frame_rate", "fps", "mocap_frame_rate", "mocap_framerate")
+_NAMES: Final = ("names", "joint_names")
+_COLUMN: Final = re.compile(r"(?P<joint>.+?)[ _.:]?(?P<axis>[xyzXYZ])$")
+_TIMES: Final = ("time", "t", "timestamp", "seconds")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Recording:
+    """Points (T, J, 3), the names of J, and how many frames a second; None where it is not said."""
+
+    points: FloatArray
+    names: tuple[str, ...]
+    frame_rate: float | None
+
+
+def holds_joints(path: Path, start: bytes) -> bool:
+    """Tell whether a file that begins with `start` tells joint positions."""
+    if start.startswith(b"PK"):
+        try:
+            with zipfile.ZipFile(path) as archive:
+                keys = {name.removesuffix(".npy") for name in archive.namelist()}
+        except zipfile.BadZipFile:
+            return False
+        return "poses" not in keys and not keys.isdisjoint(TED_ARRAYS)
+    if start.startswith(b"\x93NUMPY"):
+        return bool(re.search(rb"'shape': \(\d+, \d+, [23]\)", start))
+    heading = start.removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0].decode("utf-8", "replace")
+    return path.suffix.lower() == ".csv" and len(_joints_of(heading.split(","))) >= 3
+
+
+def read_joints(
+    path: Path, *, frame_rate: float | None = None, joint_map: JointMap | None = None
+) -> MotionClip:
+    """Read a motion of joint positions; its bones keep their directions and get our body's lengths.
+
+    Parameters
+    ----------
+    path : Path
+        ``.npz`` with `joints` (T, J, 3) and `names` (J), or a clip of TED Gesture; ``.npy`` of
+        (T, J, 3) in the order of SMPL, SMPL+H, SMPL-X, MediaPipe or TED Gesture; ``.csv`` with
+        columns ``NAME_x``, ``NAME_y``, ``NAME_z``, and perhaps ``time`` in seconds.
+    frame_rate : float, optional
+        Frames per second; overrides the file's own.
+    joint_map : mapping of str to str, optional
+        SMPL-X names of joints to those of the file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, does not tell the trunk, or says no frame rate.
+    """
+    try:
+        recording = _read(path)
+        rate = frame_rate if frame_rate is not None else recording.frame_rate
+        if rate is None:
+            raise InputError(
+                "the file says no frame rate", remedy="Give the frames per second with --fps"
+            )
+        check_frame_rate(rate)
+        given = body_joints(_named(recording, joint_map), rate)
+        poses, trans = rotations_from_joints(given, REST_JOINTS, rate)
+        return MotionClip(
+            poses=poses.astype(np.float32), trans=trans.astype(np.float32), frame_rate=rate
+        )
+    except InputError as error:
+        raise InputError(error.what, where=path, remedy=error.remedy) from error
+
+
+def _named(recording: _Recording, joint_map: JointMap | None) -> dict[str, FloatArray]:
+    """Return where each joint is, by SMPL-X name where it has one."""
+    finite = np.isfinite(recording.points).all(axis=2)
+    if not finite.all():
+        frame, joint = map(int, np.argwhere(~finite)[0])
+        raise InputError(
+            f"{recording.names[joint]} is no number in frame {frame}",
+            remedy="Fill the gap or cut the frame",
+        )
+    if joint_map is not None:
+        unknown = [name for name in joint_map.values() if name not in recording.names]
+        if unknown:
+            raise InputError(
+                f"the file has no joint {unknown[0]!r}; it has {', '.join(recording.names)}",
+                remedy="Correct the joint map",
+            )
+        places = {ours: recording.names.index(name) for ours, name in joint_map.items()}
+    else:
+        places = {_usual(name): place for place, name in enumerate(recording.names)}
+    return {name: recording.points[:, place] for name, place in places.items()}
+
+
+def _usual(name: str) -> str:
+    """Return a joint's name as SMPL-X writes it: LeftElbow and "left elbow" are left_elbow."""
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip())
+    plain = re.sub(r"[\s.:-]+", "_", apart).lower()
+    return _OTHER_NAMES.get(plain, plain)
+
+
+def _read(path: Path) -> _Recording:
+    if path.suffix.lower() == ".csv":
+        return _read_table(path)
+    try:
+        loaded = np.load(path, allow_pickle=False)
+        if isinstance(loaded, np.ndarray):
+            return _in_known_order(loaded, None)
+        with loaded:
+            keys = [key for key in ("joints", "directions", *_NAMES, *_RATES) if key in loaded]
+            arrays = {key: loaded[key] for key in keys}
+    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
+        raise InputError(
+            "the file cannot be read as plain arrays", remedy="Save it with numpy.savez"
+        ) from error
+    names = next((arrays[key] for key in _NAMES if key in arrays), None)
+    rate = next((float(arrays[key]) for key in _RATES if key in arrays), None)
+    joints = arrays.get("joints")
+    if names is None and (joints is None or joints[:1].size == 3 * JOINTS):
+        return _read_ted(path)
+    if joints is None:
+        raise InputError("the file holds no 'joints'", remedy="Give joints of shape (T, J, 3)")
+    if names is None:
+        return _in_known_order(joints, rate)
+    return _Recording(
+        points=_points(joints, names.size),
+        names=tuple(str(name) for name in names.reshape(-1)),
+        frame_rate=rate,
+    )
+
+
+def _read_ted(path: Path) -> _Recording:
+    motion = read_ted_npz(path)
+    points = np.zeros((len(motion.directions), JOINTS, 3))
+    for bone, (parent, child) in enumerate(BONES):
+        points[:, child] = points[:, parent] + _TED_LENGTHS[bone] * motion.directions[:, bone]
+    return _Recording(points=points * _TED_TURN, names=_TED, frame_rate=motion.frame_rate)
+
+
+def _in_known_order(joints: NDArray[Any], frame_rate: float | None) -> _Recording:
+    count = joints.shape[1] if joints.ndim == 3 else 0
+    names = _KNOWN_ORDERS.get(count)
+    if names is None:
+        raise InputError(
+            f"the joints have shape {joints.shape} and no names",
+            remedy="Save them as .npz with 'joints' (T, J, 3) and 'names'; without names "
+            f"J is one of {', '.join(map(str, sorted(_KNOWN_ORDERS)))}",
+        )
+    points = _points(joints, count)
+    if names is _TED:
+        points = points * _TED_TURN
+    return _Recording(points=points, names=names, frame_rate=frame_rate)
+
+
+def _points(joints: NDArray[Any], count: int) -> FloatArray:
+    if joints.ndim != 3 or joints.shape[1:] != (count, 3) or joints.dtype.kind not in "fiu":
+        raise InputError(
+            f"the joints have shape {joints.shape} and type {joints.dtype}, with {count} names",
+            remedy=f"Give numbers of shape (frames, {count}, 3): positions in space, not in "
+            "a picture",
+        )
+    if not len(joints):
+        raise InputError("the motion has no frame", remedy="Give at least one frame")
+    return joints.astype(np.float64)
+
+
+def _joints_of(columns: list[str]) -> dict[str, list[int]]:
+    """Return the columns of x, y and z of each joint that has all three."""
+    found: dict[str, list[int]] = {}
+    for place, column in enumerate(columns):
+        match = _COLUMN.fullmatch(column.strip().strip('"'))
+        if match:
+            axes = found.setdefault(match["joint"], [-1, -1, -1])
+            axes["xyz".index(match["axis"].lower())] = place
+    return {joint: axes for joint, axes in found.items() if min(axes) >= 0}
+
+
+def _read_table(path: Path) -> _Recording:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            heading, *rows = csv.reader(file)
+        values = np.array([[float(cell or "nan") for cell in row] for row in rows if row])
+    except (OSError, UnicodeDecodeError, ValueError, csv.Error) as error:
+        raise InputError(
+            f"the table cannot be read ({error})",
+            remedy="Give a heading, then numbers with a point, as many in every row",
+        ) from error
+    joints = _joints_of(heading)
+    if values.ndim != 2 or values.shape[1] != len(heading):
+        raise InputError(
+            f"the table has {len(heading)} headings and rows of other lengths, or no row",
+            remedy="Give a number in every cell",
+        )
+    places = np.array(list(joints.values()))
+    time = next((i for i, name in enumerate(heading) if name.strip().lower() in _TIMES), None)
+    rate = None
+    if time is not None and len(values) > 1:
+        steps = np.diff(values[:, time])
+        if steps.min() <= 0 or steps.max() > 1.5 * np.median(steps):
+            raise InputError(
+                f"the times in column {heading[time]!r} do not go on evenly",
+                remedy="Give one row a frame, and seconds",
+            )
+        rate = float(1 / np.mean(steps))
+    return _Recording(points=values[:, places], names=tuple(joints), frame_rate=rate)

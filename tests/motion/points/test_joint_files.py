@@ -1,0 +1,196 @@
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from analysis.evaluators.clip_inputs import ted_joints
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_motion
+from motion.formats.ted_npz import BONES
+from motion.points.view import front_views, nearest_similarity
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import BODY_JOINTS, forward_kinematics, joint_index
+
+ARMS = [
+    (f"{side}_{start}", f"{side}_{end}")
+    for side in ("left", "right")
+    for start, end in (("shoulder", "elbow"), ("elbow", "wrist"))
+]
+
+
+def gesturing(frames: int = 90) -> MotionClip:
+    """Return a clip of somebody who stands, gestures and looks about."""
+    time = np.linspace(0, 3, frames)
+    poses = np.zeros((frames, 55, 3))
+    for side, sign in (("left", 1), ("right", -1)):
+        poses[:, joint_index(f"{side}_shoulder"), 2] = -sign * (1.1 + 0.2 * np.sin(3 * time))
+        poses[:, joint_index(f"{side}_elbow"), 1] = -sign * (0.9 + 0.5 * np.cos(4 * time))
+    poses[:, joint_index("head")] = 0.2 * np.sin(time)[:, None] * [0.2, 1, 0.2]
+    return MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=30)
+
+
+def positions(clip: MotionClip) -> NDArray[np.float64]:
+    return forward_kinematics(clip.poses, clip.trans, REST_JOINTS)[0]
+
+
+def detected(clip: MotionClip) -> dict[str, NDArray[np.float64]]:
+    """Return what a perfect detector would name."""
+    at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    head, turned = at[:, joint_index("head")], turns[:, joint_index("head")]
+    names = ("shoulder", "elbow", "wrist", "hip")
+    found = {
+        f"{side}_{part}": at[:, joint_index(f"{side}_{part}")]
+        for side in ("left", "right")
+        for part in names
+    }
+    ears = {"left_ear": [0.08, 0.05, 0], "right_ear": [-0.08, 0.05, 0], "nose": [0, 0.026, 0.12]}
+    return found | {name: head + turned @ np.array(place) for name, place in ears.items()}
+
+
+def assert_same_gesture(found: MotionClip, told: MotionClip, degrees: float) -> None:
+    before, after = positions(told), positions(found)
+    for start, end in ARMS:
+        left, right = (
+            at[:, joint_index(end)] - at[:, joint_index(start)] for at in (before, after)
+        )
+        cosine = (
+            (left * right).sum(1) / np.linalg.norm(left, axis=1) / np.linalg.norm(right, axis=1)
+        )
+        assert np.degrees(np.arccos(cosine.clip(-1, 1))).max() < degrees, (start, end)
+
+
+def test_named_joints_in_any_unit_and_with_any_axis_up_are_the_same_motion(tmp_path: Path) -> None:
+    clip = gesturing()
+    at = positions(clip)[:, : len(BODY_JOINTS)]
+    up = Rotation.from_euler("x", 90, degrees=True).as_matrix()
+    np.savez(tmp_path / "y.npz", joints=at, names=BODY_JOINTS, fps=30)
+    np.savez(tmp_path / "z.npz", joints=1000 * at @ up.T + 5, names=BODY_JOINTS, fps=30)
+    np.save(tmp_path / "order.npy", at)
+    clips = [
+        read_motion(tmp_path / "y.npz"),
+        read_motion(tmp_path / "z.npz"),
+        read_motion(tmp_path / "order.npy", frame_rate=30),
+    ]
+    assert_same_gesture(clips[0], clip, 1)
+    for other in clips[1:]:
+        np.testing.assert_allclose(other.poses, clips[0].poses, atol=1e-3)
+    assert clips[0].provenance["format"] == "joint positions"
+    assert "bones have our body's lengths" in clips[0].provenance["notes"]
+
+
+def test_a_table_with_times_is_read(tmp_path: Path) -> None:
+    clip = gesturing()
+    points = detected(clip)
+    camera = Rotation.from_euler("xy", [190, 25], degrees=True)
+    with (tmp_path / "seen.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time", *(f"{name}_{axis}" for name in points for axis in "xyz")])
+        rows = np.concatenate([camera.apply(values) for values in points.values()], axis=1)
+        writer.writerows(np.column_stack([np.arange(len(clip)) / 30, rows]).tolist())
+    found = read_motion(tmp_path / "seen.csv")
+    assert found.frame_rate == pytest.approx(30)
+    assert_same_gesture(found, clip, 6)
+    turned = found.poses[:, joint_index("neck")] + found.poses[:, joint_index("head")]
+    np.testing.assert_allclose(turned[:, 1], clip.poses[:, joint_index("head"), 1], atol=0.06)
+
+
+def test_clips_of_ted_gesture_are_read_as_they_are(tmp_path: Path) -> None:
+    clip = gesturing()
+    joints = ted_joints(clip)
+    parents, children = np.array(BONES).T
+    bones = joints[:, children] - joints[:, parents]
+    directions = bones / np.linalg.norm(bones, axis=2, keepdims=True)
+    np.savez(tmp_path / "a.npz", joints=joints, frame_rate=30)
+    np.savez(tmp_path / "b.npz", directions=directions.reshape(-1, 27), frame_rate=30)
+    np.savez(tmp_path / "c.npz", directions=directions)
+    first, second, third = (read_motion(tmp_path / f"{name}.npz") for name in "abc")
+    assert_same_gesture(first, clip, 4)
+    np.testing.assert_allclose(second.poses, first.poses, atol=1e-5)
+    assert third.frame_rate == 15
+    assert read_motion(tmp_path / "c.npz", frame_rate=25).frame_rate == 25
+
+
+def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
+    clip = gesturing()
+    names = [f"j{number}" for number in range(22)]
+    np.savez(tmp_path / "a.npz", joints=positions(clip)[:, :22], names=names, fps=30)
+    with pytest.raises(InputError, match=r"a\.npz: the joints lack left_shoulder.*; they are j0"):
+        read_motion(tmp_path / "a.npz")
+    own = dict(zip(BODY_JOINTS, names, strict=True))
+    assert_same_gesture(read_motion(tmp_path / "a.npz", joint_map=own), clip, 1)
+    with pytest.raises(InputError, match="no joint 'x'"):
+        read_motion(tmp_path / "a.npz", joint_map={"pelvis": "x"})
+
+
+@pytest.mark.parametrize(
+    ("arrays", "sentence"),
+    [
+        ({"joints": np.zeros((3, 7, 3)), "fps": 30}, "no names"),
+        ({"joints": np.zeros((3, 22, 2)), "names": BODY_JOINTS}, "not in a picture"),
+        ({"joints": np.zeros((3, 22, 3)), "names": BODY_JOINTS}, "no frame rate"),
+        ({"joints": np.zeros((3, 22, 3)), "names": BODY_JOINTS, "fps": 30}, "one point in frame 0"),
+        ({"joints": np.full((3, 22, 3), np.nan), "names": BODY_JOINTS, "fps": 9}, "is no number"),
+        ({"joints": np.zeros((0, 22, 3)), "names": BODY_JOINTS, "fps": 30}, "no frame"),
+        ({"joints": np.zeros((3, 1, 3)), "names": ["pelvis"], "fps": 30}, "lack left_shoulder"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_said(
+    tmp_path: Path, arrays: dict[str, object], sentence: str
+) -> None:
+    np.savez(tmp_path / "a.npz", **arrays)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"a\.npz") as caught:
+        read_motion(tmp_path / "a.npz")
+    assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("rows", "sentence"),
+    [
+        ("1,2,3,1,2,3,1,2\n", "rows of other lengths"),
+        ("1,2,3,1,2,3,1,2,word\n", "cannot be read"),
+        ("", "rows of other lengths, or no row"),
+    ],
+)
+def test_what_is_wrong_with_a_table_is_said(tmp_path: Path, rows: str, sentence: str) -> None:
+    joints = ("pelvis", "left_shoulder", "right_shoulder")
+    heading = ",".join(f"{joint}_{axis}" for joint in joints for axis in "xyz")
+    (tmp_path / "a.csv").write_text(f"{heading}\n{rows}")
+    with pytest.raises(InputError, match=r"a\.csv") as caught:
+        read_motion(tmp_path / "a.csv", frame_rate=30)
+    assert sentence in str(caught.value)
+
+
+def test_similarities_come_back() -> None:
+    chance = np.random.default_rng(0)
+    reference = chance.normal(size=(6, 3))
+    turns = Rotation.random(5, rng=chance)
+    points = np.stack([2.5 * turn.apply(reference) + [1, 2, 3] for turn in turns])
+    found = nearest_similarity(points, reference)
+    np.testing.assert_allclose(
+        found.apply(points), np.broadcast_to(reference, (5, 6, 3)), atol=1e-9
+    )
+    np.testing.assert_allclose(found.scales, 1 / 2.5)
+
+
+def test_the_cameras_place_goes_and_a_quick_turn_stays() -> None:
+    reference = np.array([[-0.2, 0.5, 0], [0.2, 0.5, 0], [-0.1, 0, 0], [0.1, 0, 0]])
+    angles = np.radians(20) * np.sin(np.linspace(0, 60, 300))
+    turns = Rotation.from_rotvec(angles[:, None] * [0, 1, 0])
+    camera = Rotation.from_euler("xyz", [170, 30, 5], degrees=True)
+    seen = np.stack([camera.apply(turn.apply(reference)) for turn in turns])
+    back = front_views(seen, reference, 15)
+    np.testing.assert_allclose((back * camera * turns).magnitude(), np.abs(angles), atol=0.1)
+
+
+def test_a_clip_of_joints_can_be_told_with_the_names_of_other_tools(tmp_path: Path) -> None:
+    clip = gesturing()
+    points = detected(clip)
+    names = ["".join(word.title() for word in name.split("_")) for name in points]
+    np.savez(tmp_path / "a.npz", joints=np.stack(list(points.values()), 1), names=names, fps=30)
+    assert_same_gesture(read_motion(tmp_path / "a.npz"), clip, 6)
