@@ -19,7 +19,7 @@ from generators.diffsheg.walk import Sampling
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
-from motion.formats.forearm_twist import ForearmTwists
+from motion.forearm_twist import ForearmTwists
 from motion.resample import resample
 from training.device import check_device
 from training.hearing.hubert import Hubert, check_hubert, load_hubert, stand_in

@@ -20,11 +20,11 @@ from motion.formats.clip_npz import (
 )
 from motion.formats.first_frame import settle_first_frame
 from motion.formats.joint_maps import JointMap, check_joint_map, choose_joint_map
+from motion.formats.joint_positions import holds_joints, read_joints
 from motion.formats.retarget import retarget
 from motion.formats.smplx_rows import read_rows
 from motion.hands import FINGERS, RELAXED_HANDS, added_to_mean_hands
 from motion.placement import place
-from motion.points.joint_file import holds_joints, read_joints
 
 _UNMOVED: Final = 1e-6
 """Radians that fingers turn at most where a file does not tell them."""
@@ -44,7 +44,7 @@ def read_motion(
     ----------
     path : Path
         BVH of any skeleton, ``.npz`` (AMASS, BEAT2, AMUSE, SMPL, SMPL+H, own), ``.npy`` of
-        TalkSHOW or Motion-X; joint positions as `motion.points.joint_file` reads them.
+        TalkSHOW or Motion-X; joint positions as `motion.formats.joint_positions` reads them.
     frame_rate : float, optional
         Frames per second; overrides the file's own.
     joint_map : mapping of str to str, optional

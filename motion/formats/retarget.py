@@ -19,8 +19,8 @@ from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.forearm_twist import NO_TWISTS, ForearmTwists, share_forearm_twist
 from motion.formats.bvh import BvhMotion
-from motion.formats.forearm_twist import NO_TWISTS, ForearmTwists, share_forearm_twist
 from motion.formats.joint_maps import JointMap
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_NAMES, PARENTS, joint_index

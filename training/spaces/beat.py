@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.errors import InputError
 from motion.face import ARKIT_NAMES
+from motion.forearm_twist import ForearmTwists
 from motion.formats.bvh import BvhMotion
 from motion.formats.bvh_hierarchy import BvhJoint
-from motion.formats.forearm_twist import ForearmTwists
 from motion.formats.joint_maps import choose_joint_map
 from motion.formats.retarget import retarget_piece
 from motion.placement import place

@@ -19,7 +19,7 @@ from motion.formats.joint_maps import JointMap
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
 from motion.formats.ted_npz import BONES, JOINTS, read_ted_npz
 from motion.points.joint_rotations import rotations_from_joints
-from motion.points.person import body_joints
+from motion.points.person import MEDIAPIPE, body_joints
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import BODY_JOINTS, JOINT_NAMES, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
 
@@ -35,16 +35,6 @@ _TED_TURN: Final = np.array([-1.0, -1.0, 1.0])
 """TED Gesture's axes: x to the person's right, y down, z forward."""
 
 _SMPL: Final = (*BODY_JOINTS, "left_hand", "right_hand")
-MEDIAPIPE: Final = (
-    "nose", "left_eye_inner", "left_eye", "left_eye_outer", "right_eye_inner", "right_eye",
-    "right_eye_outer", "left_ear", "right_ear", "mouth_left", "mouth_right", "left_shoulder",
-    "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist", "left_pinky",
-    "right_pinky", "left_index", "right_index", "left_thumb", "right_thumb", "left_hip",
-    "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle", "left_heel", "right_heel",
-    "left_foot_index", "right_foot_index",
-)  # fmt: skip
-"""Landmarks of MediaPipe's (BlazePose's) pose, in order."""
-
 _KNOWN_ORDERS: Final[Mapping[int, tuple[str, ...]]] = {
     JOINTS: _TED,
     len(BODY_JOINTS): BODY_JOINTS,
