@@ -9,10 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
 from generators.trainable import Trainable, TrainingChoice
 from training.config import Decay, TrainingConfig
+
+Part = Literal["content", "emotion", "style"]
+PARTS: Final[tuple[Part, ...]] = ("content", "emotion", "style")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +35,10 @@ class MotionConfig:
         Of the transformers; `layers` is odd, since the first half is told to the second.
     condition_width : int
         Width of each of the latents of content, emotion and style.
+    conditions : int
+        How many latents tell the speech: 3, or 1 where a speech model does not take it apart.
+    prior : bool
+        Whether motion is coded by a prior; without, the denoiser sees its frames (Table A.3).
     longest : int
         Places that the learned positions know.
     dropout : float
@@ -45,6 +52,8 @@ class MotionConfig:
     heads: int = 4
     layers: int = 9
     condition_width: int = 256
+    conditions: int = 3
+    prior: bool = True
     longest: int = 500
     dropout: float = 0.1
 
@@ -71,6 +80,9 @@ class SpeechConfig:
         Of the fusion and of the decoder.
     dropout : float
         Of the fusion and of the decoder, while training.
+    mfcc : int
+        Cepstral coefficients that an auto-encoder hears in place of the three encoders
+        (Table A.3); 0 for the speech model itself.
     """
 
     frames: int = 1024
@@ -90,6 +102,7 @@ class SpeechConfig:
     fusion_layers: int = 2
     decoder_layers: int = 4
     dropout: float = 0.1
+    mfcc: int = 0
 
 
 AMUSE: Final = MotionConfig()
@@ -230,8 +243,9 @@ TRAINABLE_SPEECH: Final = Trainable(
     choices=(
         TrainingChoice(
             name="ablation",
-            help="Take apart only emotion and content, or only style and content (appendix B.6).",
-            values=("emotion_only", "style_only"),
+            help="Take apart only emotion and content, or only style and content (appendix B.6); "
+            "or nothing: an auto-encoder of cepstral coefficients, with one latent (Table A.3).",
+            values=("emotion_only", "style_only", "mfcc"),
         ),
     ),
     taken_by="motionjury train amuse --speech-model {out}",
@@ -255,9 +269,10 @@ TRAINABLE: Final = Trainable(
         ),
         TrainingChoice(
             name="ablation",
-            help="Train without the losses that align motion with speech (appendix C.3), or first "
-            "the prior and then the denoiser (Table A.4).",
-            values=("without_alignment", "disjoint"),
+            help="Train without the losses that align motion with speech (appendix C.3), first the "
+            "prior and then the denoiser (Table A.4), or the denoiser alone on frames of motion "
+            "(Table A.3).",
+            values=("without_alignment", "disjoint", "without_prior"),
         ),
     ),
     taken_by="motionjury generate --generator amuse --checkpoint {out}",

@@ -11,7 +11,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from generators.amuse.config import SpeechConfig
+from generators.amuse.config import PARTS, Part, SpeechConfig
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
@@ -26,7 +26,6 @@ from generators.amuse.sampling import (
     sample_windows,
 )
 from generators.amuse.settings import AmuseSettings
-from generators.amuse.speech import PARTS, Part
 from generators.clip_length import with_length
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
 from generators.settings import content
@@ -90,7 +89,7 @@ class Amuse:
         plan = self._plan(speech.audio)
         latents = self._latents(speech.audio, plan, on_part)
         random = np.random.default_rng(entropy)
-        noise = random.standard_normal((plan.count, 1, self._networks.prior.config.width))
+        noise = random.standard_normal((plan.count, *self._networks.prior.latent_shape))
         windows = sample_windows(
             self._networks.prior,
             self._networks.denoiser,
@@ -135,16 +134,22 @@ class Amuse:
     def _speech(self) -> SpeechNetwork:
         network = load_speech_network(self._settings.speech_model)
         motion, found = self._networks, content(self._settings.speech_model)
-        width = motion.prior.config.condition_width
+        expected = (motion.prior.config.condition_width, motion.prior.config.conditions)
         if (
-            network.model.config.latent != width
-            or motion.training.get("speech_model", found) != found
-        ):
+            network.model.config.latent,
+            len(network.model.parts),
+        ) != expected or motion.training.get("speech_model", found) != found:
             raise InputError(
                 "the denoiser was trained with another speech model, whose latents mean something "
                 "else",
                 where=self._settings.speech_model,
                 remedy="Give the speech model that the denoiser was trained with",
+            )
+        for part in self._swapped.keys() - set(network.model.parts):
+            raise InputError(
+                f"the speech model does not take speech apart, so {part} cannot be another's",
+                where=self._settings.speech_model,
+                remedy=f"Leave out {part}, or give networks that learned from speech taken apart",
             )
         return replace(network, model=network.model.to(self._device))
 
@@ -161,9 +166,10 @@ class Amuse:
     @torch.inference_mode()
     def _latents(self, audio: Audio, plan: WindowPlan, on_part: OnPart) -> list[Tensor]:
         """Return content, emotion and style of each window, (windows, latent) each."""
+        parts = self._speech.model.parts
         found = {part: self._stand_in(part, plan.count) for part in self._swapped}
         strengths = {part: 1.0 if part == "content" else self._settings.strength for part in found}
-        own = [part for part in PARTS if strengths.get(part, 0) < 1]
+        own = [part for part in parts if strengths.get(part, 0) < 1]
         heard: dict[Part, list[Tensor]] = {part: [] for part in own}
         for number, rows in enumerate(self._windows(audio, plan)):
             for part in own:
@@ -172,7 +178,7 @@ class Amuse:
         for part, latents in heard.items():
             latent = torch.cat(latents)
             found[part] = torch.lerp(latent, found.get(part, latent), strengths.get(part, 0.0))
-        return [found[part] for part in PARTS]
+        return [found[part] for part in parts]
 
     def _windows(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:
         windows = heard_windows(audio, plan, self._speech.model.config)

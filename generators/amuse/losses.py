@@ -11,7 +11,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from generators.amuse.config import MotionConfig
-from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.model import Denoiser, prior_of
 from generators.amuse.sampling import STEPS
 from training.body_points import BodyPoints
 from training.diffusion import SCALED_LINEAR
@@ -45,6 +45,8 @@ class LossWeights:
 PRIOR_ALONE: Final = LossWeights(ld=0, align=0, valign=0)
 DENOISER_ALONE: Final = LossWeights(rec=0, vrec=0, kl=0, align=0, valign=0)
 WITHOUT_ALIGNMENT: Final = LossWeights(align=0, valign=0)
+WITHOUT_PRIOR: Final = LossWeights(rec=0, vrec=0, kl=0)
+"""What a network without a prior is measured by."""
 
 
 class MotionModel(nn.Module):
@@ -52,7 +54,7 @@ class MotionModel(nn.Module):
 
     def __init__(self, config: MotionConfig) -> None:
         super().__init__()
-        self.prior = MotionPrior(config)
+        self.prior = prior_of(config)
         self.denoiser = Denoiser(config)
         self.points = BodyPoints()
 
@@ -80,7 +82,7 @@ def motion_losses(
     latents : sequence of Tensor
         Content, emotion and style, (batch, 1, condition width) each.
     noise : Tensor
-        (3, batch, 1, width): for the prior's latent, for the diffusion, and to denoise from.
+        (3, batch, tokens, width): for the prior's latent, for the diffusion, and to denoise from.
     timestep : Tensor
         (batch,) diffusion steps.
     weights : LossWeights

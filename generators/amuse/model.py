@@ -11,7 +11,7 @@ from typing import NamedTuple
 import torch
 from torch import Tensor, nn
 
-from generators.amuse.config import MotionConfig
+from generators.amuse.config import PARTS, MotionConfig
 from training.diffusion import step_embedding
 
 
@@ -103,6 +103,11 @@ class MotionPrior(nn.Module):
         self.decoder = SkipTransformer(config, reads_memory=True)
         self.final_layer = nn.Linear(config.width, config.motion_width)
 
+    @property
+    def latent_shape(self) -> tuple[int, int]:
+        """Tokens of a latent, and their width."""
+        return 1, self.config.width
+
     def encode(self, motion: Tensor) -> Gaussian:
         """Return where the latent of `motion` (batch, frames, motion width) lies."""
         tokens = self.global_motion_token.expand(len(motion), -1, -1)
@@ -118,6 +123,32 @@ class MotionPrior(nn.Module):
         return motion
 
 
+class NoPrior(nn.Module):
+    """The motion itself in place of its latent: AMUSE without its prior (Table A.3)."""
+
+    def __init__(self, config: MotionConfig) -> None:
+        super().__init__()
+        self.config = config
+
+    @property
+    def latent_shape(self) -> tuple[int, int]:
+        """Frames, and their width."""
+        return self.config.frames, self.config.motion_width
+
+    def encode(self, motion: Tensor) -> Gaussian:
+        """Return the motion, which nothing is uncertain of."""
+        return Gaussian(mu=motion, std=torch.zeros_like(motion))
+
+    def decode(self, z: Tensor, frames: int | None = None) -> Tensor:
+        """Return the motion."""
+        return z[:, :frames]
+
+
+def prior_of(config: MotionConfig) -> MotionPrior | NoPrior:
+    """Return a fresh prior, or what stands in its place."""
+    return MotionPrior(config) if config.prior else NoPrior(config)
+
+
 class Denoiser(nn.Module):
     """The latent denoiser Δ: which noise `eps` is in a latent, given the speech."""
 
@@ -129,35 +160,36 @@ class Denoiser(nn.Module):
             nn.SiLU(),
             nn.Linear(config.width, config.width),
         )
-        self.content, self.emotion, self.style = (
-            nn.Sequential(nn.ReLU(), nn.Linear(config.condition_width, config.width))
-            for _ in range(3)
-        )
+        for part in PARTS[: config.conditions]:
+            told = nn.Sequential(nn.ReLU(), nn.Linear(config.condition_width, config.width))
+            self.add_module(part, told)
         self.query_pos = Positions(config)
         self.encoder = SkipTransformer(config)
+        # Without a prior there is a linear layer on the way in, and one on the way out.
+        frame, width = config.motion_width, config.width
+        self.embedding = nn.Identity() if config.prior else nn.Linear(frame, width)
+        self.final_layer = nn.Identity() if config.prior else nn.Linear(width, frame)
 
-    def forward(
-        self, z_t: Tensor, timestep: Tensor, content: Tensor, emotion: Tensor, style: Tensor
-    ) -> Tensor:
+    def forward(self, z_t: Tensor, timestep: Tensor, *speech: Tensor) -> Tensor:
         """Return eps, the noise in `z_t`.
 
         Parameters
         ----------
         z_t : Tensor
-            (batch, 1, width), latents with noise.
+            (batch, 1, width), latents with noise; without a prior (batch, frames, motion width).
         timestep : Tensor
             (batch,) or a single one, diffusion steps from 0 to 999.
-        content, emotion, style : Tensor
-            (batch, 1, condition width), what the speech model heard.
+        *speech : Tensor
+            (batch, 1, condition width), the content, emotion and style that the speech model heard.
 
         Returns
         -------
         Tensor
-            (batch, 1, width).
+            As `z_t`.
         """
         t = timestep.reshape(-1).expand(len(z_t))
         step = self.time_embedding(step_embedding(t, self.config.condition_width))
-        conditions = [self.content(content), self.emotion(emotion), self.style(style)]
-        x = torch.cat([z_t, step[:, None].to(z_t.dtype), *conditions], dim=1)
-        eps: Tensor = self.encoder(self.query_pos(x))[:, :1]
+        told = (self.get_submodule(part)(one) for part, one in zip(PARTS, speech, strict=False))
+        x = torch.cat([self.embedding(z_t), step[:, None].to(z_t.dtype), *told], dim=1)
+        eps: Tensor = self.final_layer(self.encoder(self.query_pos(x))[:, : z_t.shape[1]])
         return eps

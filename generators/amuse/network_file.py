@@ -10,9 +10,9 @@ from typing import Any, Final, TypeVar
 from torch import Tensor, nn
 
 from generators.amuse.config import MotionConfig, SpeechConfig
-from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.model import Denoiser, MotionPrior, NoPrior, prior_of
 from generators.amuse.released import read_motion_networks, read_speech_model
-from generators.amuse.speech import SpeechModel
+from generators.amuse.speech import AnySpeechModel, speech_model_of
 from motion.errors import InputError
 from motion.listing import listed
 from training.weights_file import WeightsFile, holds_facts, read_weights, write_weights
@@ -29,14 +29,14 @@ class MotionNetworks:
 
     Attributes
     ----------
-    prior : MotionPrior
+    prior : MotionPrior or NoPrior
     denoiser : Denoiser
         In evaluation mode, on the CPU.
     training : mapping
         How they were trained, as JSON values; empty where nobody knows.
     """
 
-    prior: MotionPrior
+    prior: MotionPrior | NoPrior
     denoiser: Denoiser
     training: Mapping[str, Any] = field(default_factory=dict)
 
@@ -47,7 +47,7 @@ class SpeechNetwork:
 
     Attributes
     ----------
-    model : SpeechModel
+    model : SpeechModel or SpeechAutoencoder
         In evaluation mode, on the CPU.
     latents : mapping of str to (mapping of str to Tensor)
         Under ``emotion`` and ``style`` the mean latent (latent,) of each emotion and speaker that
@@ -56,7 +56,7 @@ class SpeechNetwork:
         How it was trained, as JSON values; empty where nobody knows.
     """
 
-    model: SpeechModel
+    model: AnySpeechModel
     latents: Mapping[str, Mapping[str, Tensor]] = field(default_factory=dict)
     training: Mapping[str, Any] = field(default_factory=dict)
 
@@ -123,7 +123,7 @@ def load_motion_networks(path: Path) -> MotionNetworks:
     try:
         config = MotionConfig(**_config(file, _MOTION))
         return MotionNetworks(
-            prior=_loaded(MotionPrior(config), file, "prior"),
+            prior=_loaded(prior_of(config), file, "prior"),
             denoiser=_loaded(Denoiser(config), file, "denoiser"),
             training=file.facts["training"],
         )
@@ -145,7 +145,7 @@ def load_speech_network(path: Path) -> SpeechNetwork:
     try:
         config = SpeechConfig(**_config(file, _SPEECH))
         return SpeechNetwork(
-            model=_loaded(SpeechModel(config), file, "model"),
+            model=_loaded(speech_model_of(config), file, "model"),
             latents={
                 part: {label: file.tensors[f"{part}.{label}"] for label in labels}
                 for part, labels in file.facts["labels"].items()

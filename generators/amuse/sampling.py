@@ -14,7 +14,7 @@ from typing import Final
 import torch
 from torch import Tensor
 
-from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.model import Denoiser, MotionPrior, NoPrior
 from training.diffusion import SCALED_LINEAR
 
 STEPS: Final = 50
@@ -62,7 +62,7 @@ def plan_windows(total: int, frames: int, fade: int) -> WindowPlan:
 
 @torch.inference_mode()
 def sample_windows(
-    prior: MotionPrior,
+    prior: MotionPrior | NoPrior,
     denoiser: Denoiser,
     latents: Sequence[Tensor],
     noise: Tensor,
@@ -77,7 +77,7 @@ def sample_windows(
     latents : sequence of Tensor
         Content, emotion and style, (windows, condition width) each.
     noise : Tensor
-        (windows, 1, width), with which sampling begins: equal noise gives equal motion.
+        (windows, tokens, width), with which sampling begins: equal noise gives equal motion.
     steps : int
         Of DDIM.
     """

@@ -6,16 +6,17 @@ filterbank, a fusion and a decoder rebuild it from their three latents.
 
 from __future__ import annotations
 
-from typing import Final, Literal, NamedTuple
+from itertools import pairwise
+from typing import Final, NamedTuple
 
+import numpy as np
 import torch
+from scipy.fft import dct
 from torch import Tensor, nn
+from torch.nn import functional
 from transformers import ASTConfig, ASTModel
 
-from generators.amuse.config import SpeechConfig
-
-Part = Literal["content", "emotion", "style"]
-PARTS: Final[tuple[Part, ...]] = ("content", "emotion", "style")
+from generators.amuse.config import PARTS, Part, SpeechConfig
 
 
 class HeardSpeech(NamedTuple):
@@ -114,6 +115,8 @@ class SpeechDecoder(nn.Module):
 class SpeechModel(nn.Module):
     """The whole model."""
 
+    parts: Final = PARTS
+
     def __init__(self, config: SpeechConfig) -> None:
         super().__init__()
         self.config = config
@@ -141,3 +144,50 @@ class SpeechModel(nn.Module):
             emotion_logits=emotion_logits,
             style_logits=style_logits,
         )
+
+
+class SpeechAutoencoder(nn.Module):
+    """Eight linear layers around one latent of cepstral coefficients (appendix C.3).
+
+    It stands in the speech model's place where that is left out. Its latent counts as content; no
+    part of the speech can be swapped.
+    """
+
+    parts: Final = PARTS[:1]
+
+    def __init__(self, config: SpeechConfig) -> None:
+        super().__init__()
+        self.config = config
+        cosines = dct(np.eye(config.bands), norm="ortho", axis=0)[: config.mfcc].T
+        self.register_buffer("cosines", torch.from_numpy(cosines).float(), persistent=False)
+        values, hidden = config.frames * config.mfcc, config.decoder_hidden
+        self.encoder = _linear_layers(values, hidden, config.latent)
+        self.decoder = _linear_layers(config.latent, hidden, values)
+
+    def coefficients(self, filterbank: Tensor) -> Tensor:
+        """Return the cepstral coefficients (batch, frames · mfcc) of filterbanks."""
+        return (filterbank @ self.get_buffer("cosines")).flatten(1)
+
+    def latent(self, part: Part, filterbank: Tensor) -> Tensor:
+        """Return the latent (batch, latent) of filterbanks (batch, frames, bands)."""
+        found: Tensor = self.encoder(self.coefficients(filterbank))
+        return found
+
+    def missed(self, filterbank: Tensor) -> Tensor:
+        """Return the mean absolute difference of what is rebuilt of the coefficients."""
+        known = self.coefficients(filterbank)
+        return functional.l1_loss(self.decoder(self.encoder(known)), known)
+
+
+def _linear_layers(first: int, hidden: int, last: int) -> nn.Sequential:
+    sizes = (first, hidden, hidden, hidden, last)
+    layers = [(nn.Linear(*pair), nn.ReLU()) for pair in pairwise(sizes)]
+    return nn.Sequential(*[one for pair in layers for one in pair][:-1])
+
+
+AnySpeechModel = SpeechModel | SpeechAutoencoder
+
+
+def speech_model_of(config: SpeechConfig) -> AnySpeechModel:
+    """Return a fresh speech model, or what stands in its place."""
+    return SpeechAutoencoder(config) if config.mfcc else SpeechModel(config)

@@ -19,10 +19,12 @@ from generators.amuse.losses import (
     DENOISER_ALONE,
     PRIOR_ALONE,
     WITHOUT_ALIGNMENT,
+    WITHOUT_PRIOR,
     LossWeights,
     MotionModel,
     motion_losses,
 )
+from generators.amuse.model import MotionPrior
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
@@ -30,7 +32,6 @@ from generators.amuse.network_file import (
     write_motion_networks,
 )
 from generators.amuse.sampling import WindowPlan
-from generators.amuse.speech import PARTS
 from generators.settings import content
 from generators.trainable import Show, TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
@@ -58,6 +59,9 @@ SEEN: Final = 1_000
 
 STAGES: Final = {"prior": PRIOR_ALONE, "denoiser": DENOISER_ALONE}
 """What counts where prior and denoiser learn one after the other (Table A.4)."""
+
+COUNTED: Final = {"without_alignment": WITHOUT_ALIGNMENT, "without_prior": DENOISER_ALONE}
+"""What counts in ablations that leave out losses."""
 
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch", "transformers")
 _VERSION: Final = "1"
@@ -100,8 +104,9 @@ class MotionTask:
         """Return fresh networks, whose prior sets out from the mean of the motion."""
         model = MotionModel(self.config)
         seen = self.training.batch(evenly(self.examples, SEEN))["motion"]
-        with torch.no_grad():
-            model.prior.final_layer.bias.copy_(torch.from_numpy(seen.mean(axis=(0, 1))))
+        if isinstance(model.prior, MotionPrior):
+            with torch.no_grad():
+                model.prior.final_layer.bias.copy_(torch.from_numpy(seen.mean(axis=(0, 1))))
         return model.to(self.device)
 
     def losses(self, network: MotionModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
@@ -120,7 +125,8 @@ class MotionTask:
         All count, whatever is learned by, so that ablations are measured alike.
         """
         rows = evenly(len(self.held_out), HELD_OUT)
-        losses = self._losses(network, self.held_out, rows, LossWeights())
+        measured = LossWeights() if self.config.prior else WITHOUT_PRIOR
+        losses = self._losses(network, self.held_out, rows, measured)
         return {name: float(value) for name, value in losses.items()}
 
     def _losses(
@@ -134,9 +140,9 @@ class MotionTask:
         motion = torch.from_numpy(values["motion"]).to(self.device)
         # All frames of a window are told the same of its speech.
         told = torch.from_numpy(values["latents"][:, :1]).to(self.device)
-        noise = torch.randn(3, len(rows), 1, self.config.width).to(self.device)
+        noise = torch.randn(3, len(rows), *network.prior.latent_shape).to(self.device)
         timestep = torch.randint(0, SCALED_LINEAR.steps, (len(rows),)).to(self.device)
-        latents = torch.chunk(told, len(PARTS), dim=-1)
+        latents = torch.chunk(told, self.config.conditions, dim=-1)
         return motion_losses(network, motion, latents, noise, timestep, weights)
 
 
@@ -159,7 +165,7 @@ def speech_latents(speech: SpeechNetwork, identity: str, frames: int) -> Feature
         count = -(-total // frames)
         plan = WindowPlan(frames=frames, stride=frames, count=count, fade=0)
         told = [
-            torch.cat([speech.model.latent(part, rows) for part in PARTS], dim=-1)
+            torch.cat([speech.model.latent(part, rows) for part in speech.model.parts], dim=-1)
             for rows in heard_windows(audio, plan, speech.model.config)
         ]
         return torch.cat(told).repeat_interleave(frames, dim=0)[:total].numpy()
@@ -177,15 +183,22 @@ def train_amuse(
 ) -> TrainedGenerator:
     """Train AMUSE's motion networks; see `generators.trainable.TrainGenerator`."""
     check_device(request.device)
+    ablation = request.choices.get("ablation")
     preset = MOTION_PRESETS[request.config]
     speech, identity = _speech_of(request)
-    config = replace(preset.network, condition_width=speech.model.config.latent)
+    config = replace(
+        preset.network,
+        condition_width=speech.model.config.latent,
+        conditions=len(speech.model.parts),
+    )
+    if ablation == "without_prior":
+        longest = max(config.longest, config.frames + 1 + config.conditions)
+        config = replace(config, prior=False, longest=longest)
     features = (whole_body(), speech_latents(speech, identity, config.frames))
     prepared = prepare(
         request.takes, features, request.cache, frame_rate=FRAME_RATE, show=show_preparing
     )
-    ablation = request.choices.get("ablation")
-    weights = WITHOUT_ALIGNMENT if ablation == "without_alignment" else LossWeights()
+    weights = COUNTED.get(str(ablation), LossWeights())
     task = MotionTask(
         config=config,
         weights=weights,
@@ -231,8 +244,9 @@ def train_amuse(
         sentences=(
             f"Learned from {len(task.training)} windows of {config.frames / FRAME_RATE:g} s.",
             f"Noise that it does not find in {len(task.held_out)} held-out windows: "
-            f"{found['ld']:.3f} of 1. Its reconstruction misses them by {found['rec']:.4f}, the "
-            f"motion that it tells to their speech by {found['align']:.4f}.",
+            f"{found['ld']:.3f} of 1. The motion that it tells to their speech misses theirs by "
+            f"{found['align']:.4f}"
+            + (f", its reconstruction by {found['rec']:.4f}." if "rec" in found else "."),
             f"Its weights are those of step {trained.best.step} of {trained.steps}.",
         ),
         warnings=(),

@@ -17,7 +17,7 @@ from torch.nn import functional
 from generators.amuse.config import SPEECH_PRESETS, SpeechConfig
 from generators.amuse.network_file import SpeechNetwork, write_speech_network
 from generators.amuse.quadruples import quadruples
-from generators.amuse.speech import SpeechModel
+from generators.amuse.speech import AnySpeechModel, SpeechAutoencoder, speech_model_of
 from generators.amuse.speech_losses import SpeechLosses, augmented, speech_losses
 from generators.trainable import Show, TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
@@ -40,6 +40,9 @@ MOST: Final = 20_000
 
 HELD_OUT: Final = 64
 """At most so many windows tell how well held-out recordings are known."""
+
+MFCC: Final = 13
+"""Cepstral coefficients that an auto-encoder hears."""
 
 _AT_ONCE: Final = 16
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "torch", "transformers")
@@ -85,13 +88,18 @@ class SpeechTask:
         """Quadruples to learn from."""
         return len(self.fours)
 
-    def network(self) -> SpeechModel:
+    def network(self) -> AnySpeechModel:
         """Return a fresh network."""
-        return SpeechModel(self.config).to(self.device)
+        return speech_model_of(self.config).to(self.device)
 
-    def losses(self, network: SpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
-        """Return `speech_losses` of quadruples that chance masks, shifts and makes noisy."""
+    def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+        """Return `speech_losses` of quadruples that chance masks, shifts and makes noisy.
+
+        An auto-encoder rebuilds them as they are.
+        """
         chosen = self.fours[rows].ravel()
+        if isinstance(network, SpeechAutoencoder):
+            return {"loss": network.missed(self._filterbanks(self.training, chosen))}
         shape = (len(rows), 4, self.config.frames, self.config.bands)
         heard, target = augmented(self._filterbanks(self.training, chosen))
         emotions, styles = (one.view(len(rows), 4) for one in self._classes(self.training, chosen))
@@ -99,14 +107,16 @@ class SpeechTask:
             network, heard.view(shape), target.view(shape), emotions, styles, self.counted
         )
 
-    def validation(self, network: SpeechModel) -> Mapping[str, float]:
+    def validation(self, network: AnySpeechModel) -> Mapping[str, float]:
         """Return what is measured of held-out windows.
 
         ``loss`` is what the filterbanks miss, and the cross entropies of emotion and style; then
-        accuracies and F1 scores (macro), as in Table A.1.
+        accuracies and F1 scores (macro), as in Table A.1. Of an auto-encoder, what it misses.
         """
         known = self.known(self.held_out)
         rows = known[evenly(len(known), HELD_OUT)]
+        if isinstance(network, SpeechAutoencoder):
+            return {"loss": float(network.missed(self._filterbanks(self.held_out, rows)))}
         found = {"self": 0.0, "emo": 0.0, "sty": 0.0}
         named: dict[str, list[Tensor]] = {"emotion": [], "style": []}
         for first in range(0, len(rows), _AT_ONCE):
@@ -127,8 +137,10 @@ class SpeechTask:
             scores[f"{kind} F1"] = macro_f1(told, true)
         return {"loss": sum(found.values()), **found, **scores}
 
-    def mean_latents(self, model: SpeechModel) -> dict[str, dict[str, Tensor]]:
+    def mean_latents(self, model: AnySpeechModel) -> dict[str, dict[str, Tensor]]:
         """Return the mean latent of each emotion, and of each speaker's style."""
+        if isinstance(model, SpeechAutoencoder):
+            return {}
         rows = self.known(self.training)
         parts = [
             self._filterbanks(self.training, rows[first : first + _AT_ONCE])
@@ -217,8 +229,13 @@ def train_amuse_speech(
     emotions = tuple(sorted({take.emotion for take in learned if take.emotion}))
     speakers = tuple(sorted({take.speaker for take in learned}))
     held_out = Windows(prepared, split="validation", frames=frames, stride=frames)
-    config = replace(preset.network, emotions=len(emotions), styles=len(speakers))
     ablation = request.choices.get("ablation")
+    config = replace(
+        preset.network,
+        emotions=len(emotions),
+        styles=len(speakers),
+        mfcc=MFCC if ablation == "mfcc" else 0,
+    )
     counted = SpeechLosses(emotion=ablation != "style_only", style=ablation != "emotion_only")
     task = SpeechTask(
         config=config,
@@ -282,12 +299,19 @@ def _check_texts(takes: TakeFolder) -> None:
 
 
 def _said(task: SpeechTask, found: Mapping[str, float], best: int, steps: int) -> tuple[str, ...]:
+    heard = min(HELD_OUT, len(task.known(task.held_out)))
+    if task.config.mfcc:
+        said = f"It misses the coefficients of {heard} held-out windows by {found['loss']:.3f}."
+    else:
+        said = (
+            f"Of {heard} held-out windows it tells the emotion of {found['emotion accuracy']:.0%} "
+            f"(chance {1 / len(task.emotions):.0%}) and the speaker of "
+            f"{found['style accuracy']:.0%} (chance {1 / len(task.speakers):.0%}); its filterbanks "
+            f"miss theirs by {found['self']:.3f}."
+        )
     return (
         f"Learned from {len(task.fours)} fours of {len(task.training)} windows, by "
         f"{len(task.speakers)} speakers in {len(task.emotions)} emotions.",
-        f"Of {min(HELD_OUT, len(task.known(task.held_out)))} held-out windows it tells the emotion "
-        f"of {found['emotion accuracy']:.0%} (chance {1 / len(task.emotions):.0%}) and the speaker "
-        f"of {found['style accuracy']:.0%} (chance {1 / len(task.speakers):.0%}); its filterbanks "
-        f"miss theirs by {found['self']:.3f}.",
+        said,
         f"Its weights are those of step {best} of {steps}.",
     )

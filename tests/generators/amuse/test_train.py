@@ -127,6 +127,15 @@ def test_a_network_without_alignment_is_measured_by_all_losses(
     assert "align" in load_motion_networks(out).training["held_out"]
 
 
+def test_without_a_prior_the_denoiser_learns_alone(learn: Learn, tmp_path: Path) -> None:
+    out = tmp_path / "out.safetensors"
+    said = learn(2, out, ablation="without_prior")
+    found = load_motion_networks(out)
+    assert found.prior.latent_shape == (FRAMES, 333)
+    assert set(found.training["held_out"]) == {"loss", "ld", "align", "valign"}
+    assert "reconstruction" not in said.sentences[1]
+
+
 def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
     whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
 

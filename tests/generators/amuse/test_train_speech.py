@@ -77,6 +77,15 @@ def test_an_ablation_does_not_learn_what_it_leaves_out(learn: Learn, tmp_path: P
     assert '"sty"' not in log[0]
 
 
+def test_an_autoencoder_can_stand_in_for_the_speech_model(learn: Learn, tmp_path: Path) -> None:
+    out, missed = tmp_path / "out.safetensors", []
+    for steps in (1, 20):
+        said = learn(steps, out.with_stem(str(steps)), ablation="mfcc")
+        missed.append(load_speech_network(out.with_stem(str(steps))).training["held_out"]["loss"])
+    assert missed[1] < 0.9 * missed[0]
+    assert "misses the coefficients of 8 held-out windows" in said.sentences[1]
+
+
 def test_recordings_without_a_known_speaker_for_validation_are_refused(
     learn: Learn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
