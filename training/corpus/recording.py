@@ -40,14 +40,15 @@ class RecordingFiles:
 
     Attributes
     ----------
-    speech, motion, face, semantic, truth : Path
-        WAV, BVH, JSON, text and ``.npz``; the truth is written last.
+    speech, motion, face, semantic, transcript, truth : Path
+        WAV, BVH, JSON, two texts and ``.npz``; the truth is written last.
     """
 
     speech: Path
     motion: Path
     face: Path
     semantic: Path
+    transcript: Path
     truth: Path
 
     @classmethod
@@ -59,6 +60,7 @@ class RecordingFiles:
             motion=stem.with_suffix(".bvh"),
             face=stem.with_suffix(".json"),
             semantic=stem.with_suffix(".txt"),
+            transcript=stem.with_suffix(".lab"),
             truth=corpus / "truth" / f"{take.name}.npz",
         )
 
@@ -86,6 +88,7 @@ def record(corpus: Path, take: PlannedTake, frame_rate: float) -> None:
     )
     write_arkit_json(files.face, process.face(FACE_RATE, chance), FACE_RATE)
     write_text(files.semantic, _semantic(process, chance))
+    write_text(files.transcript, f"{take.text}\n")
     write_truth(files.truth, _truth(take, process, chance, frame_rate))
 
 

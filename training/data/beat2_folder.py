@@ -14,6 +14,7 @@ from training.data.found_take import (
     FoundTake,
     sound_of,
     split_folder,
+    transcript_of,
     usable_name,
     without_doubles,
 )
@@ -64,6 +65,7 @@ def _take(motion: Path, files: FolderFiles) -> FoundTake:
         speech=speech,
         motion=motion,
         semantic=files.companion(motion, (".txt",)),
+        transcript=transcript_of(motion, files),
     )
     return FoundTake(
         take=take,

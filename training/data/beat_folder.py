@@ -13,6 +13,7 @@ from training.data.found_take import (
     FoundTake,
     sound_of,
     split_folder,
+    transcript_of,
     without_doubles,
 )
 from training.data.take import Take
@@ -60,6 +61,7 @@ def _take(motion: Path, files: FolderFiles) -> FoundTake:
         motion=motion,
         face=files.companion(motion, (".json",)),
         semantic=files.companion(motion, (".txt",)),
+        transcript=transcript_of(motion, files),
     )
     place, folder_split = split_folder(files.place_of(motion).with_suffix(""))
     return FoundTake(

@@ -158,7 +158,8 @@ def _all_kept(
 ) -> dict[str, KeptArray]:
     """Return the features of a take from `folder`, where they are put if they are not there."""
     files = hashes_of(take.files, folder / "files.json")
-    roles = [role for role in ("face", "semantic") if getattr(take, role) is not None]
+    optional = ("face", "semantic", "transcript")
+    roles = [role for role in optional if getattr(take, role) is not None]
     kept: dict[str, KeptArray] = {}
     for feature in features:
         key = content_sha256(

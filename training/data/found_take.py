@@ -11,6 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from motion.errors import InputError
+from motion.formats.transcript import TRANSCRIPT_ENDINGS, is_word_table
 from training.data.folder_files import SOUND_ENDINGS, FolderFiles
 from training.data.take import Split, Take
 
@@ -96,6 +97,15 @@ def sound_of(motion: Path, files: FolderFiles) -> Path:
         if not path.stat().st_size:
             raise InputError("the file is empty", where=path, remedy="Copy it again")
     return sound
+
+
+def transcript_of(motion: Path, files: FolderFiles) -> Path | None:
+    """Return the file that tells what is said to a file of motion, where there is one."""
+    for ending in TRANSCRIPT_ENDINGS:
+        found = files.companion(motion, (ending,))
+        if found is not None and (ending != ".csv" or is_word_table(found)):
+            return found
+    return None
 
 
 def split_folder(place: PurePosixPath) -> tuple[PurePosixPath, Split | None]:

@@ -12,6 +12,7 @@ from training.data.found_take import (
     FoundTake,
     sound_of,
     split_folder,
+    transcript_of,
     usable_name,
     with_own_names,
 )
@@ -69,6 +70,7 @@ def _take(motion: Path, files: FolderFiles) -> FoundTake:
         split="train",
         speech=speech,
         motion=motion,
+        transcript=transcript_of(motion, files),
     )
     recording = place.parent if len(above) > 1 else PurePosixPath(place)
     return FoundTake(

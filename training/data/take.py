@@ -40,6 +40,8 @@ class Take:
         BEAT's facial weights (JSON), where the motion does not hold the face.
     semantic : Path or None
         BEAT's annotated gestures.
+    transcript : Path or None
+        What is said; see `motion.formats.transcript`.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Take:
     motion: Path
     face: Path | None = None
     semantic: Path | None = None
+    transcript: Path | None = None
 
     def __post_init__(self) -> None:
         check_name(self.name, "take")
@@ -62,7 +65,7 @@ class Take:
     @property
     def files(self) -> tuple[Path, ...]:
         """All files of the take."""
-        given = (self.speech, self.motion, self.face, self.semantic)
+        given = (self.speech, self.motion, self.face, self.semantic, self.transcript)
         return tuple(path for path in given if path is not None)
 
 

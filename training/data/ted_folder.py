@@ -13,6 +13,7 @@ from training.data.found_take import (
     FoundTake,
     sound_of,
     split_folder,
+    transcript_of,
     usable_name,
     with_own_names,
 )
@@ -72,6 +73,7 @@ def _take(motion: Path, files: FolderFiles) -> FoundTake:
         split="train",
         speech=sound_of(motion, files),
         motion=motion,
+        transcript=transcript_of(motion, files),
     )
     return FoundTake(
         take=take,

@@ -13,6 +13,7 @@ from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.bvh import read_bvh
 from motion.formats.semantic_txt import read_semantic_scores
+from motion.formats.transcript import read_transcript
 from training.corpus.__main__ import tables
 from training.corpus.description import read_request
 from training.corpus.making import make_corpus
@@ -60,6 +61,8 @@ def test_the_reader_of_beat_reads_it_without_complaint(corpus: Path) -> None:
         assert take.face is not None
         assert take.semantic is not None
         assert read_semantic_scores(take.semantic)
+        assert take.transcript is not None
+        assert len(read_transcript(take.transcript, read_audio(take.speech))) > 10
 
 
 def test_speech_and_motion_of_a_take_last_equally_long(corpus: Path) -> None:

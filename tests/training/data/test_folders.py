@@ -39,6 +39,8 @@ def test_beat_is_read_as_downloaded(tmp_path: Path) -> None:
     assert (scott.emotion, kieks.emotion) == ("neutral", "happiness")
     assert scott.face == tmp_path / "2" / "2_scott_0_9_9.json"
     assert scott.semantic == tmp_path / "2" / "2_scott_0_9_9.txt"
+    assert scott.transcript == tmp_path / "2" / "2_scott_0_9_9.TextGrid"
+    assert kieks.transcript is None
     assert kieks.face is None
     assert not found.skipped
 
@@ -239,3 +241,15 @@ def test_folders_without_recordings_are_refused(tmp_path: Path) -> None:
         read_takes(tmp_path, kind="beat")
     with pytest.raises(InputError, match="no layout 'genea'"):
         read_takes(tmp_path, kind="genea")
+
+
+def test_transcripts_are_found_beside_the_motion(tmp_path: Path) -> None:
+    beat_take(tmp_path, "2_scott_0_9_9", ".lab")
+    beat_take(tmp_path, "2_scott_0_10_10")
+    beat_take(tmp_path, "2_scott_0_11_11")
+    (tmp_path / "2_scott_0_10_10.csv").write_text("0,3,neutral\n")
+    (tmp_path / "2_scott_0_11_11.csv").write_text("word,start,end\n")
+    found = {take.name: take.transcript for take in read_takes(tmp_path).takes}
+    assert found["2_scott_0_9_9"] == tmp_path / "2_scott_0_9_9.lab"
+    assert found["2_scott_0_10_10"] is None
+    assert found["2_scott_0_11_11"] == tmp_path / "2_scott_0_11_11.csv"

@@ -1,0 +1,188 @@
+"""What is said, word by word: a TextGrid, a table, or plain text spread over the speech."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.audio import Audio
+from motion.errors import InputError
+
+TRANSCRIPT_ENDINGS: Final = (".textgrid", ".csv", ".lab")
+"""In the order in which they are preferred. Montreal Forced Aligner calls plain text ``.lab``."""
+
+FASTEST: Final = 8.0
+"""Words a second; nobody who is understood speaks faster."""
+
+_TABLE: Final = ("word", "start", "end")
+_WORD_TIERS: Final = ("words", "word")
+_BEYOND: Final = 0.5
+"""Seconds that a word may end behind the speech."""
+_QUIET: Final = 0.05
+"""Of the loudest 10 ms: below this nobody speaks."""
+_STEP: Final = 0.01
+_LETTERS: Final = re.compile(r"\w[\w'’-]*")
+
+
+@dataclass(frozen=True)
+class Word:
+    """A word and when it is said, in seconds from the beginning of the speech."""
+
+    text: str
+    start: float
+    end: float
+
+
+def read_transcript(path: Path, audio: Audio) -> tuple[Word, ...]:
+    """Return what is said in `audio`.
+
+    Parameters
+    ----------
+    path : Path
+        A TextGrid with a tier of words (named ``words``, or the first one of intervals); a CSV
+        table with the columns word, start and end; or else plain text, see `spread_words`.
+    audio : Audio
+        The speech.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or is of other speech: its words end behind it, or are more
+        than anybody says in that time.
+    """
+    try:
+        words = _read(path, audio)
+        _check(words, audio)
+    except InputError as error:
+        raise InputError(error.what, where=error.where or path, remedy=error.remedy) from error
+    return words
+
+
+def spread_words(text: str, audio: Audio) -> tuple[Word, ...]:
+    """Return words of plain text, spread over where somebody speaks by their numbers of letters.
+
+    Raises
+    ------
+    InputError
+        If there are more words than anybody says in that time.
+    """
+    texts = words_of(text)
+    if not texts:
+        return ()
+    spoken = _spoken(audio)
+    ends = np.cumsum([len(word) + 1 for word in texts], dtype=np.float64)
+    places = np.concatenate([[0.0], ends / ends[-1]]) * len(spoken)
+    times = np.interp(places, np.arange(len(spoken) + 1), np.append(spoken, spoken[-1] + _STEP))
+    words = tuple(
+        Word(word, float(start), float(end))
+        for word, start, end in zip(texts, times[:-1], times[1:], strict=True)
+    )
+    _check(words, audio)
+    return words
+
+
+def words_of(text: str) -> tuple[str, ...]:
+    """Return the words of a text in small letters, without what stands between them."""
+    return tuple(_LETTERS.findall(text.lower()))
+
+
+def is_word_table(path: Path) -> bool:
+    """Tell whether a CSV file is a table of words, and not another one of the same name."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            return set(_TABLE) <= set(next(csv.reader(file), ()))
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def _read(path: Path, audio: Audio) -> tuple[Word, ...]:
+    ending = path.suffix.lower()
+    if ending == ".textgrid":
+        return _read_text_grid(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            "the transcript cannot be read", remedy="Give a TextGrid, CSV or text in UTF-8"
+        ) from error
+    return _read_table(text, path) if ending == ".csv" else spread_words(text, audio)
+
+
+def _read_text_grid(path: Path) -> tuple[Word, ...]:
+    # Imported here: few need it.
+    from praatio import textgrid
+    from praatio.utilities.constants import INTERVAL_TIER
+
+    try:
+        grid = textgrid.openTextgrid(str(path), includeEmptyIntervals=False)
+        tiers = [tier for tier in grid.tiers if tier.tierType == INTERVAL_TIER]
+        named = [tier for tier in tiers if tier.name.lower() in _WORD_TIERS]
+        entries = (named or tiers)[0].entries
+    except Exception as error:  # praatio raises whatever its parsing runs into
+        raise InputError(
+            "the file is no TextGrid with a tier of words",
+            remedy="Save it with Praat or an aligner, with intervals in a tier named words",
+        ) from error
+    return _words([(one.label, one.start, one.end) for one in entries])
+
+
+def _read_table(text: str, path: Path) -> tuple[Word, ...]:
+    rows = csv.DictReader(io.StringIO(text))
+    if not set(_TABLE) <= set(rows.fieldnames or ()):
+        raise InputError(
+            "the table has no words", remedy=f"Give a header with {', '.join(_TABLE)}; seconds"
+        )
+    found = []
+    for row in rows:
+        try:
+            found.append((row["word"] or "", float(row["start"]), float(row["end"])))
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                "the row tells no time",
+                where=f"{path}, line {rows.line_num}",
+                remedy="Give seconds",
+            ) from error
+    return _words(found)
+
+
+def _words(found: Sequence[tuple[str, float, float]]) -> tuple[Word, ...]:
+    words = []
+    for label, start, end in found:
+        if not 0 <= start <= end < math.inf:
+            raise InputError(
+                f"the word {label!r} is said from {start:g} to {end:g} s",
+                remedy="Give 0 <= start <= end",
+            )
+        words += [Word(text, start, end) for text in words_of(label)]
+    return tuple(sorted(words, key=lambda word: word.start))
+
+
+def _check(words: Sequence[Word], audio: Audio) -> None:
+    seconds = audio.duration
+    last = max((word.end for word in words), default=0.0)
+    if last > seconds + _BEYOND or len(words) > max(3.0, FASTEST * seconds):
+        raise InputError(
+            f"the transcript is of other speech: {len(words)} words until {last:.1f} s, and the "
+            f"speech lasts {seconds:.1f} s",
+            remedy="Give the transcript of this speech, or none",
+        )
+
+
+def _spoken(audio: Audio) -> NDArray[np.float64]:
+    """Return the times, one each 10 ms, at which somebody speaks; all where nobody does."""
+    step = max(1, round(_STEP * audio.sample_rate))
+    whole = len(audio.samples) // step * step
+    if not whole:
+        return np.zeros(1)
+    loud = np.sqrt(np.mean(audio.samples[:whole].astype(np.float64).reshape(-1, step) ** 2, axis=1))
+    heard = np.flatnonzero(loud > _QUIET * loud.max())
+    return np.asarray((heard if len(heard) else np.arange(len(loud))) * _STEP, np.float64)

@@ -1,0 +1,94 @@
+"""What is said is read from whatever tells it, and never taken for other speech's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.audio import Audio
+from motion.errors import InputError
+from motion.formats.transcript import Word, is_word_table, read_transcript, spread_words
+
+GRID = """File type = "ooTextFile"
+Object class = "TextGrid"
+
+xmin = 0
+xmax = 2
+tiers? <exists>
+size = 1
+item []:
+    item [1]:
+        class = "IntervalTier"
+        name = "words"
+        xmin = 0
+        xmax = 2
+        intervals: size = 3
+        intervals [1]:
+            xmin = 0
+            xmax = 0.5
+            text = "Hello,"
+        intervals [2]:
+            xmin = 0.5
+            xmax = 1.0
+            text = ""
+        intervals [3]:
+            xmin = 1.0
+            xmax = 2.0
+            text = "world"
+"""
+
+
+@pytest.fixture
+def audio() -> Audio:
+    """Two seconds, of which the second half is loud."""
+    samples = np.zeros(32000, np.float32)
+    samples[16000:] = 0.5 * np.sin(np.arange(16000) / 10)
+    return Audio(samples, 16000)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("a.TextGrid", GRID), ("a.csv", "word,start,end\nHello,0,0.5\nworld,1,2\n")],
+)
+def test_aligned_words_keep_their_times(tmp_path: Path, audio: Audio, name: str, text: str) -> None:
+    (tmp_path / name).write_text(text)
+    found = read_transcript(tmp_path / name, audio)
+    assert found == (Word("hello", 0.0, 0.5), Word("world", 1.0, 2.0))
+
+
+def test_plain_text_is_spread_over_where_somebody_speaks(tmp_path: Path, audio: Audio) -> None:
+    (tmp_path / "a.lab").write_text("One, three!\n")
+    one, three = read_transcript(tmp_path / "a.lab", audio)
+    assert (one.text, three.text) == ("one", "three")
+    assert one.start == pytest.approx(1.0, abs=0.02)
+    assert one.end == three.start == pytest.approx(1.4, abs=0.02)
+    assert three.end == pytest.approx(2.0, abs=0.02)
+    assert spread_words("", audio) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("a.csv", "word,start,end\nlate,5,6\n", "of other speech: 1 words until 6.0 s"),
+        ("a.lab", "word " * 60, "of other speech: 60 words"),
+        ("a.csv", "word,from,to\na,0,1\n", "has no words"),
+        ("a.csv", "word,start,end\na,x,1\n", r"line 2.*tells no time"),
+        ("a.csv", "word,start,end\na,2,1\n", "is said from 2 to 1 s"),
+        ("a.TextGrid", "nothing", "no TextGrid"),
+    ],
+)
+def test_what_is_no_transcript_of_the_speech_is_refused(
+    tmp_path: Path, audio: Audio, name: str, text: str, message: str
+) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_transcript(tmp_path / name, audio)
+
+
+def test_a_table_of_something_else_is_no_table_of_words(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("0,1,neutral\n")
+    (tmp_path / "b.csv").write_text("start,end,word\n")
+    assert not is_word_table(tmp_path / "a.csv")
+    assert is_word_table(tmp_path / "b.csv")

@@ -1,0 +1,183 @@
+"""Vectors of words: FastText's where a researcher names them, a stand-in that knows no meaning."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import InputError
+from motion.formats.transcript import Word
+
+FloatArray = NDArray[np.float32]
+
+WIDTH: Final = 300
+"""Of FastText's published vectors."""
+
+_GRAMS: Final = (3, 4, 5, 6)
+"""Letters of the parts of a word, as FastText cuts it."""
+
+
+class WordVectors(Protocol):
+    """Tells a vector of each word."""
+
+    @property
+    def width(self) -> int:
+        """Length of a vector."""
+        ...
+
+    @property
+    def description(self) -> str:
+        """Whose vectors they are, for a clip's provenance."""
+        ...
+
+    def of(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+        """Return the vectors of words; unknown ones are left out."""
+        ...
+
+
+@dataclass(frozen=True)
+class StandIn:
+    """Seeded vectors: the mean over a word's parts, so that words with common parts are alike."""
+
+    width: int = WIDTH
+    description: str = field(
+        default="stand-in for FastText, which knows spelling but no meaning", init=False
+    )
+
+    def of(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+        """Return a vector of every word."""
+        return {word: self._vector(word) for word in set(words)}
+
+    def _vector(self, word: str) -> FloatArray:
+        marked = f"<{word}>"
+        parts = {marked} | {
+            marked[start : start + length]
+            for length in _GRAMS
+            for start in range(len(marked) - length + 1)
+        }
+        vectors = [_part(zlib.crc32(part.encode()), self.width) for part in sorted(parts)]
+        total = np.sum(vectors, axis=0)
+        return np.asarray(total / np.sqrt(len(vectors)), np.float32)
+
+
+@lru_cache(maxsize=20_000)
+def _part(seed: int, width: int) -> NDArray[np.float64]:
+    return np.random.default_rng(seed).standard_normal(width)
+
+
+@dataclass(frozen=True)
+class TextVectors:
+    """FastText's ``.vec``: a header, then a line a word. Others than those asked for are passed."""
+
+    path: Path
+    width: int
+    description: str
+
+    def of(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+        """Return the vectors of those words that the file holds."""
+        wanted = set(words)
+        found: dict[str, FloatArray] = {}
+        with self.path.open(encoding="utf-8", errors="replace") as file:
+            next(file)
+            for number, line in enumerate(file, start=2):
+                word, _, numbers = line.partition(" ")
+                if word in wanted:
+                    found[word] = self._vector(numbers, number)
+                    if len(found) == len(wanted):
+                        break
+        return found
+
+    def _vector(self, numbers: str, line: int) -> FloatArray:
+        try:
+            vector = np.array(numbers.split(), np.float32)
+        except ValueError:
+            vector = np.zeros(0, np.float32)
+        if vector.shape != (self.width,) or not np.isfinite(vector).all():
+            raise InputError(
+                f"the line holds no vector of {self.width} numbers",
+                where=f"{self.path}, line {line}",
+                remedy="Download the file again",
+            )
+        return vector
+
+
+@dataclass(frozen=True, eq=False)
+class BinaryVectors:
+    """FastText's ``.bin``, which knows parts of words and so every word; gensim reads it."""
+
+    vectors: Any
+    width: int
+    description: str
+
+    def of(self, words: Iterable[str]) -> Mapping[str, FloatArray]:
+        """Return a vector of every word."""
+        return {word: np.asarray(self.vectors[word], np.float32) for word in set(words)}
+
+
+def read_word_vectors(path: Path) -> WordVectors:
+    """Return the vectors of a FastText file.
+
+    Raises
+    ------
+    InputError
+        If the file is no such file, or needs gensim and it is not installed.
+    """
+    if path.suffix.lower() == ".bin":
+        return _read_binary(path)
+    try:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            count, width = (int(number) for number in next(file).split())
+        if count < 1 or width < 1:
+            raise ValueError("no words")
+    except (OSError, ValueError, StopIteration) as error:
+        raise InputError(
+            "the file holds no vectors of words",
+            where=path,
+            remedy="Give FastText's .vec, whose first line tells how many words and numbers, or "
+            "its .bin",
+        ) from error
+    return TextVectors(path, width, path.name)
+
+
+def _read_binary(path: Path) -> BinaryVectors:
+    try:
+        from gensim.models.fasttext import load_facebook_vectors
+    except ImportError as error:
+        raise InputError(
+            "FastText's .bin is read by gensim, which is not installed",
+            where=path,
+            remedy="Install it: pip install 'motionjury[vectors]'; or give the .vec",
+        ) from error
+    try:
+        vectors = load_facebook_vectors(str(path))
+    except Exception as error:  # gensim raises whatever its parsing runs into
+        raise InputError(
+            "the file holds no vectors of words", where=path, remedy="Give FastText's .bin or .vec"
+        ) from error
+    return BinaryVectors(vectors, int(vectors.vector_size), path.name)
+
+
+def word_rows(
+    words: Sequence[Word], vectors: WordVectors, frames: int, frame_rate: float
+) -> FloatArray:
+    """Return the vector of the word that is said in each frame, zeros where none is.
+
+    Returns
+    -------
+    ndarray, shape (frames, width)
+        Frame k is at ``k / frame_rate`` seconds; a word lasts a frame at least.
+    """
+    rows = np.zeros((frames, vectors.width), np.float32)
+    known = vectors.of(word.text for word in words)
+    for word in words:
+        first = round(word.start * frame_rate)
+        if word.text in known:
+            rows[first : max(first + 1, round(word.end * frame_rate))] = known[word.text]
+    return rows
