@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -20,6 +21,7 @@ from scipy import sparse
 from motion.body import BodyModel
 from motion.clip import ARKIT_COUNT, EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
+from motion.face import ARKIT_NAMES
 from motion.skeleton import JOINT_COUNT, joint_index
 
 FloatArray = NDArray[np.float32]
@@ -71,6 +73,31 @@ class FaceLandmarks:
                 remedy="Name an avatar with a face, or an SMPL-X body, under [video] in study.toml",
             )
         return cls(body=_reduced(body, vertices), count=len(vertices))
+
+    @classmethod
+    def of_default_body(cls) -> FaceLandmarks:
+        """Return the landmarks of the default body.
+
+        Frozen from the body that `renderer.avatars` freezes (a test holds the two together), so
+        that networks need no mesh.
+        """
+        with np.load(Path(__file__).with_name("default_face.npz")) as file:
+            return cls.from_arrays(dict(file))
+
+    @cached_property
+    def actions(self) -> tuple[str, ...]:
+        """The facial action that each landmark belongs to.
+
+        Raises
+        ------
+        InputError
+            If the body's face moves by components, which have no names.
+        """
+        if not self.body.has_arkit_slots:
+            raise InputError(
+                "the body's face has no facial actions", remedy="Use an avatar with ARKit's"
+            )
+        return tuple(ARKIT_NAMES[component] for component, _ in _chosen(self.body))
 
     def shifts(self, clip: MotionClip) -> FloatArray:
         """Return how far the clip moves each landmark from the neutral face.
@@ -188,18 +215,23 @@ class FaceLandmarks:
 
 def landmark_vertices(body: BodyModel) -> NDArray[np.int64]:
     """Return the vertices of `body` that `FaceLandmarks.of` chooses, in the order of components."""
+    return np.array([vertex for _, vertex in _chosen(body)], np.int64)
+
+
+def _chosen(body: BodyModel) -> list[tuple[int, int]]:
+    """Return components, each with the vertex that is its landmark."""
     moved = np.linalg.norm(body.expression_directions, axis=1)
     allowed = _on_skin(body)
-    chosen: list[int] = []
+    chosen: list[tuple[int, int]] = []
     for component in range(min(_COMPONENTS, moved.shape[1])):
         reach = np.where(allowed, moved[:, component], 0)
         vertex = int(reach.argmax())
         if reach[vertex] < _LEAST_MOVED:
             continue
-        chosen.append(vertex)
+        chosen.append((component, vertex))
         apart = np.linalg.norm(body.template - body.template[vertex], axis=1)
         allowed &= apart >= _LEAST_APART
-    return np.array(chosen, np.int64)
+    return chosen
 
 
 def _on_skin(body: BodyModel) -> NDArray[np.bool_]:

@@ -25,20 +25,6 @@ SEED_FRAMES: Final = 4
 
 S2UE_FRAME_RATE: Final = 15.0
 
-S2UE_JOINTS: Final = (
-    "pelvis",
-    "neck",
-    "jaw",
-    "head",
-    "left_shoulder",
-    "left_elbow",
-    "left_wrist",
-    "right_shoulder",
-    "right_elbow",
-    "right_wrist",
-)
-"""The ten joints of the TED gesture data; the jaw stands for its nose."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class PointSettings:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.metrics.absolute_error import S2UE_FRAME_RATE, S2UE_JOINTS, absolute_error
+from analysis.metrics.absolute_error import S2UE_FRAME_RATE, absolute_error
 from analysis.metrics.acceleration import acceleration
 from analysis.metrics.acceleration_error import acceleration_error
 from analysis.metrics.beat_alignment import beat_alignment
@@ -27,6 +27,7 @@ from analysis.metrics.result import MetricResult
 from analysis.metrics.semantic_recall import semantic_recall
 from analysis.metrics.velocity_error import velocity_error
 from motion.formats.semantic_txt import SemanticSpan, semantic_weights
+from motion.formats.ted_npz import JOINTS as TED_JOINTS
 from motion.speech_onsets import DETECTOR
 
 FloatArray = NDArray[np.float64]
@@ -188,7 +189,7 @@ def _point_errors(
         return
     rate = min(frame_rate, S2UE_FRAME_RATE)
     generated, other = (
-        _slower(select(points, S2UE_JOINTS), frame_rate, rate) for points in (positions, recorded)
+        _slower(select(points, TED_JOINTS), frame_rate, rate) for points in (positions, recorded)
     )
     for settings in preset.absolute_errors:
         yield absolute_error(

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.absolute_error import S2UE_JOINTS
 from analysis.metrics.clip_scores import clip_metrics
 from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, select
 from analysis.metrics.measured_clips import Bench, MeasuredClip, Reader, SkippedFile
@@ -18,6 +17,7 @@ from analysis.metrics.result import MetricResult
 from analysis.metrics.speed_histogram import Counts, speed_counts
 from motion.errors import InputError
 from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
+from motion.formats.ted_npz import JOINTS as TED_JOINTS
 
 FloatArray = NDArray[np.float64]
 Excerpt = tuple[Path, float, float]
@@ -155,7 +155,7 @@ def recorded_extent(path: Path, bench: Bench) -> ClipExtent | None:
     if clip is None or clip.rotations is None:
         return None
     return ClipExtent.of(
-        clip.rotations, select(clip.joints.relative, S2UE_JOINTS), clip.landmarks.positions
+        clip.rotations, select(clip.joints.relative, TED_JOINTS), clip.landmarks.positions
     )
 
 

@@ -25,7 +25,20 @@ from motion.clip import check_frame_rate
 from motion.errors import InputError
 
 FRAME_RATE: Final = 15.0
-JOINTS: Final = 10
+JOINTS: Final = (
+    "pelvis",
+    "neck",
+    "jaw",
+    "head",
+    "left_shoulder",
+    "left_elbow",
+    "left_wrist",
+    "right_shoulder",
+    "right_elbow",
+    "right_wrist",
+)
+"""The ten joints by our body's names; the jaw stands for the nose."""
+
 BONES: Final = ((0, 1), (1, 2), (2, 3), (1, 4), (4, 5), (5, 6), (1, 7), (7, 8), (8, 9))
 """Parent and child: spine to neck, nose, top of the head; then shoulder, elbow and wrist of the
 left and of the right."""
@@ -86,7 +99,7 @@ def _read(path: Path) -> TedMotion:
                 remedy="Give unit vectors, from which no mean was subtracted",
             )
     elif "joints" in arrays:
-        joints = _numbers(arrays["joints"], (JOINTS, 3))
+        joints = _numbers(arrays["joints"], (len(JOINTS), 3))
         parents, children = np.array(BONES).T
         given = joints[:, children] - joints[:, parents]
         lengths = np.linalg.norm(given, axis=2, keepdims=True)

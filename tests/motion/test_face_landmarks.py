@@ -101,3 +101,25 @@ def test_a_body_without_a_face_has_no_landmarks(body: BodyModel) -> None:
     faceless = replace(body, expression_directions=body.expression_directions[:, :, :0])
     with pytest.raises(InputError, match="no face that moves"):
         FaceLandmarks.of(faceless)
+
+
+def test_the_frozen_landmarks_are_those_of_the_default_body(landmarks: FaceLandmarks) -> None:
+    frozen = FaceLandmarks.of_default_body()
+    for name, array in landmarks.arrays().items():
+        np.testing.assert_allclose(frozen.arrays()[name], array, atol=1e-6)
+    clip = random_clip(3)
+    np.testing.assert_allclose(frozen.shifts(clip), landmarks.shifts(clip), atol=1e-6)
+
+
+def test_landmarks_are_named_by_their_facial_actions(landmarks: FaceLandmarks) -> None:
+    assert len(landmarks.actions) == landmarks.count
+    chin, left, right = (
+        landmarks.neutral[landmarks.actions.index(action)]
+        for action in ("jawOpen", "mouthSmileLeft", "mouthSmileRight")
+    )
+    assert chin[1] < left[1]
+    assert left[0] > 0 > right[0]
+    with pytest.raises(InputError, match="no facial actions"):
+        _ = FaceLandmarks(
+            body=replace(landmarks.body, has_arkit_slots=False), count=landmarks.count
+        ).actions

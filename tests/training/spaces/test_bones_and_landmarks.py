@@ -1,0 +1,78 @@
+"""Clips become directions and landmarks, and clips again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.face import ARKIT_NAMES
+from motion.face_landmarks import FaceLandmarks
+from motion.formats.ted_npz import BONES, JOINTS
+from motion.points.clip_from_points import clip_from_points
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
+from training.spaces.bones_and_landmarks import (
+    BONE_LENGTHS,
+    BONE_VALUES,
+    directions_of,
+    joints_of,
+    values_of,
+)
+
+FACE = FaceLandmarks.of_default_body()
+
+
+def clip(turned: float = 0.0) -> MotionClip:
+    poses = np.zeros((5, JOINT_COUNT, 3), np.float32)
+    poses[:, joint_index("left_shoulder")] = [0, 0, -1.0]
+    poses[:, joint_index("right_elbow"), 1] = np.linspace(0.5, 1.5, 5)
+    poses[:, 0] = (Rotation.from_euler("y", turned)).as_rotvec()
+    arkit = np.zeros((5, 52), np.float32)
+    arkit[:, ARKIT_NAMES.index("jawOpen")] = np.linspace(0, 0.8, 5)
+    return MotionClip(poses=poses, trans=np.ones((5, 3), np.float32), frame_rate=15, arkit=arkit)
+
+
+def test_directions_are_units_from_which_joints_are_built_again() -> None:
+    values = values_of(clip(), FACE)
+    assert values.shape == (5, BONE_VALUES + 3 * FACE.count)
+    directions = values[:, :BONE_VALUES].reshape(5, len(BONES), 3)
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1)
+    joints = forward_kinematics(clip().poses, np.zeros((5, 3)), REST_JOINTS)[0]
+    wanted = joints[:, [joint_index(name) for name in JOINTS]] - joints[:, :1]
+    np.testing.assert_allclose(joints_of(directions), wanted, atol=1e-6)
+    np.testing.assert_allclose(joints_of(3 * directions), wanted, atol=1e-6)
+    np.testing.assert_allclose(BONE_LENGTHS[4:6], [0.2713, 0.2522], atol=1e-4)
+
+
+def test_it_is_seen_from_the_front_whichever_way_somebody_stands() -> None:
+    np.testing.assert_allclose(values_of(clip(2.0), FACE), values_of(clip(), FACE), atol=1e-6)
+
+
+def test_landmarks_are_shifts_from_the_neutral_face() -> None:
+    shifts = values_of(clip(), FACE)[:, BONE_VALUES:]
+    np.testing.assert_allclose(shifts[0], 0, atol=1e-7)
+    np.testing.assert_allclose(shifts, FACE.shifts(clip()).reshape(5, -1), atol=1e-7)
+    assert values_of(clip(), None).shape == (5, BONE_VALUES)
+
+
+def test_the_clip_of_values_has_the_same_values() -> None:
+    values = values_of(clip(), FACE)
+    again = clip_from_points(
+        joints_of(values[:, :BONE_VALUES].reshape(5, -1, 3)).astype(np.float32),
+        JOINTS,
+        15.0,
+        body=FACE.body,
+        landmarks=values[:, BONE_VALUES:].reshape(5, -1, 3).astype(np.float32),
+    )
+    found = values_of(again, FACE)
+    arms = np.arange(BONE_VALUES).reshape(-1, 3)[[4, 5, 7, 8]].ravel()
+    np.testing.assert_allclose(found[:, arms], values[:, arms], atol=0.02)
+    np.testing.assert_allclose(found[:, BONE_VALUES:], values[:, BONE_VALUES:], atol=2e-3)
+
+
+def test_a_bone_without_length_is_refused() -> None:
+    with pytest.raises(InputError, match="no length"):
+        directions_of(np.zeros((1, 10, 3)))

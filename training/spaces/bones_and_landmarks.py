@@ -1,0 +1,81 @@
+"""Motion as Speech2UnifiedExpressions tells it: directions of bones, and landmarks of the face.
+
+Bhattacharya et al. 2024, sections 3.1 and 3.2. A frame is nine unit vectors along the bones of ten
+joints of the upper body, then how far each landmark of the face is from where it is in the neutral
+face, in metres. Both are seen from the front: the body from where its hips face, the face from the
+head, which is held still.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.face_landmarks import FaceLandmarks
+from motion.formats.ted_npz import BONES, JOINTS
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import forward_kinematics, joint_index
+
+FloatArray = NDArray[np.float64]
+
+BONE_VALUES: Final = 3 * len(BONES)
+
+_PARENTS, _CHILDREN = np.array(BONES).T
+_TOLD: Final = [joint_index(name) for name in JOINTS]
+_BONES: Final = REST_JOINTS[_TOLD][_CHILDREN] - REST_JOINTS[_TOLD][_PARENTS]
+
+BONE_LENGTHS: Final[FloatArray] = np.linalg.norm(_BONES, axis=1)
+"""Metres, of the default body."""
+
+
+def values_of(clip: MotionClip, face: FaceLandmarks | None) -> FloatArray:
+    """Return directions of bones and shifts of landmarks, (T, 27 + 3 L); without `face` no shifts.
+
+    Raises
+    ------
+    InputError
+        If the clip's face is in terms that the landmarks' body does not show.
+    """
+    joints = forward_kinematics(clip.poses, np.zeros_like(clip.trans), REST_JOINTS)[0]
+    directions = directions_of(facing_forward(joints)[:, _TOLD])
+    shifts = np.zeros((len(clip), 0)) if face is None else face.shifts(clip)
+    return np.concatenate(
+        [directions.reshape(len(clip), -1), shifts.reshape(len(clip), -1)], axis=1
+    )
+
+
+def facing_forward(joints: FloatArray) -> FloatArray:
+    """Return SMPL-X joints (T, 55, 3) about the pelvis, each frame turned so that the hips face +z.
+
+    Only about the vertical: who leans, leans. It is what maps the hips onto the unposed body's by
+    the least squares of Umeyama 1991 among such turns.
+    """
+    across = joints[:, joint_index("left_hip")] - joints[:, joint_index("right_hip")]
+    length = np.maximum(np.hypot(across[:, 0], across[:, 2]), np.finfo(np.float64).tiny)
+    cos, sin = across[:, 0] / length, across[:, 2] / length
+    x, y, z = np.moveaxis(joints - joints[:, :1], -1, 0)
+    cos, sin = cos[:, None], sin[:, None]
+    return np.stack([cos * x + sin * z, y, cos * z - sin * x], axis=-1)
+
+
+def directions_of(joints: FloatArray) -> FloatArray:
+    """Return unit vectors along the bones (T, 9, 3) of the ten joints (T, 10, 3)."""
+    along = joints[:, _CHILDREN] - joints[:, _PARENTS]
+    lengths = np.linalg.norm(along, axis=-1, keepdims=True)
+    if not lengths.all():
+        raise InputError("a bone has no length", remedy="Repair the recording")
+    return np.asarray(along / lengths)
+
+
+def joints_of(directions: FloatArray, lengths: FloatArray = BONE_LENGTHS) -> FloatArray:
+    """Return the ten joints (T, 10, 3) about the pelvis; directions need not be of length 1."""
+    joints = np.zeros((len(directions), len(JOINTS), 3))
+    for bone, (parent, child) in enumerate(BONES):
+        along = directions[:, bone]
+        unit = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+        joints[:, child] = joints[:, parent] + lengths[bone] * unit
+    return joints
