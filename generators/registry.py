@@ -56,6 +56,11 @@ GENERATORS: Final = {
             "amuse-speech": "generators.amuse.config:TRAINABLE_SPEECH",
         },
     ),
+    "s2ue": Entry(
+        home="generators.s2ue.generate:S2ue",
+        settings="generators.s2ue.settings:S2ueSettings",
+        trainable={"s2ue": "generators.s2ue.config:TRAINABLE"},
+    ),
 }
 """Every generator under its name; whoever has another one adds it before a study is read."""
 

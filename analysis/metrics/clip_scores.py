@@ -27,7 +27,7 @@ from analysis.metrics.result import MetricResult
 from analysis.metrics.semantic_recall import semantic_recall
 from analysis.metrics.velocity_error import velocity_error
 from motion.formats.semantic_txt import SemanticSpan, semantic_weights
-from motion.formats.ted_npz import JOINTS as TED_JOINTS
+from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 from motion.speech_onsets import DETECTOR
 
 FloatArray = NDArray[np.float64]

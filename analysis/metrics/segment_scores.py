@@ -17,7 +17,7 @@ from analysis.metrics.result import MetricResult
 from analysis.metrics.speed_histogram import Counts, speed_counts
 from motion.errors import InputError
 from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
-from motion.formats.ted_npz import JOINTS as TED_JOINTS
+from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 
 FloatArray = NDArray[np.float64]
 Excerpt = tuple[Path, float, float]

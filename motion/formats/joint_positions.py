@@ -17,7 +17,7 @@ from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.formats.joint_maps import JointMap
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
-from motion.formats.ted_npz import BONES, JOINTS, read_ted_npz
+from motion.formats.ted_npz import AXES, BONES, JOINTS, read_ted_npz
 from motion.points.joint_rotations import rotations_from_joints
 from motion.points.person import MEDIAPIPE, body_joints
 from motion.rest_pose import REST_JOINTS
@@ -31,8 +31,6 @@ _TED: Final = (
 )  # fmt: skip
 _TED_LENGTHS: Final = (0.26, 0.18, 0.14, 0.22, 0.36, 0.33, 0.22, 0.36, 0.33)
 """Of TED Gesture's bones, in units of its own (Yoon et al. 2020)."""
-_TED_TURN: Final = np.array([-1.0, -1.0, 1.0])
-"""TED Gesture's axes: x to the person's right, y down, z forward."""
 
 _SMPL: Final = (*BODY_JOINTS, "left_hand", "right_hand")
 _KNOWN_ORDERS: Final[Mapping[int, tuple[str, ...]]] = {
@@ -183,7 +181,7 @@ def _read_ted(path: Path) -> _Recording:
     points = np.zeros((len(motion.directions), JOINTS, 3))
     for bone, (parent, child) in enumerate(BONES):
         points[:, child] = points[:, parent] + _TED_LENGTHS[bone] * motion.directions[:, bone]
-    return _Recording(points=points * _TED_TURN, names=_TED, frame_rate=motion.frame_rate)
+    return _Recording(points=points * AXES, names=_TED, frame_rate=motion.frame_rate)
 
 
 def _in_known_order(joints: NDArray[Any], frame_rate: float | None) -> _Recording:
@@ -197,7 +195,7 @@ def _in_known_order(joints: NDArray[Any], frame_rate: float | None) -> _Recordin
         )
     points = _points(joints, count)
     if names is _TED:
-        points = points * _TED_TURN
+        points = points * AXES
     return _Recording(points=points, names=names, frame_rate=frame_rate)
 
 

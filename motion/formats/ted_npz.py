@@ -25,7 +25,8 @@ from motion.clip import check_frame_rate
 from motion.errors import InputError
 
 FRAME_RATE: Final = 15.0
-JOINTS: Final = (
+JOINTS: Final = 10
+JOINT_NAMES: Final = (
     "pelvis",
     "neck",
     "jaw",
@@ -42,6 +43,9 @@ JOINTS: Final = (
 BONES: Final = ((0, 1), (1, 2), (2, 3), (1, 4), (4, 5), (5, 6), (1, 7), (7, 8), (8, 9))
 """Parent and child: spine to neck, nose, top of the head; then shoulder, elbow and wrist of the
 left and of the right."""
+
+AXES: Final = np.array([-1.0, -1.0, 1.0])
+"""TED Gesture's axes by ours: x to the person's right, y down, z forward."""
 
 ARRAYS: Final = ("directions", "joints")
 _UNIT: Final = 0.05
@@ -99,7 +103,7 @@ def _read(path: Path) -> TedMotion:
                 remedy="Give unit vectors, from which no mean was subtracted",
             )
     elif "joints" in arrays:
-        joints = _numbers(arrays["joints"], (len(JOINTS), 3))
+        joints = _numbers(arrays["joints"], (JOINTS, 3))
         parents, children = np.array(BONES).T
         given = joints[:, children] - joints[:, parents]
         lengths = np.linalg.norm(given, axis=2, keepdims=True)

@@ -12,11 +12,13 @@ from generators.diffsheg.settings import DiffShegSettings
 from generators.interface import Generator, SpeechSegment
 from generators.registry import load_generator
 from generators.rule_based.generator import RuleBased
+from generators.s2ue.settings import S2ueSettings
 from motion.audio import Audio
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS, Segment
 from tests.generators.amuse.small_networks import written_networks
 from tests.generators.diffsheg.small_network import written_network
+from tests.generators.s2ue.small_network import written_network as small_s2ue
 from training.threads import torch_threads
 
 RATE = 16000
@@ -90,5 +92,6 @@ def load(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Generator]
     settings = {
         "diffsheg": DiffShegSettings(checkpoint=written_network(folder / "small.safetensors")),
         "amuse": written_networks(folder),
+        "s2ue": S2ueSettings(checkpoint=small_s2ue(folder / "s2ue.safetensors")),
     }
     return lambda name: load_generator(name, settings.get(name))

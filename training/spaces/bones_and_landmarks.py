@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
-from motion.formats.ted_npz import BONES, JOINTS
+from motion.formats.ted_npz import BONES, JOINT_NAMES
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import forward_kinematics, joint_index
 
@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 BONE_VALUES: Final = 3 * len(BONES)
 
 _PARENTS, _CHILDREN = np.array(BONES).T
-_TOLD: Final = [joint_index(name) for name in JOINTS]
+_TOLD: Final = [joint_index(name) for name in JOINT_NAMES]
 _BONES: Final = REST_JOINTS[_TOLD][_CHILDREN] - REST_JOINTS[_TOLD][_PARENTS]
 
 BONE_LENGTHS: Final[FloatArray] = np.linalg.norm(_BONES, axis=1)
@@ -73,7 +73,7 @@ def directions_of(joints: FloatArray) -> FloatArray:
 
 def joints_of(directions: FloatArray, lengths: FloatArray = BONE_LENGTHS) -> FloatArray:
     """Return the ten joints (T, 10, 3) about the pelvis; directions need not be of length 1."""
-    joints = np.zeros((len(directions), len(JOINTS), 3))
+    joints = np.zeros((len(directions), len(JOINT_NAMES), 3))
     for bone, (parent, child) in enumerate(BONES):
         along = directions[:, bone]
         unit = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)

@@ -10,7 +10,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face import ARKIT_NAMES
 from motion.face_landmarks import FaceLandmarks
-from motion.formats.ted_npz import BONES, JOINTS
+from motion.formats.ted_npz import BONES, JOINT_NAMES
 from motion.points.clip_from_points import clip_from_points
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
@@ -41,7 +41,7 @@ def test_directions_are_units_from_which_joints_are_built_again() -> None:
     directions = values[:, :BONE_VALUES].reshape(5, len(BONES), 3)
     np.testing.assert_allclose(np.linalg.norm(directions, axis=-1), 1)
     joints = forward_kinematics(clip().poses, np.zeros((5, 3)), REST_JOINTS)[0]
-    wanted = joints[:, [joint_index(name) for name in JOINTS]] - joints[:, :1]
+    wanted = joints[:, [joint_index(name) for name in JOINT_NAMES]] - joints[:, :1]
     np.testing.assert_allclose(joints_of(directions), wanted, atol=1e-6)
     np.testing.assert_allclose(joints_of(3 * directions), wanted, atol=1e-6)
     np.testing.assert_allclose(BONE_LENGTHS[4:6], [0.2713, 0.2522], atol=1e-4)
@@ -62,7 +62,7 @@ def test_the_clip_of_values_has_the_same_values() -> None:
     values = values_of(clip(), FACE)
     again = clip_from_points(
         joints_of(values[:, :BONE_VALUES].reshape(5, -1, 3)).astype(np.float32),
-        JOINTS,
+        JOINT_NAMES,
         15.0,
         body=FACE.body,
         landmarks=values[:, BONE_VALUES:].reshape(5, -1, 3).astype(np.float32),

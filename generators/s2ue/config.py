@@ -1,0 +1,276 @@
+"""What a Speech2UnifiedExpressions network is made of, and how it is trained by default.
+
+Bhattacharya et al. 2024. Its code was never released; where the paper is silent, values are those
+of the first author's earlier Speech2AffectiveGestures ("S2AG"), or chosen here. Each says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final
+
+from generators.trainable import Trainable, TrainingChoice
+from motion.errors import InputError
+from training.config import Decay, TrainingConfig
+from training.passes import Pass
+
+Parts = tuple[tuple[int, ...], ...]
+
+BODY_PARTS: Final[Parts] = ((0, 1, 2), (3, 4, 5), (6, 7, 8))
+"""Bones of torso, left and right arm (section 3.3.2)."""
+
+_COMPONENT_OF: Final = {
+    "brow": 0, "eye": 0, "cheek": 1, "nose": 1, "mouth": 2, "jaw": 3, "tongue": 3,
+}  # fmt: skip
+"""Eyes, nose, lips and lower jaw, by how the name of a landmark's facial action begins. The paper
+names no brows and cheeks; they go with what lies next to them."""
+
+_CORNERS: Final = ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch")
+"""Actions of the corners of the lips, which express and are not the phoneme predictor's."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NetworkConfig:
+    """Sizes of the networks, and the ablations of the paper's Table 1 as switches.
+
+    Attributes
+    ----------
+    components : tuple of tuple of int
+        Landmarks of the eyes, the nose, the lips and the lower jaw.
+    lips : tuple of int
+        Landmarks that the phoneme predictor tells: of the lips all but their corners.
+    speakers : int
+        Length of the one-hot vector, the paper's K.
+    words : int
+        Length of a word's vector, 300 of FastText.
+    sound, bands : int
+        Channels of MFCC and of the spectrogram in a frame; the paper tells neither. S2AG has 37
+        MFCC, 31 times a second.
+    frames, seeds : int
+        T and T_s, 34 and 4.
+    frame_rate : float
+        15 frames per second.
+    audio_width, text_width, speaker_width : int
+        D_a, D_w and D_k; as S2AG's.
+    node_width, part_width : int
+        D_f and D_u, of a landmark or a bone; D_l and D_v, of an anatomical component; as S2AG's.
+    face_width, pose_width : int
+        Of the latents of seed face and seed pose; chosen. S2AG has 8 for the pose.
+    hidden : int
+        Width of encoders' and decoders' inner layers; chosen.
+    reach : int
+        Frames of temporal convolutions on graphs, 9 as S2AG's.
+    hops : int
+        Bones that are connected, or connected through a third one, are neighbours: 2.
+    faces, poses : bool
+        Whether it tells faces, and poses; without one of them is 'w/o Face Synthesis' and
+        'w/o Pose Synthesis'.
+    face_graph, pose_graph : bool
+        Whether it has the higher graphs of components; without is 'w/o Face AC Graph' and
+        'w/o Pose AC Graph'.
+    synchronous : bool
+        Whether both are told from one embedding; two networks are 'w/o Synchronous Synthesis'.
+    """
+
+    components: Parts
+    lips: tuple[int, ...]
+    speakers: int
+    words: int = 300
+    sound: int = 84
+    bands: int = 128
+    frames: int = 34
+    seeds: int = 4
+    frame_rate: float = 15.0
+    audio_width: int = 32
+    text_width: int = 32
+    speaker_width: int = 16
+    node_width: int = 16
+    part_width: int = 16
+    face_width: int = 16
+    pose_width: int = 16
+    hidden: int = 64
+    reach: int = 9
+    hops: int = 2
+    faces: bool = True
+    poses: bool = True
+    face_graph: bool = True
+    pose_graph: bool = True
+    synchronous: bool = True
+
+    def __post_init__(self) -> None:
+        sizes = ("speakers", "words", "sound", "bands", "seeds", "hidden", "hops")
+        wrong = next((name for name in sizes if getattr(self, name) < 1), None)
+        if wrong is not None or self.seeds >= self.frames or not (self.faces or self.poses):
+            raise InputError(
+                f"a network with {wrong or 'seeds'} of {getattr(self, wrong or 'seeds')} in "
+                f"{self.frames} frames tells nothing",
+                remedy="Give sizes from 1, fewer seeds than frames, and faces or poses",
+            )
+
+    @property
+    def landmarks(self) -> int:
+        """How many landmarks the face has, the paper's L."""
+        return sum(len(component) for component in self.components)
+
+    @property
+    def modalities(self) -> tuple[tuple[str, ...], ...]:
+        """What is told together: of each network the modalities."""
+        told = tuple(
+            name for name, wanted in (("face", self.faces), ("pose", self.poses)) if wanted
+        )
+        return (told,) if self.synchronous else tuple((name,) for name in told)
+
+
+def components_of(actions: Sequence[str]) -> Parts:
+    """Return the landmarks of each anatomical component of the face, by their facial actions."""
+    parts: tuple[list[int], ...] = ([], [], [], [])
+    for landmark, action in enumerate(actions):
+        start = next(start for start in _COMPONENT_OF if action.startswith(start))
+        parts[_COMPONENT_OF[start]].append(landmark)
+    return tuple(tuple(part) for part in parts)
+
+
+def lips_of(actions: Sequence[str]) -> tuple[int, ...]:
+    """Return the landmarks of the lips without their corners."""
+    return tuple(
+        landmark
+        for landmark, action in enumerate(actions)
+        if action.startswith("mouth") and not action.startswith(_CORNERS)
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LossWeights:
+    """How much each loss counts; the paper tells no number.
+
+    All distances are means over frames and values, in units of how far the recordings' values
+    spread, so that faces count as much as poses do.
+
+    Attributes
+    ----------
+    velocity, acceleration : float
+        λ_vel and λ_acc of equation 17, which multiply f and u, and their differences. Zero both is
+        'w/o Vel.+Acc. Losses'.
+    diversity, margin : float
+        Of the cross-speaker ranking loss (section 5.2.2); by how much nearer the own speaker's
+        motion is to lie.
+    adversarial : float
+        Of equation 18; S2AG's 5 of 500. Zero is 'w/o Discriminator'.
+    latent : float
+        Of the divergence of the speakers' latent from a normal one, which the paper does not name
+        and without which it could not be sampled; S2AG's 0.1 of 500.
+    """
+
+    velocity: float = 1.0
+    acceleration: float = 1.0
+    diversity: float = 0.05
+    margin: float = 0.1
+    adversarial: float = 0.01
+    latent: float = 2e-4
+
+
+ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
+    {
+        "without_face": {"faces": False},
+        "without_pose": {"poses": False},
+        "without_velocity_acceleration": {"velocity": 0.0, "acceleration": 0.0},
+        "without_discriminator": {"adversarial": 0.0},
+        "without_face_graph": {"face_graph": False},
+        "without_pose_graph": {"pose_graph": False},
+        "without_synchrony": {"synchronous": False},
+    }
+)
+"""The seven of Table 1, each by what differs of `NetworkConfig` or `LossWeights`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preset:
+    """Sizes and training.
+
+    Attributes
+    ----------
+    sizes : mapping
+        What of `NetworkConfig` differs.
+    training : TrainingConfig
+        How; its steps are those of one epoch where `epochs` are told.
+    epochs : int or None
+        How often all windows are gone through, in place of a number of steps.
+    """
+
+    sizes: Mapping[str, Any]
+    training: TrainingConfig
+    epochs: int | None = None
+
+
+def _passes(*, discriminator: float, phonemes: float) -> tuple[Pass, ...]:
+    return (
+        Pass(name="generator", parts=("generator",)),
+        Pass(name="discriminator", parts=("discriminator",), learning_rate=discriminator),
+        Pass(name="phonemes", parts=("phonemes",), learning_rate=phonemes),
+    )
+
+
+PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
+    {
+        "tiny": Preset(
+            sizes={"node_width": 8, "reach": 5},
+            training=TrainingConfig(
+                steps=600,
+                batch_size=32,
+                learning_rate=1e-3,
+                optimizer="adam",
+                betas=(0.5, 0.999),
+                validate_every=100,
+                checkpoint_every=200,
+                passes=_passes(discriminator=2e-4, phonemes=1e-3),
+            ),
+        ),
+        "full": Preset(
+            sizes={"hidden": 256, "face_width": 32, "pose_width": 32},
+            training=TrainingConfig(
+                steps=1,
+                batch_size=256,
+                learning_rate=1e-4,
+                decay=Decay(factor=0.999),
+                optimizer="adam",
+                betas=(0.5, 0.999),
+                validate_every=500,
+                checkpoint_every=500,
+                passes=_passes(discriminator=5e-5, phonemes=1e-3),
+            ),
+            epochs=1_000,
+        ),
+    }
+)
+"""By config: small and fast; as section 5.3 trains, but that the phoneme predictor has the batches
+and the epochs of the others in place of 1024 and 500."""
+
+TRAINABLE: Final = Trainable(
+    summary="Train Speech2UnifiedExpressions on recordings of speech with face and upper body.",
+    explanation="""
+    Learns landmarks of the face and directions of the upper body's bones from any recordings with
+    a face in ARKit's terms: BEAT, or 'motionjury corpus'. Recordings of the body alone need
+    --ablation without_face. A transcript beside a recording, of its name and ending in .TextGrid,
+    .csv or .lab, tells what is said.
+    """,
+    configs={
+        "tiny": "a small network, which a processor trains in minutes",
+        "full": "trained as the paper says, for a graphics processor",
+    },
+    home="generators.s2ue.train:train_s2ue",
+    choices=(
+        TrainingChoice(
+            name="vectors",
+            help="FastText's vectors of words, .vec or .bin; without, a stand-in knows no meaning.",
+            file=True,
+        ),
+        TrainingChoice(
+            name="ablation",
+            help="Train a variant of the paper's Table 1.",
+            values=tuple(ABLATIONS),
+        ),
+    ),
+    taken_by="motionjury generate --generator s2ue --checkpoint {out}",
+)

@@ -1,0 +1,251 @@
+"""Speech2UnifiedExpressions as a generator: speech in, a clip of face and upper body out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from generators.clip_length import with_length
+from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
+from generators.s2ue.network_file import S2ueNetwork, load_network
+from generators.s2ue.sampling import hear, move
+from generators.s2ue.settings import ANYBODY, S2ueSettings
+from motion.clip import MotionClip, check_frame_rate
+from motion.errors import InputError
+from motion.face_landmarks import FaceLandmarks
+from motion.formats.ted_npz import JOINT_NAMES
+from motion.formats.transcript import Word, read_transcript, spread_words, words_of
+from motion.points.clip_from_points import clip_from_points
+from motion.resample import resample
+from training.device import check_device
+from training.hearing.speech_frames import at_speech_rate
+from training.hearing.word_vectors import StandIn, WordVectors, read_word_vectors, word_rows
+from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
+
+_ENDINGS: Final = (".TextGrid", ".textgrid", ".csv", ".lab", ".txt")
+_AT_ONCE: Final = 1 << 16
+"""Samples that are heard at once of a recording."""
+
+_ALIKE: Final = 0.5
+"""Share of a segment's words that a transcript of it holds at least."""
+
+
+class S2ue:
+    """Moves face and upper body as a trained network tells (Bhattacharya et al. 2024).
+
+    Parameters
+    ----------
+    settings : S2ueSettings
+        Checkpoint and what belongs to it. Networks are read when the first clip is made.
+    device : {'cpu', 'cuda'}
+        Where they run.
+
+    Raises
+    ------
+    InputError
+        If the device is not usable.
+    """
+
+    name: Final = "s2ue"
+    version: Final = "1"
+    needs_source: Final = False
+
+    def __init__(self, settings: S2ueSettings, device: str = "cpu") -> None:
+        check_device(device)
+        self._settings = settings
+        self._device = device
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+
+        Its provenance further holds the speaker, the device, the checkpoint's hash, whose vectors
+        words had, where words come from, how windows lie, and under ``stand_ins`` what took the
+        place of something real.
+        """
+        seeded_stream(seed)
+        count = speech.frame_count(frame_rate)
+        check_frame_rate(frame_rate)
+        config = self._network.network.config
+        frames = max(1, round(speech.audio.duration * config.frame_rate))
+        said = self._said(speech)
+        words = word_rows(said, self._vectors, frames, config.frame_rate) if said else None
+        sound = at_speech_rate(speech.audio)
+        pieces = (sound[at : at + _AT_ONCE] for at in range(0, len(sound), _AT_ONCE))
+        parts, made = [], 0
+        for part in self._moved(pieces, words, seed, speech.segment.speaker):
+            parts.append(part)
+            made += len(part)
+            on_part(made, frames)
+        clip = resample(self.clip_of(np.concatenate(parts)), frame_rate)
+        return with_length(clip, count).with_provenance(
+            generator=self.name,
+            seed=str(seed),
+            segment=speech.segment.name,
+            **self._facts(speech.segment.speaker, said),
+        )
+
+    def stream(
+        self,
+        pieces: Iterable[NDArray[np.float32]],
+        *,
+        seed: int,
+        words: NDArray[np.float32] | None = None,
+    ) -> Iterator[NDArray[np.float64]]:
+        """Yield motion while somebody still speaks, as soon as it is settled.
+
+        How the speech is cut into pieces changes nothing. A frame is settled at the latest when a
+        window of motion behind it, 34 frames, and a tenth of a second more have been heard.
+
+        Parameters
+        ----------
+        pieces : iterable of ndarray
+            Samples at 16 kHz, in order.
+        seed : int
+            Not negative.
+        words : ndarray, shape (frames, width), optional
+            See `training.hearing.word_vectors.word_rows`; by default nobody knows what is said.
+
+        Yields
+        ------
+        ndarray, shape (some frames, values)
+            15 a second; `clip_of` makes clips of them.
+        """
+        seeded_stream(seed)
+        return self._moved(pieces, words, seed, None)
+
+    def clip_of(self, values: NDArray[np.float64]) -> MotionClip:
+        """Return the clip of values of motion, (T, 27 + 3 L)."""
+        if not np.isfinite(values).all():
+            raise InputError(
+                "the network tells motion that is not finite",
+                where=self._settings.checkpoint,
+                remedy="Its training has diverged: give another checkpoint",
+            )
+        joints = joints_of(values[:, :BONE_VALUES].reshape(len(values), -1, 3))
+        shifts = values[:, BONE_VALUES:].reshape(len(values), -1, 3)
+        return clip_from_points(
+            joints.astype(np.float32),
+            JOINT_NAMES,
+            self._network.network.config.frame_rate,
+            body=self._face.body,
+            landmarks=shifts.astype(np.float32),
+        )
+
+    def _moved(
+        self,
+        pieces: Iterable[NDArray[np.float32]],
+        words: NDArray[np.float32] | None,
+        seed: int,
+        speaking: str | None,
+    ) -> Iterator[NDArray[np.float64]]:
+        network = self._network.network
+        config = network.config
+        chance = np.random.default_rng(seeded_stream(seed))
+        shape = (len(config.modalities), config.speaker_width)
+        noise = self._settings.variation * chance.standard_normal(shape)
+        person, _ = self._person(chance, speaking)
+        return move(
+            hear(pieces, network),
+            words,
+            network,
+            person.to(self._device),
+            torch.from_numpy(noise.astype(np.float32)).to(self._device),
+        )
+
+    def _person(self, chance: np.random.Generator, speaking: str | None) -> tuple[Tensor, str]:
+        """Return whom it moves as, as shares of speakers and in words."""
+        speakers, wanted = self._network.speakers, self._settings.speaker
+        if wanted == ANYBODY and ANYBODY not in speakers.names:
+            shares = chance.dirichlet(np.ones(len(speakers.names)))
+            return torch.from_numpy(shares.astype(np.float32)), ANYBODY
+        if wanted is None:
+            number = 1 if speaking is None else speakers.stand_in(speaking)
+        else:
+            try:
+                number = speakers.number(wanted)
+            except InputError as error:
+                where = self._settings.checkpoint
+                raise InputError(error.what, where=where, remedy=error.remedy) from error
+        return torch.eye(speakers.width)[number - 1], speakers.names[number - 1]
+
+    def _said(self, speech: SpeechSegment) -> tuple[Word, ...]:
+        """Return the words of the speech with their times; none where nobody knows them."""
+        segment, folder = speech.segment, self._settings.transcripts
+        if folder is None:
+            return spread_words(segment.transcript, speech.audio)
+        paths = (folder / f"{segment.name}{ending}" for ending in _ENDINGS)
+        path = next((path for path in paths if path.is_file()), None)
+        if path is None:
+            raise InputError(
+                f"there is no transcript of {segment.name}",
+                where=folder,
+                remedy=f"Put {segment.name} with one of {', '.join(_ENDINGS)} there",
+            )
+        said = read_transcript(path, speech.audio)
+        known, told = set(words_of(segment.transcript)), {word.text for word in said}
+        if known and len(known & told) < _ALIKE * len(known):
+            raise InputError(
+                f"the transcript is of other words than segment {segment.name} has in its table",
+                where=path,
+                remedy="Give the transcript of this speech, or correct segments.csv",
+            )
+        return said
+
+    def _facts(self, speaking: str, said: tuple[Word, ...]) -> dict[str, str]:
+        config = self._network.network.config
+        _, name = self._person(np.random.default_rng(0), speaking)
+        facts = {
+            "speaker": name,
+            "variation": f"{self._settings.variation:g}",
+            "window_frames": str(config.frames),
+            "window_overlap": str(config.seeds),
+            "window_frame_rate": f"{config.frame_rate:g}",
+            "device": self._device,
+            "checkpoint": self._settings.checkpoint.name,
+            "checkpoint_sha256": self._settings.checkpoint_sha256,
+            "vectors": self._vectors.description,
+        }
+        stand_ins = ["silence for the words, which nobody told"] if not said else []
+        if said and isinstance(self._vectors, StandIn):
+            stand_ins.append(self._vectors.description)
+        if self._settings.speaker is None and name != speaking:
+            stand_ins.append(f"speaker {name} for who is heard")
+        return facts | ({"stand_ins": "; ".join(stand_ins)} if stand_ins else {})
+
+    @cached_property
+    def _face(self) -> FaceLandmarks:
+        return FaceLandmarks.of_default_body()
+
+    @cached_property
+    def _network(self) -> S2ueNetwork:
+        loaded = load_network(self._settings.checkpoint, self._face)
+        return replace(loaded, network=loaded.network.to(self._device))
+
+    @cached_property
+    def _vectors(self) -> WordVectors:
+        named, network = self._settings.vectors, self._network
+        vectors = StandIn() if named is None else read_word_vectors(named)
+        if (vectors.description, vectors.width) != (network.vectors, network.network.config.words):
+            raise InputError(
+                f"the network learned words by {network.vectors} of "
+                f"{network.network.config.words} numbers, and these are {vectors.description} of "
+                f"{vectors.width}",
+                where=named or self._settings.checkpoint,
+                remedy="Name the same vectors, or none where a stand-in was learned from",
+            )
+        return vectors

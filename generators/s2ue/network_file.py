@@ -1,0 +1,96 @@
+"""A Speech2UnifiedExpressions network with all that its motion depends on, in one file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import torch
+
+from generators.s2ue.config import NetworkConfig
+from generators.s2ue.model import Network
+from motion.errors import InputError
+from motion.face_landmarks import FaceLandmarks
+from training.speakers import Speakers
+from training.weights_file import read_weights, write_weights
+
+_NETWORK: Final = "s2ue"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class S2ueNetwork:
+    """A network that tells motion.
+
+    Attributes
+    ----------
+    network : Network
+        In evaluation mode, on the CPU.
+    speakers : Speakers
+        Whom it learned from.
+    vectors : str
+        Whose vectors of words it learned from.
+    training : mapping
+        How it was trained, as JSON values.
+    """
+
+    network: Network
+    speakers: Speakers
+    vectors: str
+    training: Mapping[str, Any] = field(default_factory=dict)
+
+
+def write_network(path: Path, network: S2ueNetwork) -> None:
+    """Write a network to one safetensors file."""
+    facts = {
+        "network": _NETWORK,
+        "config": asdict(network.network.config),
+        "speakers": list(network.speakers.names),
+        "vectors": network.vectors,
+        "training": dict(network.training),
+    }
+    weights = network.network.state_dict()
+    write_weights(path, {f"network.{name}": one for name, one in weights.items()}, facts)
+
+
+def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
+    """Return the network of a file that `write_network` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file holds another network, or one of other landmarks than `face` has.
+    """
+    file = read_weights(path)
+    try:
+        facts = file.facts
+        if facts["network"] != _NETWORK:
+            raise ValueError("another network")
+        given = dict(facts["config"])
+        given["components"] = tuple(tuple(part) for part in given["components"])
+        config = NetworkConfig(**given | {"lips": tuple(given["lips"])})
+        neutral = file.tensors["network.neutral"]
+        network = Network(config, neutral.numpy())
+        network.load_state_dict(file.part("network"))
+        speakers = Speakers(tuple(facts["speakers"]), config.speakers)
+        loaded = S2ueNetwork(
+            network=network.requires_grad_(False).eval(),
+            speakers=speakers,
+            vectors=str(facts["vectors"]),
+            training=facts["training"],
+        )
+    except (KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
+        raise InputError(
+            "the file holds weights, but not of a Speech2UnifiedExpressions network",
+            where=path,
+            remedy="Give one that 'motionjury train s2ue' wrote",
+        ) from error
+    ours = torch.from_numpy(face.neutral)
+    if neutral.shape != ours.shape or not torch.allclose(neutral, ours, atol=1e-5):
+        raise InputError(
+            "the network tells landmarks of another face than the default body's",
+            where=path,
+            remedy="Train it again with this version",
+        )
+    return loaded

@@ -1,0 +1,368 @@
+"""Training Speech2UnifiedExpressions on recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from generators.s2ue.config import (
+    ABLATIONS,
+    PRESETS,
+    LossWeights,
+    NetworkConfig,
+    components_of,
+    lips_of,
+)
+from generators.s2ue.features import features_of
+from generators.s2ue.losses import (
+    discriminator_loss,
+    diversity_loss,
+    generator_loss,
+    latent_loss,
+    phoneme_loss,
+    reconstruction_losses,
+)
+from generators.s2ue.model import Network, split_motion
+from generators.s2ue.network_file import S2ueNetwork, write_network
+from generators.trainable import Show, TrainedGenerator, TrainingRequest
+from motion.errors import InputError
+from motion.face_landmarks import FaceLandmarks
+from training.batch_order import evenly
+from training.data.feature_cache import PreparedTakes, prepare
+from training.data.windows import Windows
+from training.device import check_device
+from training.hearing.word_vectors import StandIn, WordVectors, read_word_vectors
+from training.launching import is_leader
+from training.loop import train
+from training.run_folder import RunFolder
+from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
+from training.speakers import Speakers
+
+STRIDE: Final = 10
+"""Frames from one window of a take to the next, as the TED Gesture data is cut."""
+
+HELD_OUT: Final = 256
+"""At most so many windows tell how well held-out takes are known."""
+
+_SEEN: Final = 4_000
+"""At most so many windows tell how the values of recordings spread."""
+
+_LEAST: Final = 1e-5
+"""Least deviation of a value; what never changes has this one."""
+
+_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Batch:
+    """Windows: motion, MFCC, spectrogram, vectors of words, one-hot speakers."""
+
+    motion: Tensor
+    sound: Tensor
+    spectrum: Tensor
+    words: Tensor
+    person: Tensor
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class S2ueTask:
+    """Learning to move as somebody does who says something, from how they began.
+
+    Attributes
+    ----------
+    config : NetworkConfig
+        The networks.
+    weights : LossWeights
+        What counts how much.
+    face : FaceLandmarks
+        Whose shifts motion tells.
+    training, held_out : Windows
+        Of the features ``motion``, ``sound``, ``spectrum`` and ``words``.
+    speakers : Speakers
+        Whom it learns from.
+    rest : ndarray, shape (values,)
+        The mean first frame of the takes to learn from.
+    settings : mapping
+        What else makes this training another one than the next, as JSON values.
+    data_sha256 : str
+        Hash of all takes and features.
+    device : str
+        ``cpu`` or ``cuda``.
+    """
+
+    config: NetworkConfig
+    weights: LossWeights
+    face: FaceLandmarks
+    training: Windows
+    held_out: Windows
+    speakers: Speakers
+    rest: NDArray[np.float32]
+    settings: Mapping[str, Any]
+    data_sha256: str
+    device: str = "cpu"
+
+    @property
+    def examples(self) -> int:
+        """Windows to learn from."""
+        return len(self.training)
+
+    def network(self) -> Network:
+        """Return fresh networks, which know how the values of the recordings spread."""
+        network = Network(self.config, self.face.neutral)
+        for name, values in self._spreads.items():
+            network.get_buffer(name).copy_(torch.from_numpy(values))
+        return network.to(self.device)
+
+    def losses(self, network: Network, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
+        """Return the generator's losses."""
+        return self.losses_of("generator", network, rows)
+
+    def losses_of(
+        self, name: str, network: Network, rows: NDArray[np.int64]
+    ) -> Mapping[str, Tensor]:
+        """Return the losses of generator, discriminator or phoneme predictor."""
+        batch = self._batch(self.training, rows)
+        if name == "phonemes":
+            return {"loss": self._phonemes(network, batch)}
+        noise = self._noise(len(rows))
+        if name == "discriminator":
+            with torch.no_grad():
+                found, _ = self._told(network, batch, batch.person, noise)
+            return {"loss": discriminator_loss(network.judged(batch.motion), network.judged(found))}
+        found, latents = self._told(network, batch, batch.person, noise)
+        parts = reconstruction_losses(network, found, batch.motion, self.weights)
+        total = parts["reconstruction"]
+        if self.weights.latent:
+            parts["latent"] = latent_loss(latents)
+            total = total + self.weights.latent * parts["latent"]
+        if self.weights.diversity and len(self.speakers.names) > 1:
+            other, _ = self._told(network, batch, self._others(batch.person), noise)
+            parts["diversity"] = diversity_loss(
+                network, found, other, batch.motion, self.weights.margin
+            )
+            total = total + self.weights.diversity * parts["diversity"]
+        if self.weights.adversarial:
+            parts["adversarial"] = generator_loss(network.judged(found))
+            total = total + self.weights.adversarial * parts["adversarial"]
+        return {"loss": total, **parts}
+
+    def validation(self, network: Network) -> Mapping[str, float]:
+        """Return equations 17 and 16 of held-out windows, as their speakers on the average.
+
+        All of equation 17 counts, whatever is learned by, so that ablations are measured alike.
+        """
+        rows = evenly(len(self.held_out), HELD_OUT)
+        batch = self._batch(self.held_out, rows)
+        noise = torch.zeros_like(self._noise(len(rows)))
+        found, _ = self._told(network, batch, batch.person, noise)
+        measured = reconstruction_losses(network, found, batch.motion, LossWeights())
+        if self.config.faces:
+            measured["phonemes"] = self._phonemes(network, batch)
+            measured = {"missed": measured["reconstruction"] + measured["phonemes"], **measured}
+        return {name: float(value) for name, value in measured.items()}
+
+    def _told(
+        self, network: Network, batch: _Batch, person: Tensor, noise: Tensor
+    ) -> tuple[Tensor, list[tuple[Tensor, Tensor]]]:
+        seeds = batch.motion[:, : self.config.seeds]
+        return network.synthesise(batch.sound, batch.words, person, noise, seeds)
+
+    def _phonemes(self, network: Network, batch: _Batch) -> Tensor:
+        true = split_motion(batch.motion)["face"][:, :, list(self.config.lips)]
+        return phoneme_loss(network.lips(batch.spectrum), true, network.spread[0])
+
+    def _noise(self, windows: int) -> Tensor:
+        shape = (windows, len(self.config.modalities), self.config.speaker_width)
+        return torch.randn(shape).to(self.device)
+
+    def _others(self, person: Tensor) -> Tensor:
+        """Return one-hot vectors of speakers other than those."""
+        count = len(self.speakers.names)
+        further = torch.randint(1, count, (len(person),)).to(self.device)
+        others = (person.argmax(dim=1) + further) % count
+        return torch.eye(self.config.speakers, device=person.device)[others]
+
+    def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> _Batch:
+        values = windows.batch(rows)
+        people = [self.speakers.one_hot(windows.take_of(int(row)).speaker) for row in rows]
+        told = {name: torch.from_numpy(one).to(self.device) for name, one in values.items()}
+        return _Batch(person=torch.from_numpy(np.stack(people)).to(self.device), **told)
+
+    @cached_property
+    def _spreads(self) -> dict[str, NDArray[np.float32]]:
+        """The buffers of a network: means and deviations over windows, evenly among all."""
+        seen = self.training.batch(evenly(self.examples, _SEEN))
+        flat = {
+            name: one.reshape(-1, one.shape[-1]).astype(np.float64) for name, one in seen.items()
+        }
+        motion = flat["motion"]
+        pose, face = motion[:, :BONE_VALUES], motion[:, BONE_VALUES:]
+        joints = joints_of(pose.reshape(len(pose), -1, 3))
+        spread = [_spread(one) for one in (face, pose, joints.reshape(len(pose), -1))]
+        found = {
+            "mean": motion.mean(axis=0),
+            "deviation": np.maximum(motion.std(axis=0), _LEAST),
+            "spread": np.array(spread),
+            "rest": self.rest,
+        }
+        for name in ("sound", "spectrum"):
+            deviation = np.maximum(flat[name].std(axis=0), _LEAST)
+            found[name] = np.stack([flat[name].mean(axis=0), deviation])
+        return {name: one.astype(np.float32) for name, one in found.items()}
+
+
+def _spread(values: NDArray[np.float64]) -> float:
+    """Return how far values spread about their means, all together."""
+    return float(np.maximum(np.sqrt(values.var(axis=0).mean()), _LEAST))
+
+
+def train_s2ue(
+    request: TrainingRequest,
+    out: Path,
+    run: Path,
+    *,
+    show_preparing: Show,
+    show_training: Show,
+) -> TrainedGenerator:
+    """Train Speech2UnifiedExpressions; see `generators.trainable.TrainGenerator`."""
+    check_device(request.device)
+    preset = PRESETS[request.config]
+    ablation = request.choices.get("ablation")
+    vectors = vectors_of(request.choices.get("vectors"))
+    config, weights = _chosen(request, ablation, vectors)
+    face = FaceLandmarks.of_default_body()
+    if request.takes.kind == "ted" and config.faces:
+        raise InputError(
+            "recordings of the layout 'ted' have no face",
+            remedy="Train with --ablation without_face, or give recordings with faces",
+        )
+    prepared = prepare(
+        request.takes,
+        features_of(request.takes.kind, face, vectors, config.frame_rate, faces=config.faces),
+        request.cache,
+        frame_rate=config.frame_rate,
+        show=show_preparing,
+    )
+    taught = {take.speaker for take in prepared.takes if take.split == "train"}
+    names = tuple(name for name in request.takes.speakers if name in taught)
+    config = replace(config, speakers=len(names))
+    task = S2ueTask(
+        config=config,
+        weights=weights,
+        face=face,
+        training=Windows(prepared, split="train", frames=config.frames, stride=STRIDE),
+        held_out=Windows(prepared, split="validation", frames=config.frames, stride=config.frames),
+        speakers=Speakers(names, len(names)),
+        rest=_rest(prepared),
+        settings={
+            **{f"network {name}": _plain(value) for name, value in asdict(config).items()},
+            **{f"loss {name}": value for name, value in asdict(weights).items()},
+            "speakers": list(names),
+            "vectors": vectors.description,
+            "device": request.device,
+        },
+        data_sha256=prepared.sha256,
+        device=request.device,
+    )
+    training = preset.training.changed(
+        request.changes, epochs=preset.epochs, examples=task.examples
+    )
+    without = {
+        "discriminator": not weights.adversarial,
+        "phonemes": not config.faces,
+    }
+    passes = tuple(one for one in training.passes if not without.get(one.name, False))
+    training = replace(training, passes=passes)
+    trained = train(task, training, RunFolder(run), show=show_training)
+    facts = {
+        "config": training.facts(),
+        "losses": asdict(weights),
+        "ablation": ablation,
+        "best_step": trained.best.step,
+        "held_out": dict(trained.best.measured),
+        "data": {"kind": request.takes.kind, "sha256": prepared.sha256},
+        "versions": {name: metadata.version(name) for name in _PACKAGES},
+    }
+    if is_leader():
+        write_network(
+            out,
+            S2ueNetwork(
+                network=trained.network.cpu(),
+                speakers=task.speakers,
+                vectors=vectors.description,
+                training=facts,
+            ),
+        )
+    return _said(task, prepared, vectors, trained.best.step, trained.best.measured)
+
+
+def vectors_of(named: str | Path | None) -> WordVectors:
+    """Return the vectors of a file, or a stand-in."""
+    return StandIn() if named is None else read_word_vectors(Path(named))
+
+
+def _chosen(
+    request: TrainingRequest, ablation: str | None, vectors: WordVectors
+) -> tuple[NetworkConfig, LossWeights]:
+    """Return sizes and weights with the ablation's changes; the speakers are not counted yet."""
+    actions = FaceLandmarks.of_default_body().actions
+    config = NetworkConfig(
+        components=components_of(actions),
+        lips=lips_of(actions),
+        speakers=1,
+        words=vectors.width,
+        **PRESETS[request.config].sizes,
+    )
+    changes = {} if ablation is None else ABLATIONS[ablation]
+    of_losses = {name: value for name, value in changes.items() if hasattr(LossWeights, name)}
+    of_network = {name: value for name, value in changes.items() if name not in of_losses}
+    return replace(config, **of_network), replace(LossWeights(), **of_losses)
+
+
+def _rest(prepared: PreparedTakes) -> NDArray[np.float32]:
+    """Return the mean first frame of the takes to learn from."""
+    firsts = [
+        motion[0]
+        for take, motion in zip(prepared.takes, prepared.arrays["motion"], strict=True)
+        if take.split == "train"
+    ]
+    return np.asarray(np.mean(firsts, axis=0), np.float32)
+
+
+def _plain(value: object) -> object:
+    """Return a value as JSON holds it."""
+    return [_plain(one) for one in value] if isinstance(value, tuple) else value
+
+
+def _said(
+    task: S2ueTask,
+    prepared: PreparedTakes,
+    vectors: WordVectors,
+    step: int,
+    measured: Mapping[str, float],
+) -> TrainedGenerator:
+    takes = [take for take in prepared.takes if take.split == "train"]
+    told = sum(take.transcript is not None for take in takes)
+    sentences = (
+        f"Learned from {len(task.training)} windows of {len(takes)} takes by "
+        f"{len(task.speakers.names)} speakers ({', '.join(task.speakers.names)}); {told} takes "
+        "have a transcript.",
+        f"In {len(task.held_out)} held-out windows its motion is off by "
+        f"{measured['reconstruction']:.3f} of how far motion spreads (equation 17).",
+        f"Its weights are those of step {step}.",
+    )
+    warnings = []
+    if isinstance(vectors, StandIn):
+        warnings.append(f"Words had a {vectors.description}; name FastText's with --vectors.")
+    if not told:
+        warnings.append("It learned from sound alone: no recording has a transcript beside it.")
+    return TrainedGenerator(sentences=sentences, warnings=tuple(warnings), skipped=prepared.skipped)

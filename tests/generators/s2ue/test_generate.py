@@ -1,0 +1,163 @@
+"""Speech of any length is moved to, smoothly, the same each time, while it is still spoken."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.metrics.seams import Windows, seam_acceleration
+from generators.interface import SpeechSegment
+from generators.s2ue.generate import S2ue
+from generators.s2ue.settings import S2ueSettings
+from motion.errors import InputError
+from tests.generators.diffsheg.small_network import written_network as other_network
+from tests.generators.s2ue.small_network import FACE, written_network
+
+Speak = Callable[..., SpeechSegment]
+
+
+@pytest.fixture(scope="module")
+def checkpoint(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return written_network(tmp_path_factory.mktemp("s2ue") / "small.safetensors")
+
+
+@pytest.fixture
+def speech(speak: Speak) -> SpeechSegment:
+    spoken = speak("a", 7.3, "neutral", 2)
+    return replace(spoken, segment=replace(spoken.segment, transcript="hello there my friend"))
+
+
+def generator(checkpoint: Path, **settings: object) -> S2ue:
+    return S2ue(S2ueSettings(checkpoint=checkpoint, **settings))
+
+
+def values(made: S2ue, speech: SpeechSegment, seed: int = 1, pieces: int = 1) -> np.ndarray:
+    parts = np.array_split(speech.audio.samples, pieces)
+    return np.concatenate(list(made.stream(parts, seed=seed)))
+
+
+@pytest.mark.parametrize("seconds", [0.1, 2.0, 2.27, 2.3, 2.4, 4.0, 4.26, 6.4])
+def test_motion_lasts_as_long_as_the_speech(checkpoint: Path, speak: Speak, seconds: float) -> None:
+    found = values(generator(checkpoint), speak("a", seconds))
+    assert found.shape == (round(seconds * 15), 27 + 3 * FACE.count)
+    lengths = np.linalg.norm(found[:, :27].reshape(-1, 9, 3), axis=-1)
+    np.testing.assert_allclose(lengths, 1, atol=1e-5)
+
+
+def test_how_speech_is_cut_changes_nothing(checkpoint: Path, speech: SpeechSegment) -> None:
+    made = generator(checkpoint)
+    np.testing.assert_array_equal(values(made, speech), values(made, speech, pieces=97))
+
+
+def test_frames_are_settled_with_a_bounded_delay(checkpoint: Path, speak: Speak) -> None:
+    speech, heard, made = speak("a", 9.0), 0, 0
+    lags = []
+
+    def pieces() -> object:
+        nonlocal heard
+        for start in range(0, len(speech.audio.samples), 800):
+            heard = start + 800
+            yield speech.audio.samples[start : start + 800]
+
+    for part in generator(checkpoint).stream(pieces(), seed=1):
+        lags.append(heard / 16000 - made / 15)
+        made += len(part)
+    assert max(lags) <= 34 / 15 + 0.1 + 0.05
+
+
+def test_windows_go_over_into_each_other(checkpoint: Path, speak: Speak) -> None:
+    found = values(generator(checkpoint), speak("a", 60.0))
+    seams = Windows(frames=34, overlap=4, frame_rate=15.0)
+    for part in (found[:, :27], found[:, 27:]):
+        points = part.reshape(len(part), -1, 3)
+        assert seam_acceleration(points, seams, of="points").value < 1.2
+
+
+def test_the_same_seed_gives_the_same_motion_and_another_one_another(
+    checkpoint: Path, speech: SpeechSegment
+) -> None:
+    made = generator(checkpoint)
+    np.testing.assert_array_equal(values(made, speech), values(made, speech))
+    assert not np.array_equal(values(made, speech), values(made, speech, seed=2))
+    still = generator(checkpoint, variation=0.0)
+    np.testing.assert_array_equal(values(still, speech), values(still, speech, seed=2))
+
+
+def test_it_moves_as_whom_it_is_told(checkpoint: Path, speech: SpeechSegment) -> None:
+    anna, ben, anybody = (
+        values(generator(checkpoint, variation=0.0, speaker=name), speech)
+        for name in ("anna", 2, "anybody")
+    )
+    assert not np.array_equal(anna, ben)
+    assert not np.array_equal(anybody, anna)
+    with pytest.raises(InputError, match="knows no speaker 'carl'"):
+        values(generator(checkpoint, speaker="carl"), speech)
+
+
+def test_the_clip_says_what_stood_in(checkpoint: Path, speech: SpeechSegment) -> None:
+    clip = generator(checkpoint).generate(speech, seed=1, frame_rate=30)
+    assert len(clip) == 219
+    assert clip.provenance["speaker"] in ("anna", "ben")
+    assert "stand-in for FastText" in clip.provenance["stand_ins"]
+    silent = replace(speech, segment=replace(speech.segment, transcript=""))
+    other = generator(checkpoint).generate(silent, seed=1, frame_rate=30)
+    assert "silence for the words" in other.provenance["stand_ins"]
+    assert not np.array_equal(clip.poses, other.poses)
+
+
+def test_a_transcript_with_times_moves_otherwise(
+    checkpoint: Path, speech: SpeechSegment, tmp_path: Path
+) -> None:
+    (tmp_path / "a.csv").write_text(
+        "word,start,end\nhello,3,4\nthere,4,5\nmy,5,5.5\nfriend,5.5,6\n"
+    )
+    made = generator(checkpoint, transcripts=tmp_path)
+    clip = made.generate(speech, seed=1, frame_rate=15)
+    plain = generator(checkpoint).generate(speech, seed=1, frame_rate=15)
+    assert not np.array_equal(clip.poses, plain.poses)
+    (tmp_path / "a.csv").write_text("word,start,end\nsomething,3,4\nelse,4,5\n")
+    with pytest.raises(InputError, match=r"a\.csv.*of other words"):
+        made.generate(speech, seed=1, frame_rate=15)
+    (tmp_path / "a.csv").unlink()
+    with pytest.raises(InputError, match="no transcript of a"):
+        made.generate(speech, seed=1, frame_rate=15)
+
+
+def test_vectors_of_another_width_are_refused(
+    checkpoint: Path, speech: SpeechSegment, tmp_path: Path
+) -> None:
+    (tmp_path / "other.vec").write_text("1 2\nhello 1 2\n")
+    with pytest.raises(InputError, match=r"of 300 numbers, and these are other\.vec of 2"):
+        generator(checkpoint, vectors=tmp_path / "other.vec").generate(
+            speech, seed=1, frame_rate=15
+        )
+
+
+def test_a_checkpoint_of_another_system_is_refused(tmp_path: Path, speech: SpeechSegment) -> None:
+    other = other_network(tmp_path / "other.safetensors")
+    with pytest.raises(InputError, match="not of a Speech2UnifiedExpressions network"):
+        generator(other).generate(speech, seed=1, frame_rate=15)
+
+
+@pytest.mark.parametrize(("left_out", "still"), [("faces", "arkit"), ("poses", "poses")])
+def test_what_a_network_does_not_tell_is_still(
+    tmp_path: Path, speech: SpeechSegment, left_out: str, still: str
+) -> None:
+    path = written_network(tmp_path / "a.safetensors", **{left_out: False})
+    clip = generator(path).generate(speech, seed=1, frame_rate=15)
+    assert np.ptp(getattr(clip, still), axis=0).max() < 1e-3
+
+
+def test_the_settings_change_with_what_changes_the_motion(checkpoint: Path) -> None:
+    settings = S2ueSettings(checkpoint=checkpoint)
+    others = [
+        S2ueSettings(checkpoint=checkpoint, speaker=2),
+        settings.model_copy(update={"variation": 0.5}),
+    ]
+    assert len({settings.fingerprint(), *(one.fingerprint() for one in others)}) == 3
+    with pytest.raises(ValueError, match="from 1, or name"):
+        S2ueSettings(checkpoint=checkpoint, speaker=0)

@@ -1,0 +1,142 @@
+"""Networks have the paper's parts, and each ablation lacks what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from generators.s2ue.config import ABLATIONS, BODY_PARTS, LossWeights, NetworkConfig
+from generators.s2ue.graphs import ComponentEncoder, bone_graph, component_graph, face_graph
+from generators.s2ue.model import Network
+from motion.errors import InputError
+from tests.generators.s2ue.small_network import FACE, SMALL, small_network
+
+VALUES = 27 + 3 * FACE.count
+
+
+def told(network: Network, seed: int = 1, person: int = 0, **changed: Tensor) -> Tensor:
+    chance = torch.Generator().manual_seed(seed)
+    given = {
+        "sound": torch.randn(2, 34, 84, generator=chance),
+        "words": torch.randn(2, 34, 300, generator=chance),
+        "person": torch.eye(2)[[person, person]],
+        "noise": torch.zeros(2, len(network.config.modalities), SMALL.speaker_width),
+        "seeds": network.mean + 0.1 * torch.randn(2, 4, VALUES, generator=chance),
+    } | changed
+    values, _ = network.synthesise(**given)
+    return values
+
+
+def test_landmarks_lie_in_four_components_of_which_the_lips_are_the_phonemes() -> None:
+    eyes, nose, lips, jaw = SMALL.components
+    assert sorted((*eyes, *nose, *lips, *jaw)) == list(range(FACE.count))
+    assert all(FACE.actions[one].startswith(("brow", "eye")) for one in eyes)
+    corners = set(lips) - set(SMALL.lips)
+    assert {FACE.actions[one][:9] for one in corners} >= {"mouthSmil", "mouthFrow"}
+
+
+def test_graphs_join_what_the_paper_says() -> None:
+    bones = bone_graph(2)
+    assert bones[4, 5] == bones[3, 5] == 1  # upper arm and forearm; through a third bone
+    assert bones[5, 8] == 0  # the two forearms
+    components = component_graph(3, pose=True)
+    assert components[0, 1] == components[0, 2] == 1
+    assert components[1, 2] == 0
+    assert component_graph(4, pose=False).sum() == 12
+    face = face_graph(SMALL.components, FACE.neutral)
+    np.testing.assert_array_equal(face, face.T)
+    eyes, _, lips, _ = SMALL.components
+    assert face[eyes[0], eyes[1]] == 1
+    assert face[np.ix_(eyes, lips)].sum() == 1
+
+
+def test_motion_has_all_frames_and_depends_on_all_that_is_given() -> None:
+    network = small_network()
+    plain = told(network)
+    assert plain.shape == (2, 34, VALUES)
+    for name, shape in (("sound", (34, 84)), ("words", (34, 300)), ("seeds", (4, VALUES))):
+        assert not torch.allclose(told(network, **{name: torch.rand(2, *shape)}), plain), name
+    assert not torch.allclose(told(network, person=1), plain)
+    noise = torch.ones(2, 1, SMALL.speaker_width)
+    assert not torch.allclose(told(network, noise=noise), plain)
+
+
+def test_one_embedding_tells_face_and_pose_unless_they_are_apart() -> None:
+    for synchronous in (True, False):
+        network = small_network(synchronous=synchronous)
+        seeds = network.mean.expand(2, 4, VALUES).clone()
+        before = told(network, seeds=seeds)
+        seeds[..., 27:] += 1e-3
+        pose = (told(network, seeds=seeds) - before)[..., :27]
+        assert bool(pose.abs().max() > 1e-6) == synchronous
+    assert len(network.generator.networks) == len(network.discriminator.classes) == 2
+
+
+@pytest.mark.parametrize(("left_out", "still"), [("faces", slice(27, None)), ("poses", slice(27))])
+def test_what_is_not_told_is_still(left_out: str, still: slice) -> None:
+    network = small_network(**{left_out: False})
+    moved = told(network).std(dim=1)
+    assert moved[:, still].abs().max() < 1e-6
+    assert moved.abs().max() > 1e-5
+
+
+@pytest.mark.parametrize("modality", ["face", "pose"])
+def test_the_higher_graph_can_be_left_out(modality: str) -> None:
+    network = small_network(**{f"{modality}_graph": False})
+    encoders = dict(network.generator.networks[0].seeds.items())
+    assert isinstance(encoders[modality], ComponentEncoder)
+    assert {name: one.parts is None for name, one in encoders.items()} == {
+        name: name == modality for name in encoders
+    }
+    assert told(network).shape == (2, 34, VALUES)
+
+
+def test_the_seven_ablations_change_settings_that_there_are() -> None:
+    known = {field.name for kind in (NetworkConfig, LossWeights) for field in fields(kind)}
+    assert len(ABLATIONS) == 7
+    assert all(set(changes) <= known for changes in ABLATIONS.values())
+
+
+def test_lips_are_the_phoneme_predictors_and_their_corners_are_not() -> None:
+    network = small_network()
+    values = told(network)
+    lips = network.lips(torch.randn(2, 34, 128))
+    assert lips.shape == (2, 34, len(SMALL.lips), 3)
+    whole = network.with_lips(values, lips)
+    changed = (whole - values).abs().amax(dim=(0, 1))[27:].reshape(-1, 3).amax(dim=1) > 0
+    assert changed.nonzero().ravel().tolist() == list(SMALL.lips)
+
+
+def test_every_weight_learns_from_some_loss() -> None:
+    network = small_network().train().requires_grad_(True)
+    found = told(network)
+    loss = found.square().sum() + network.judged(found).sum()
+    (loss + network.lips(torch.randn(2, 34, 128)).square().sum()).backward()
+    idle = [name for name, one in network.named_parameters() if one.grad is None]
+    assert idle == []
+
+
+def test_a_component_of_few_nodes_is_filled_with_nothing() -> None:
+    edges = np.zeros((3, 3), np.float32)
+    torch.manual_seed(1)
+    encoder = ComponentEncoder(
+        edges, ((0, 1), (2,)), component_graph(2, pose=False), (4, 6), (3, 3, 5), 3
+    ).eval()
+    values = torch.randn(2, 4, 3, 3)
+    assert encoder(values).shape == (2, 6, 5)
+    assert encoder.places.tolist() == [0, 1, 2, 3]
+    assert len(BODY_PARTS) == 3
+
+
+@pytest.mark.parametrize(
+    "changes", [{"hidden": 0}, {"seeds": 34}, {"faces": False, "poses": False}]
+)
+def test_a_network_of_nothing_is_refused(changes: Mapping[str, Any]) -> None:
+    with pytest.raises(InputError, match="tells nothing"):
+        small_network(**changes)

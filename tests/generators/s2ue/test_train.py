@@ -1,0 +1,181 @@
+"""Speech2UnifiedExpressions learns, says what from, and goes on where it was stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from scipy.ndimage import gaussian_filter1d
+
+from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights
+from generators.s2ue.network_file import load_network
+from generators.s2ue.train import S2ueTask, train_s2ue
+from generators.trainable import TrainedGenerator, TrainingRequest
+from motion.errors import InputError
+from tests.generators.s2ue.small_network import FACE, SMALL, standing
+from training.data.feature_cache import PreparedTakes
+from training.data.take import Kind, Take, TakeFolder
+from training.data.windows import Windows
+from training.speakers import Speakers
+from training.weights_file import read_weights
+
+Learn = Callable[..., TrainedGenerator]
+
+
+def _unseen(done: int, total: int, detail: str) -> None:
+    """Show nothing."""
+
+
+@pytest.fixture(scope="module", name="takes")
+def _takes() -> PreparedTakes:
+    """Takes of two speakers whose motion is one curve, which is heard."""
+    chance = np.random.default_rng(3)
+    mixing = np.concatenate(
+        [0.1 * chance.normal(size=27), 1e-3 * chance.normal(size=3 * FACE.count)]
+    )
+    arrays: dict[str, list[np.ndarray]] = {
+        name: [] for name in ("motion", "sound", "spectrum", "words")
+    }
+    takes = []
+    for number in range(8):
+        curve = 3 * gaussian_filter1d(chance.standard_normal((70, 1)), 2, axis=0)
+        arrays["motion"].append((standing() + curve * mixing).astype(np.float32))
+        for name, width in (("sound", 84), ("spectrum", 128), ("words", 300)):
+            arrays[name].append(np.repeat(curve, width, axis=1).astype(np.float32))
+        takes.append(
+            Take(
+                name=f"{number:02}",
+                speaker="ab"[number % 2],
+                emotion="",
+                split="train" if number > 1 else "validation",
+                speech=Path(f"{number}.wav"),
+                motion=Path(f"{number}.bvh"),
+            )
+        )
+    return PreparedTakes(
+        takes=tuple(takes),
+        arrays={name: tuple(values) for name, values in arrays.items()},
+        frame_rate=15.0,
+        skipped=(),
+        sha256="c" * 64,
+    )
+
+
+@pytest.fixture(name="learn")
+def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch) -> Learn:
+    sizes = {name: getattr(SMALL, name) for name in ("hidden", "node_width", "part_width", "reach")}
+    tiny = replace(PRESETS["tiny"], sizes=sizes)
+    monkeypatch.setattr("generators.s2ue.train.PRESETS", {"tiny": tiny})
+    monkeypatch.setattr("generators.s2ue.train.prepare", lambda *given, **options: takes)
+
+    def train(steps: int, out: Path, kind: Kind = "beat", **choices: str) -> TrainedGenerator:
+        request = TrainingRequest(
+            takes=TakeFolder(kind=kind, takes=takes.takes, speakers=("a", "b")),
+            cache=out.parent,
+            config="tiny",
+            changes={"steps": steps, "batch_size": 8, "checkpoint_every": 100},
+            choices=choices,
+        )
+        run = out.with_suffix(".run")
+        return train_s2ue(request, out, run, show_preparing=_unseen, show_training=_unseen)
+
+    return train
+
+
+def task(takes: PreparedTakes, **weights: float) -> S2ueTask:
+    return S2ueTask(
+        config=SMALL,
+        weights=replace(LossWeights(), **weights),
+        face=FACE,
+        training=Windows(takes, split="train", frames=34, stride=10),
+        held_out=Windows(takes, split="validation", frames=34, stride=34),
+        speakers=Speakers(("a", "b"), 2),
+        rest=standing(),
+        settings={},
+        data_sha256="",
+    )
+
+
+def test_it_learns_and_says_what_from(learn: Learn, tmp_path: Path) -> None:
+    said = learn(16, tmp_path / "a.safetensors")
+    assert "24 windows of 6 takes by 2 speakers (a, b)" in said.sentences[0]
+    assert any("stand-in for FastText" in one for one in said.warnings)
+    assert any("no recording has a transcript" in one for one in said.warnings)
+    loaded = load_network(tmp_path / "a.safetensors", FACE)
+    assert loaded.speakers.names == ("a", "b")
+    few, many = (
+        load_network(path, FACE).training["held_out"]["reconstruction"]
+        for path in (learnt_briefly(learn, tmp_path), tmp_path / "a.safetensors")
+    )
+    assert many < 0.9 * few
+
+
+def learnt_briefly(learn: Learn, folder: Path) -> Path:
+    learn(1, folder / "brief.safetensors")
+    return folder / "brief.safetensors"
+
+
+def test_a_run_that_goes_on_ends_in_the_same_bytes(learn: Learn, tmp_path: Path) -> None:
+    learn(6, tmp_path / "whole.safetensors")
+    learn(4, tmp_path / "parts.safetensors")
+    learn(6, tmp_path / "parts.safetensors")
+    whole, parts = (read_weights(tmp_path / f"{name}.safetensors") for name in ("whole", "parts"))
+    for name, tensor in whole.tensors.items():
+        torch.testing.assert_close(parts.tensors[name], tensor, rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("ablation", list(ABLATIONS))
+def test_ablations_are_trained_and_remembered(learn: Learn, tmp_path: Path, ablation: str) -> None:
+    learn(2, tmp_path / "a.safetensors", ablation=ablation)
+    loaded = load_network(tmp_path / "a.safetensors", FACE)
+    assert loaded.training["ablation"] == ablation
+    chosen = asdict(loaded.network.config) | loaded.training["losses"]
+    assert {name: chosen[name] for name in ABLATIONS[ablation]} == ABLATIONS[ablation]
+    passes = {one["name"] for one in loaded.training["config"]["passes"]}
+    assert ("discriminator" in passes) == (ablation != "without_discriminator")
+    assert ("phonemes" in passes) == (ablation != "without_face")
+
+
+def test_each_pass_teaches_its_own_network(takes: PreparedTakes) -> None:
+    wanted = task(takes)
+    network = wanted.network().train()
+    rows = np.arange(6)
+    for name in ("generator", "discriminator", "phonemes"):
+        network.zero_grad()
+        wanted.losses_of(name, network, rows)["loss"].backward()
+        part = network.get_submodule(name)
+        assert all(one.grad is not None for one in part.parameters()), name
+        if name != "generator":
+            assert all(one.grad is None for one in network.generator.parameters())
+
+
+def test_losses_that_do_not_count_are_not_computed(takes: PreparedTakes) -> None:
+    wanted = task(takes, adversarial=0.0, diversity=0.0, latent=0.0)
+    found = wanted.losses(wanted.network(), np.arange(4))
+    assert set(found) == {"loss", "reconstruction", "place", "velocity", "acceleration"}
+    assert float(found["loss"].detach()) == float(found["reconstruction"].detach())
+    assert {"latent", "diversity", "adversarial"} <= set(
+        task(takes).losses(wanted.network(), np.arange(4))
+    )
+
+
+def test_the_network_knows_how_recordings_spread(takes: PreparedTakes) -> None:
+    network = task(takes).network()
+    windows = Windows(takes, split="train", frames=34, stride=10)
+    motion = windows.batch(np.arange(len(windows)))["motion"].reshape(-1, 27 + 3 * FACE.count)
+    np.testing.assert_allclose(network.mean.numpy(), motion.mean(axis=0), atol=1e-5)
+    np.testing.assert_allclose(
+        network.spread[0], np.sqrt(motion[:, 27:].var(axis=0).mean()), rtol=1e-3
+    )
+    np.testing.assert_array_equal(network.rest.numpy(), standing())
+
+
+def test_recordings_without_faces_need_the_ablation(learn: Learn, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="have no face"):
+        learn(1, tmp_path / "a.safetensors", kind="ted")
+    assert not list(tmp_path.iterdir())
+    learn(1, tmp_path / "a.safetensors", kind="ted", ablation="without_face")
