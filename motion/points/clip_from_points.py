@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
@@ -11,16 +12,18 @@ from motion.body import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.points.facial_actions import facial_actions
-from motion.points.joint_rotations import NEEDED, rotations_from_joints
-from motion.skeleton import JOINT_NAMES, PARENTS, joint_index
+from motion.points.joint_rotations import (
+    NEEDED,
+    check_directions,
+    rotations_from_joints,
+    told_bones,
+)
+from motion.skeleton import JOINT_NAMES, joint_index
 
 FloatArray = NDArray[np.float32]
 
 _OTHER_SIZE: Final = 2.5
 """How many times longer or shorter than the body's bones those of a person in metres may be."""
-
-_NO_LENGTH: Final = 1e-6
-"""Metres below which a bone has no direction."""
 
 
 def clip_from_points(
@@ -56,7 +59,8 @@ def clip_from_points(
     """
     given = _checked(joints, names)
     rest = body.joints(np.zeros(0))
-    _check_bones(given, rest)
+    check_directions(given)
+    _check_size(given, rest)
     if landmarks is not None and len(landmarks) != len(joints):
         raise InputError(
             f"there are {len(landmarks)} frames of landmarks and {len(joints)} of joints",
@@ -97,30 +101,16 @@ def _checked(joints: FloatArray, names: tuple[str, ...]) -> dict[str, NDArray[np
     return {name: joints[:, index].astype(np.float64) for index, name in enumerate(names)}
 
 
-def _check_bones(given: dict[str, NDArray[np.float64]], rest: NDArray[np.float64]) -> None:
-    """Raise where a bone has no direction, or the figure is not as large as a person."""
+def _check_size(given: Mapping[str, NDArray[np.float64]], rest: NDArray[np.float64]) -> None:
+    """Raise where the figure is not as large as a person in metres."""
     ratios = []
-    for start, end in _bones(given):
-        lengths = np.linalg.norm(given[end] - given[start], axis=1)
-        if lengths.min() < _NO_LENGTH:
-            raise InputError(
-                f"{start} and {end} are one point in frame {int(lengths.argmin())}",
-                remedy="Leave out frames in which joints were not found",
-            )
+    for start, end in told_bones(given):
+        length = np.median(np.linalg.norm(given[end] - given[start], axis=1))
         own = np.linalg.norm(rest[joint_index(end)] - rest[joint_index(start)])
-        ratios.append(float(np.median(lengths)) / float(own))
+        ratios.append(float(length) / float(own))
     size = float(np.median(ratios))
     if not 1 / _OTHER_SIZE < size < _OTHER_SIZE:
         raise InputError(
             f"the bones are {size:.3g} times as long as the body's",
             remedy="Give metres",
         )
-
-
-def _bones(given: dict[str, NDArray[np.float64]]) -> list[tuple[str, str]]:
-    """Return the bones that are told: of the trunk, then each joint with its parent."""
-    trunk = [("pelvis", "neck"), ("right_shoulder", "left_shoulder")]
-    trunk += [("neck", f"{side}_shoulder") for side in ("left", "right")]
-    pairs = zip(PARENTS, JOINT_NAMES, strict=True)
-    limbs = [(JOINT_NAMES[parent], joint) for parent, joint in pairs if parent >= 0]
-    return trunk + [bone for bone in limbs if bone[0] in given and bone[1] in given]

@@ -17,15 +17,16 @@ FloatArray = NDArray[np.float32]
 _FARTHEST: Final = 0.2
 """Metres beyond which no landmark of a face shifts."""
 
-_RIDGE: Final = 3e-4
-"""Metres of misfit that count as much as a weight of 1: actions that no landmark shows stay 0."""
+EXACT: Final = 3e-4
+"""Metres of misfit that count as much as a weight of 1, of landmarks without noise: only what no
+landmark shows stays 0."""
 
 _SWEEPS: Final = 200
 _SETTLED: Final = 1e-4
 """A sweep that changes no weight by more ends the search."""
 
 
-def facial_actions(shifts: FloatArray, body: BodyModel) -> FloatArray:
+def facial_actions(shifts: FloatArray, body: BodyModel, *, misfit: float = EXACT) -> FloatArray:
     """Return the weights of ARKit's facial actions that shift the landmarks nearest to `shifts`.
 
     Least squares with all weights in [0, 1], by coordinate descent in all frames at once.
@@ -37,6 +38,9 @@ def facial_actions(shifts: FloatArray, body: BodyModel) -> FloatArray:
         `FaceLandmarks.of(body)`.
     body : BodyModel
         The body whose facial actions they are.
+    misfit : float
+        Metres of misfit, over all landmarks, that count as much as a weight of 1. Noisy landmarks
+        need more, so that no action explains their noise.
 
     Returns
     -------
@@ -59,20 +63,22 @@ def facial_actions(shifts: FloatArray, body: BodyModel) -> FloatArray:
     effects = directions[:, :, :slots].reshape(-1, slots).astype(np.float64)
     flat = shifts.reshape(len(shifts), -1).astype(np.float64)
     weights = np.zeros((len(shifts), ARKIT_COUNT), np.float32)
-    weights[:, :slots] = _bounded(effects, flat).T
+    weights[:, :slots] = _bounded(effects, flat, misfit).T
     return weights
 
 
-def _bounded(effects: NDArray[np.float64], wanted: NDArray[np.float64]) -> NDArray[np.float64]:
+def _bounded(
+    effects: NDArray[np.float64], wanted: NDArray[np.float64], misfit: float
+) -> NDArray[np.float64]:
     """Return the weights (K, T) in [0, 1] by which `effects` (P, K) come nearest to `wanted`."""
-    normal = effects.T @ effects + _RIDGE**2 * np.eye(effects.shape[1])
+    normal = effects.T @ effects + misfit**2 * np.eye(effects.shape[1])
     aims = effects.T @ wanted.T
     weights = np.clip(np.linalg.solve(normal, aims), 0, 1)
     for _ in range(_SWEEPS):
         before = weights.copy()
         for k, row in enumerate(normal):
-            misfit = aims[k] - row @ weights
-            weights[k] = np.clip(weights[k] + misfit / row[k], 0, 1)
+            left = aims[k] - row @ weights
+            weights[k] = np.clip(weights[k] + left / row[k], 0, 1)
         if np.abs(weights - before).max() < _SETTLED:
             break
     return np.asarray(weights)

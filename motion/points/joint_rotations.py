@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
+from motion.errors import InputError
 from motion.forearm_twist import share_forearm_twist
 from motion.hands import FINGERS, RELAXED_HANDS
 from motion.points.turning import smallest_turns, turns_of_frames
@@ -47,6 +48,9 @@ _PLANE_OVER: Final = 0.08
 
 _UPRIGHT: Final = 0.5
 """How far a head whose roll is not told goes back from how its neck leans to how the chest does."""
+
+_NO_LENGTH: Final = 1e-6
+"""Metres below which a bone has no direction."""
 
 _HANGING: Final = 72.0
 """Degrees by which arms that are not told hang down from the rest pose."""
@@ -121,7 +125,13 @@ def rotations_from_joints(
         Axis-angle against the parent, radians.
     trans : ndarray, shape (T, 3)
         Metres. Where legs are not told, the body stands at the origin and its feet stay.
+
+    Raises
+    ------
+    InputError
+        If a bone has no direction.
     """
+    check_directions(given)
     figure = _Figure(given, rest, frame_rate)
     heading = _heading(figure)
     _turn_trunk(figure, heading)
@@ -134,6 +144,26 @@ def rotations_from_joints(
     share_forearm_twist(local, None)
     poses = Rotation.from_matrix(local.reshape(-1, 3, 3)).as_rotvec()
     return poses.reshape(-1, JOINT_COUNT, 3), _translation(figure, heading)
+
+
+def check_directions(given: Mapping[str, FloatArray]) -> None:
+    """Raise `InputError` where a bone has no direction."""
+    for start, end in told_bones(given):
+        lengths = np.linalg.norm(given[end] - given[start], axis=1)
+        if lengths.min() < _NO_LENGTH:
+            raise InputError(
+                f"{start} and {end} are one point in frame {int(lengths.argmin())}",
+                remedy="Leave out frames in which joints were not found",
+            )
+
+
+def told_bones(given: Mapping[str, FloatArray]) -> list[tuple[str, str]]:
+    """Return the bones that are told: of the trunk, then each joint with its parent."""
+    trunk = [("pelvis", "neck"), ("right_shoulder", "left_shoulder")]
+    trunk += [("neck", f"{side}_shoulder") for side, _ in _SIDES]
+    pairs = zip(PARENTS, JOINT_NAMES, strict=True)
+    limbs = [(JOINT_NAMES[parent], joint) for parent, joint in pairs if parent >= 0]
+    return trunk + [bone for bone in limbs if bone[0] in given and bone[1] in given]
 
 
 def _heading(figure: _Figure) -> Rotation:

@@ -16,22 +16,25 @@ from motion.formats.joint_maps import JointMap, read_joint_map
 from studyapp.definition.folder import StudyFolder
 
 
+def existing_study(root: Path) -> StudyFolder:
+    """Return the study folder at `root`; raise `InputError` where there is none."""
+    folder = StudyFolder(root)
+    if not folder.definition.exists():
+        raise InputError(
+            "this is no study folder, study.toml is missing",
+            where=folder.root,
+            remedy=f"Make one with 'motionjury init {folder.root}'",
+        )
+    return folder
+
+
 class _StudyFolderType(click.ParamType[StudyFolder]):
     name = "folder"
 
     def convert(
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> StudyFolder:
-        if isinstance(value, StudyFolder):
-            return value
-        folder = StudyFolder(Path(str(value)))
-        if not folder.definition.exists():
-            raise InputError(
-                "this is no study folder, study.toml is missing",
-                where=folder.root,
-                remedy=f"Make one with 'motionjury init {folder.root}'",
-            )
-        return folder
+        return value if isinstance(value, StudyFolder) else existing_study(Path(str(value)))
 
 
 class _BytesType(click.ParamType[int]):
@@ -68,7 +71,8 @@ joints_option = click.option(
     "--joints",
     "joint_map",
     type=_JointMapType(),
-    help='The joints of a BVH of another skeleton: lines such as pelvis = "Hips".',
+    help="The joints of a BVH, or of joint positions, of another skeleton: lines such as "
+    'pelvis = "Hips".',
 )
 
 _MOST_PROCESSES: Final = 256

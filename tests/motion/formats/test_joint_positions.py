@@ -116,6 +116,14 @@ def test_clips_of_ted_gesture_are_read_as_they_are(tmp_path: Path) -> None:
     assert read_motion(tmp_path / "c.npz", frame_rate=25).frame_rate == 25
 
 
+def test_joints_that_were_lost_are_named(tmp_path: Path) -> None:
+    at = positions(gesturing())[:, : len(BODY_JOINTS)]
+    at[7, joint_index("left_elbow")] = at[7, joint_index("left_wrist")]
+    np.savez(tmp_path / "a.npz", joints=at, names=BODY_JOINTS, fps=30)
+    with pytest.raises(InputError, match=r"left_elbow and left_wrist are one point in frame 7"):
+        read_motion(tmp_path / "a.npz")
+
+
 def test_a_joint_map_names_an_unknown_skeleton(tmp_path: Path) -> None:
     clip = gesturing()
     names = [f"j{number}" for number in range(22)]

@@ -1,0 +1,172 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from motion.body import BodyModel, read_body
+from motion.clip import MotionClip
+from motion.face import arkit_index
+from motion.face_landmarks import landmark_vertices
+from motion.points.detection import Detection, stretches
+from motion.points.face_mesh import landmark_shifts
+from motion.points.facial_actions import facial_actions
+from motion.points.found_motion import clip_of_detection
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import forward_kinematics, joint_index
+from renderer.avatars import default_body
+
+FloatArray = NDArray[np.float64]
+FRAMES = 150
+JAW = arkit_index("jawOpen")
+BLINK = arkit_index("eyeBlinkLeft")
+
+
+@pytest.fixture(scope="module")
+def body() -> BodyModel:
+    return read_body(default_body())
+
+
+def talking() -> MotionClip:
+    """Return a clip of a face that opens its mouth and blinks, and of moving arms."""
+    time = np.arange(FRAMES) / 30
+    arkit = np.zeros((FRAMES, 52))
+    arkit[:, JAW] = 0.35 - 0.35 * np.cos(5 * time)
+    arkit[:, BLINK] = arkit[:, arkit_index("eyeBlinkRight")] = time % 2 < 0.2
+    poses = np.zeros((FRAMES, 55, 3))
+    for side, sign in (("left", 1), ("right", -1)):
+        poses[:, joint_index(f"{side}_shoulder"), 2] = -sign * 1.1
+        poses[:, joint_index(f"{side}_elbow"), 1] = -sign * (1.2 + 0.4 * np.sin(2 * time))
+    return MotionClip(poses=poses, trans=np.zeros((FRAMES, 3)), frame_rate=30, arkit=arkit)
+
+
+def seen_pose(clip: MotionClip) -> FloatArray:
+    """Return the pose as a detector tells it of a camera that is held askew."""
+    at, turns = forward_kinematics(clip.poses, clip.trans, REST_JOINTS)
+    pose = np.zeros((FRAMES, 33, 3))
+    head, turned = at[:, joint_index("head")], turns[:, joint_index("head")]
+    for place, offset in {0: (0, 0.026, 0.12), 7: (0.08, 0.05, 0), 8: (-0.08, 0.05, 0)}.items():
+        pose[:, place] = head + turned @ np.array(offset)
+    parts = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
+    for part, first in zip(parts, (11, 13, 15, 23, 25, 27), strict=True):
+        for side, place in (("left", first), ("right", first + 1)):
+            pose[:, place] = at[:, joint_index(f"{side}_{part}")]
+    for side, first in (("left", 17), ("right", 18)):
+        for place, finger in ((first, "pinky1"), (first + 2, "index1"), (first + 4, "thumb1")):
+            pose[:, place] = at[:, joint_index(f"{side}_{finger}")]
+    return Rotation.from_euler("xy", [185, 15], degrees=True).apply(pose.reshape(-1, 3)).reshape(
+        FRAMES, 33, 3
+    )  # fmt: skip
+
+
+def seen_face(clip: MotionClip, body: BodyModel) -> FloatArray:
+    """Return a face mesh whose points lie on vertices of the body's face, by a moving camera."""
+    still = replace(clip, poses=0 * clip.poses)
+    vertices = body.vertices(still).astype(float)
+    names = [str(name) for name in body.surface["material_names"]]
+    material = body.surface["material"]
+    skin = np.flatnonzero(np.isin(material, [names.index("skin"), names.index("lips")]))
+    skin = skin[body.template[skin, 1] > 0.15]
+    skin = skin[body.template[skin, 2] > 0.1]
+    chosen = np.random.default_rng(0).choice(skin, 478)
+    landmarks = landmark_vertices(body)
+    chosen[400 : 400 + len(landmarks)] = landmarks
+
+    def nearest(place: tuple[float, float, float], among: NDArray[np.intp] = skin) -> int:
+        return int(among[np.linalg.norm(body.template[among] - place, axis=1).argmin()])
+
+    lips = np.flatnonzero(material == names.index("lips"))
+    for sign, inner, outer, upper, lower in ((1, 362, 263, 386, 374), (-1, 133, 33, 159, 145)):
+        chosen[inner] = nearest((sign * 0.015, 0.269, 0.158))
+        chosen[outer] = nearest((sign * 0.043, 0.269, 0.158))
+        chosen[upper] = nearest((sign * 0.03, 0.275, 0.165))
+        chosen[lower] = nearest((sign * 0.03, 0.262, 0.162))
+    chosen[1] = nearest((0, 0.2276, 0.1876))
+    chosen[291] = lips[body.template[lips, 0].argmax()]
+    chosen[61] = lips[body.template[lips, 0].argmin()]
+    chosen[13], chosen[14] = nearest((0, 0.2035, 0.18), lips), nearest((0, 0.197, 0.178), lips)
+    for place, at in {
+        10: (0, 0.36, 0.15), 151: (0, 0.33, 0.16), 9: (0, 0.31, 0.165), 168: (0, 0.28, 0.165),
+        6: (0, 0.265, 0.17), 197: (0, 0.25, 0.18), 127: (-0.065, 0.29, 0.12),
+        356: (0.065, 0.29, 0.12), 234: (-0.068, 0.25, 0.11), 454: (0.068, 0.25, 0.11),
+    }.items():  # fmt: skip
+        chosen[place] = nearest(at)
+    mesh = vertices[:, chosen] * [1, -1, -1]
+    angles = 0.2 * np.sin(np.arange(FRAMES) / 20)
+    turned = Rotation.from_rotvec(angles[:, None] * [0, 1, 0]).as_matrix()
+    return np.asarray(900 * np.einsum("tab,tpb->tpa", turned, mesh) + [320, 240, 0])
+
+
+def detection(**changed: Any) -> Detection:
+    given = {
+        "pose": np.zeros((FRAMES, 33, 3)),
+        "visibility": np.ones((FRAMES, 33)),
+        "face": np.zeros((FRAMES, 478, 3)),
+    }
+    return Detection(frame_rate=30, **(given | changed))
+
+
+def test_a_talking_face_is_found_again(body: BodyModel) -> None:
+    clip = talking()
+    shifts = landmark_shifts(seen_face(clip, body), 30, body)
+    found = facial_actions(shifts, body, misfit=6e-3)
+    assert clip.arkit is not None
+    for action in (JAW, BLINK):
+        assert np.corrcoef(found[:, action], clip.arkit[:, action])[0, 1] > 0.9
+        assert found[:, action].max() > 0.3
+
+
+def test_a_person_seen_by_a_camera_gestures_again(body: BodyModel) -> None:
+    clip = talking()
+    found = clip_of_detection(detection(pose=seen_pose(clip), face=seen_face(clip, body)), body)
+    before, after = (
+        forward_kinematics(each.poses, each.trans, REST_JOINTS)[0] for each in (clip, found)
+    )
+    for side in ("left", "right"):
+        bones = [at[:, joint_index(f"{side}_wrist")] - at[:, joint_index(f"{side}_elbow")]
+                 for at in (before, after)]  # fmt: skip
+        units = [bone / np.linalg.norm(bone, axis=1, keepdims=True) for bone in bones]
+        assert np.degrees(np.arccos((units[0] * units[1]).sum(axis=1).clip(-1, 1))).max() < 12
+    assert found.arkit is not None and found.frame_rate == 30
+
+
+def test_an_arm_out_of_the_picture_hangs_and_that_is_said(body: BodyModel) -> None:
+    clip = talking()
+    visibility = np.ones((FRAMES, 33))
+    visibility[:, 13] = 0.1
+    found = clip_of_detection(
+        detection(pose=seen_pose(clip), face=seen_face(clip, body), visibility=visibility), body
+    )
+    assert "left arm is out of the picture" in found.provenance["notes"]
+    at = forward_kinematics(found.poses, found.trans, REST_JOINTS)[0]
+    hanging = at[:, joint_index("left_wrist"), 1] < at[:, joint_index("left_shoulder"), 1] - 0.3
+    assert hanging.all()
+
+
+def test_gaps_are_named_and_short_ones_bridged() -> None:
+    pose, face = np.zeros((400, 33, 3)), np.zeros((400, 478, 3))
+    pose[:20] = face[:20] = np.nan
+    face[100:105] = np.nan
+    face[200:240] = np.nan
+    found = Detection(frame_rate=30, pose=pose, visibility=np.ones((400, 33)), face=face)
+    divided = [(part.start, part.end, part.reason) for part in stretches(found)]
+    assert divided == [
+        (0, 20, "nobody was found"),
+        (20, 200, ""),
+        (200, 240, "no face was found"),
+        (240, 400, ""),
+    ]
+    face[101:104] = np.nan
+    assert np.isfinite(found.stretch(20, 200).face).all()
+
+
+def test_a_cut_ends_a_stretch_and_short_ones_are_left_out() -> None:
+    face = np.zeros((FRAMES, 478, 3))
+    face[:, 454, 0] = 50
+    face[100:, :, 0] += 200
+    divided = [(part.start, part.end, part.reason) for part in stretches(detection(face=face))]
+    assert divided == [(0, 100, ""), (100, FRAMES, "shorter than 2 s")]
