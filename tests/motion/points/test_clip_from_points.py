@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
-from analysis.metrics.absolute_error import S2UE_JOINTS
 from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from motion.formats.any_motion import read_motion
+from motion.formats.ted_npz import JOINT_NAMES as TEN_JOINTS
 from motion.points.clip_from_points import clip_from_points
 from motion.skeleton import BODY_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics, joint_index
 from renderer.avatars import default_body
@@ -52,7 +52,7 @@ def positions(clip: MotionClip, rest: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def chosen(
-    clip: MotionClip, rest: NDArray[np.float64], names: tuple[str, ...] = S2UE_JOINTS
+    clip: MotionClip, rest: NDArray[np.float64], names: tuple[str, ...] = TEN_JOINTS
 ) -> FloatArray:
     index = [joint_index(name) for name in names]
     return positions(clip, rest)[:, index].astype(np.float32)
@@ -69,12 +69,12 @@ def bones(names: tuple[str, ...]) -> list[tuple[str, str]]:
         for parent, joint in zip(PARENTS, JOINT_NAMES, strict=True)
         if parent >= 0 and joint in names
     ]
-    return TEN_BONES if names == S2UE_JOINTS else tree
+    return TEN_BONES if names == TEN_JOINTS else tree
 
 
 @settings(max_examples=20)
 @given(
-    names=st.sampled_from([S2UE_JOINTS, BODY_JOINTS, JOINT_NAMES]), seed=st.integers(0, 2**32 - 1)
+    names=st.sampled_from([TEN_JOINTS, BODY_JOINTS, JOINT_NAMES]), seed=st.integers(0, 2**32 - 1)
 )
 def test_every_bone_of_any_motion_points_where_it_was_told_to(
     names: tuple[str, ...], seed: int, body: BodyModel, rest: NDArray[np.float64]
@@ -93,8 +93,8 @@ def test_order_of_joints_and_size_of_the_person_do_not_count(
     body: BodyModel, rest: NDArray[np.float64]
 ) -> None:
     points = chosen(random_clip(5), rest)
-    told = clip_from_points(points, S2UE_JOINTS, 30, body=body)
-    other = clip_from_points(0.7 * points[:, ::-1], S2UE_JOINTS[::-1], 30, body=body)
+    told = clip_from_points(points, TEN_JOINTS, 30, body=body)
+    other = clip_from_points(0.7 * points[:, ::-1], TEN_JOINTS[::-1], 30, body=body)
     np.testing.assert_allclose(other.poses, told.poses, atol=1e-4)
 
 
@@ -122,7 +122,7 @@ def test_an_elbow_bends_only_the_way_it_can(body: BodyModel, rest: NDArray[np.fl
     poses[:, joint_index("left_shoulder")] = [0.4, 0, -1.2]
     poses[:, joint_index("left_elbow")] = [0, -1.3, 0]
     still = replace(clip, poses=poses, trans=np.zeros((5, 3)))
-    back = clip_from_points(chosen(still, rest), S2UE_JOINTS, 30, body=body)
+    back = clip_from_points(chosen(still, rest), TEN_JOINTS, 30, body=body)
     np.testing.assert_allclose(
         back.poses[:, joint_index("left_elbow")], poses[:, joint_index("left_elbow")], atol=0.05
     )
@@ -142,7 +142,7 @@ def test_a_face_comes_back_from_its_landmarks(
     clip = replace(clip, poses=0 * clip.poses)
     shifts = landmarks.shifts(clip)
     back = clip_from_points(
-        chosen(random_clip(6), rest), S2UE_JOINTS, 30, body=body, landmarks=shifts
+        chosen(random_clip(6), rest), TEN_JOINTS, 30, body=body, landmarks=shifts
     )
     assert back.arkit is not None
     assert back.arkit.min() >= 0 and back.arkit.max() <= 1
@@ -154,7 +154,7 @@ def test_facial_actions_are_bounded_least_squares(
 ) -> None:
     shifts = np.random.default_rng(1).normal(0, 4e-3, (4, landmarks.count, 3)).astype(np.float32)
     clip = clip_from_points(
-        chosen(random_clip(4), rest), S2UE_JOINTS, 30, body=body, landmarks=shifts
+        chosen(random_clip(4), rest), TEN_JOINTS, 30, body=body, landmarks=shifts
     )
     assert clip.arkit is not None
     effects = landmarks.body.expression_directions[: landmarks.count].reshape(-1, 52)
@@ -178,9 +178,9 @@ def test_a_recording_comes_back_from_ten_joints(
     rest: NDArray[np.float64],
 ) -> None:
     clip = read_motion(shared_data / file, frame_rate=frame_rate)
-    back = clip_from_points(chosen(clip, rest), S2UE_JOINTS, clip.frame_rate, body=body)
+    back = clip_from_points(chosen(clip, rest), TEN_JOINTS, clip.frame_rate, body=body)
     before, after = positions(clip, rest), positions(back, rest)
-    ends = [*bones(S2UE_JOINTS), ("right_shoulder", "left_shoulder")]
+    ends = [*bones(TEN_JOINTS), ("right_shoulder", "left_shoulder")]
     for start, end in ends:
         bone = [all_of[:, joint_index(end)] - all_of[:, joint_index(start)]
                 for all_of in (before, after)]  # fmt: skip
@@ -207,7 +207,7 @@ def test_what_is_wrong_with_joints_is_said(
     change: object, sentence: str, body: BodyModel, rest: NDArray[np.float64]
 ) -> None:
     assert callable(change)
-    points, names = change(chosen(random_clip(3), rest), S2UE_JOINTS)
+    points, names = change(chosen(random_clip(3), rest), TEN_JOINTS)
     with pytest.raises(InputError, match=sentence):
         clip_from_points(points, names, 30, body=body)
 
@@ -232,7 +232,7 @@ def test_what_is_wrong_with_landmarks_is_said(
     clip = random_clip(3)
     shifts = change(landmarks.shifts(clip))
     with pytest.raises(InputError, match=sentence):
-        clip_from_points(chosen(clip, rest), S2UE_JOINTS, 30, body=body, landmarks=shifts)
+        clip_from_points(chosen(clip, rest), TEN_JOINTS, 30, body=body, landmarks=shifts)
 
 
 def test_a_body_without_facial_actions_says_so(
@@ -242,7 +242,7 @@ def test_a_body_without_facial_actions_says_so(
     with pytest.raises(InputError, match="no ARKit facial actions"):
         clip_from_points(
             chosen(clip, rest),
-            S2UE_JOINTS,
+            TEN_JOINTS,
             30,
             body=replace(body, has_arkit_slots=False),
             landmarks=landmarks.shifts(clip),
