@@ -52,7 +52,7 @@ _UPRIGHT: Final = 0.5
 _NO_LENGTH: Final = 1e-6
 """Metres below which a bone has no direction."""
 
-_HANGING: Final = 72.0
+_HANGING: Final = 78.0
 """Degrees by which arms that are not told hang down from the rest pose."""
 
 

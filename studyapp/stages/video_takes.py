@@ -27,6 +27,8 @@ LEFT_OUT: Final = "left_out.csv"
 
 _COLUMNS: Final = ("video", "start", "end", "reason")
 _NO_SOUND: Final = "no sound"
+_WORTH_SAYING: Final = 0.1
+"""Seconds by which a video may outlast its sound before anybody needs to know."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +138,7 @@ def _parts(found: Detection, seconds: float) -> tuple[Stretch, ...]:
     parts = [
         replace(part, end=min(part.end, heard)) for part in stretches(found) if part.start < heard
     ]
-    if heard < len(found):
+    if len(found) - heard > _WORTH_SAYING * found.frame_rate:
         parts.append(Stretch(start=heard, end=len(found), reason=_NO_SOUND))
     return tuple(parts)
 
