@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
+.PHONY: help rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -61,6 +61,9 @@ bench: setup  ## Measure rendering speed and the validity of the statistics.
 
 bench-adaptive: setup  ## Simulate how much sooner adaptive pairs find an order, and draw it.
 	$(BIN)/python -m benchmarks.adaptive_pairs docs/adaptive.png
+
+bench-amuse: setup  ## Measure AMUSE's released sizes beside a plain implementation.
+	$(BIN)/python -m benchmarks.amuse
 
 bench-diffsheg: setup  ## Measure DiffSHEG's full network beside a plain loop over the same evaluations.
 	$(BIN)/python -m benchmarks.diffsheg

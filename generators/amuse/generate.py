@@ -36,6 +36,7 @@ from motion.resample import resample
 from training.device import check_device
 from training.hearing.filterbank import check_speech, filterbank
 from training.hearing.speech_frames import at_speech_rate
+from training.packing import pack
 from training.spaces.smplx_6d import smplx_6d_clip
 
 FRAME_RATE: Final = 30
@@ -151,7 +152,8 @@ class Amuse:
                 where=self._settings.speech_model,
                 remedy=f"Leave out {part}, or give networks that learned from speech taken apart",
             )
-        return replace(network, model=network.model.to(self._device))
+        pack(network.model.to(self._device))
+        return network
 
     @cached_property
     def _swapped(self) -> dict[Part, str | Path]:

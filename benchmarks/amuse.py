@@ -1,0 +1,98 @@
+"""How fast AMUSE's released sizes hear and move on this machine, beside a plain implementation.
+
+``python -m benchmarks.amuse`` asks both ways for the same ten seconds in turns and takes medians,
+because other work on the machine comes and goes. The plain way attends with torch's matrix products
+one by one, as the release does, and asks the denoiser with layers that are not fused. Weights are
+random: speed does not depend on them.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from statistics import median
+
+import torch
+from torch import Tensor
+
+from benchmarks.diffsheg import in_turns
+from generators.amuse.config import AMUSE, PARTS, SPEECH
+from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.sampling import sample_windows
+from generators.amuse.speech import SpeechModel
+from training.packing import pack
+from training.threads import torch_threads
+
+
+def speech_model(attention: str) -> SpeechModel:
+    """Return a speech model of the released size that attends in this way."""
+    torch.manual_seed(1)
+    model = SpeechModel(SPEECH).eval().requires_grad_(False)
+    for encoder in (model.content, model.emotion, model.style):
+        encoder.transformer.config._attn_implementation = attention
+    return model
+
+
+def compared(
+    what: str, fast: Callable[[], Tensor], plain: Callable[[], Tensor], rounds: int, frames: int
+) -> None:
+    """Print how fast both ways are, and how far apart what they compute."""
+    one, other = fast(), plain()
+    apart = float((one - other).abs().max() / other.abs().max())
+    turns = in_turns({"here": fast, "plain": plain}, rounds)
+    print(f"{what}: apart by {apart:.1e} of the most")
+    for name, of_one in turns.items():
+        wall, processors = (
+            median(getattr(turn, kind) for turn in of_one) for kind in ("wall", "processors")
+        )
+        print(
+            f"  {name:6s}{wall:7.3f} s by the clock, {frames / wall:6.0f} frames/s; "
+            f"{processors:.3f} s of processors"
+        )
+    ratios = [p.processors / h.processors for h, p in zip(*turns.values(), strict=True)]
+    print(f"  ratio of processors: {median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})")
+
+
+@torch.inference_mode()
+def main() -> None:
+    """Print everything."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--rounds", type=int, default=5)
+    options.add_argument("--threads", type=int, default=torch.get_num_threads())
+    given = options.parse_args()
+    prior = MotionPrior(AMUSE).eval().requires_grad_(False)
+    denoiser = Denoiser(AMUSE).eval().requires_grad_(False)
+    latents, noise = [torch.randn(1, 256) for _ in PARTS], torch.randn(1, 1, AMUSE.width)
+
+    def moved() -> Tensor:
+        return sample_windows(prior, denoiser, latents, noise)[0]
+
+    def moved_plainly() -> Tensor:
+        torch.backends.mha.set_fastpath_enabled(False)
+        try:
+            return moved()
+        finally:
+            torch.backends.mha.set_fastpath_enabled(True)
+
+    heard, packed = torch.randn(1, SPEECH.frames, SPEECH.bands), speech_model("sdpa")
+    pack(packed)
+    plain = {name: speech_model(name) for name in ("eager", "sdpa")}
+
+    def latent(model: SpeechModel) -> Tensor:
+        return torch.cat([model.latent(part, heard) for part in PARTS])
+
+    with torch_threads(given.threads):
+        print(f"{given.threads} threads, {given.rounds} turns, ten seconds of speech")
+        compared("Sampling in 50 steps, and decoding", moved, moved_plainly, given.rounds, 300)
+        for name, model in plain.items():
+            compared(
+                f"Hearing by three encoders, plain attention: {name}",
+                lambda: latent(packed),
+                lambda model=model: latent(model),  # type: ignore[misc]
+                given.rounds,
+                300,
+            )
+
+
+if __name__ == "__main__":
+    main()
