@@ -1,4 +1,4 @@
-"""What DiffSHEG is told of takes and learns to give, computed from their files."""
+"""What networks are told of takes and learn to give, computed from their files."""
 
 from __future__ import annotations
 
@@ -35,37 +35,6 @@ VERSION: Final = "1"
 """Raised whenever a feature of the same take comes out otherwise."""
 
 _SHOW_BODY: Final = 3 * len(SHOW_JOINTS)
-
-
-def features_of(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Feature, ...]:
-    """Return the features that DiffSHEG is trained on.
-
-    Parameters
-    ----------
-    dataset : {'beat', 'show'}
-        As whose motion that of the takes is told; BEAT2's is SHOW's.
-    hubert : Hubert
-        The network that hears.
-    frame_rate : float
-        Frames per second of all of them.
-
-    Returns
-    -------
-    tuple of Feature
-        ``gesture``, ``expression``, ``mel``, ``hubert``; of BEAT also ``semantic``.
-
-    Raises
-    ------
-    InputError
-        If motion is told as nobody's.
-    """
-    speech = (mel(frame_rate), heard(frame_rate, hubert))
-    if dataset == "beat":
-        scores = semantic_scores(frame_rate)
-        return (beat_gesture(frame_rate), beat_expression(frame_rate), *speech, scores)
-    if dataset == "show":
-        return (show_gesture(frame_rate), show_expression(frame_rate), *speech)
-    raise InputError(f"motion is not told as that of {dataset!r}", remedy="Use 'beat' or 'show'")
 
 
 def beat_gesture(frame_rate: float) -> Feature:

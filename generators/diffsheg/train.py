@@ -22,12 +22,21 @@ from generators.diffsheg.network_file import MotionNetwork, write_network
 from generators.trainable import Show, TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from training.batch_order import evenly
+from training.data.feature import Feature
 from training.data.feature_cache import PreparedTakes, prepare
 from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.device import check_device
 from training.diffusion import LINEAR
-from training.features import features_of
+from training.features import (
+    beat_expression,
+    beat_gesture,
+    heard,
+    mel,
+    semantic_scores,
+    show_expression,
+    show_gesture,
+)
 from training.hearing.hubert import Hubert, load_hubert, stand_in
 from training.launching import is_leader
 from training.loop import Trained, train
@@ -200,6 +209,37 @@ _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch", "tra
 
 _DATASETS: Final[Mapping[str, str]] = {"beat": "beat", "beat2": "show", "show": "show"}
 """As whose motion the recordings of a layout are told."""
+
+
+def features_of(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Feature, ...]:
+    """Return the features that DiffSHEG is trained on.
+
+    Parameters
+    ----------
+    dataset : {'beat', 'show'}
+        As whose motion that of the takes is told; BEAT2's is SHOW's.
+    hubert : Hubert
+        The network that hears.
+    frame_rate : float
+        Frames per second of all of them.
+
+    Returns
+    -------
+    tuple of Feature
+        ``gesture``, ``expression``, ``mel``, ``hubert``; of BEAT also ``semantic``.
+
+    Raises
+    ------
+    InputError
+        If motion is told as nobody's.
+    """
+    speech = (mel(frame_rate), heard(frame_rate, hubert))
+    if dataset == "beat":
+        scores = semantic_scores(frame_rate)
+        return (beat_gesture(frame_rate), beat_expression(frame_rate), *speech, scores)
+    if dataset == "show":
+        return (show_gesture(frame_rate), show_expression(frame_rate), *speech)
+    raise InputError(f"motion is not told as that of {dataset!r}", remedy="Use 'beat' or 'show'")
 
 
 def train_diffsheg(

@@ -10,6 +10,7 @@ import pytest
 import soundfile
 import torch
 
+from generators.diffsheg.train import features_of
 from motion.audio import Audio, read_audio
 from motion.errors import InputError
 from motion.face import ARKIT_NAMES
@@ -27,7 +28,7 @@ from training.data.any_folder import read_takes
 from training.data.beat_bvh import read_beat_bvh
 from training.data.feature_cache import prepare
 from training.data.take import Take
-from training.features import features_of, read_smplx
+from training.features import read_smplx
 from training.hearing.hubert import FEATURES, Hubert, stand_in
 from training.hearing.speech_frames import hear, hear_whole
 from training.spaces.beat import body_values
