@@ -46,6 +46,10 @@ SENDING_SECONDS: Final = 60.0
 """For how long the other side may take nothing of an answer."""
 
 CLOSING_SECONDS: Final = 2.0
+HELD_SECONDS: Final = 1.0
+"""How long an answer is kept back that asks for patience, so that nobody asks again at once."""
+
+ASKS_FOR_PATIENCE: Final = b"HTTP/1.1 429 "
 BLOCK: Final = 1 << 16
 
 END_OF_HEAD: Final = b"\r\n\r\n"
@@ -62,10 +66,12 @@ class Line(socket.socket):
         super().__init__(fileno=accepted.detach())
         self.setblocking(False)
         self._unsent: deque[memoryview | tuple[int, int, int]] = deque()
+        self.is_held = False
 
     def sendall(self, data: Any, flags: int = 0, /) -> None:
         """Keep `data` until it can be sent."""
         self._unsent.append(memoryview(bytes(data)))
+        self.is_held = self.is_held or data[: len(ASKS_FOR_PATIENCE)] == ASKS_FOR_PATIENCE
 
     def sendfile(self, file: Any, offset: int = 0, count: int | None = None) -> int:
         """Keep a part of `file` until it can be sent; the file itself may be closed."""
@@ -126,6 +132,8 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         super().__init__(*args, **kwargs)
         self._until: dict[Any, float] = {}
         """Until when each line is waited for that no thread has."""
+        self._held: deque[tuple[float, Any]] = deque()
+        """Lines whose answers are kept back, each with until when."""
         self._looked_at = 0.0
 
     def enqueue_req(self, conn: Any) -> None:
@@ -193,14 +201,22 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         """Answer a request, in a thread; return whether another one may follow on the line."""
         keeps = super().handle(conn)
         conn.sock.setblocking(False)
-        with suppress(OSError, EOFError):
-            conn.sock.send_on()
+        if not conn.sock.is_held:
+            with suppress(OSError, EOFError):
+                conn.sock.send_on()
         # Where the next request begins is known only behind a whole one.
         return bool(keeps) and conn.whole
 
     def finish_request(self, conn: Any, fs: Any) -> None:
         """Send what the thread could not send at once."""
         conn.keeps = not fs.cancelled() and fs.exception() is None and fs.result()
+        if conn.sock.is_held:
+            self._held.append((time.monotonic() + HELD_SECONDS, conn))
+        else:
+            self._send(conn)
+
+    def _send(self, conn: Any) -> None:
+        conn.sock.is_held = False
         self._wait(conn, self._send_on, seconds=SENDING_SECONDS, to_send=True)
         self._send_on(conn)
 
@@ -261,6 +277,8 @@ class StudyWorker(ThreadWorker):  # type: ignore[misc]
         """Close the lines that were waited for long enough, and more where there are too many."""
         now = time.monotonic()
         is_full = self.nr_conns >= self.worker_connections
+        while self._held and (is_full or self._held[0][0] <= now or not self.alive):
+            self._send(self._held.popleft()[1])
         if not is_full and now - self._looked_at < 1:
             return
         self._looked_at = now

@@ -10,6 +10,9 @@ request is that of a whole study session of 30 trials, the arrival included, div
 requests. It is that of the server's workers, from the kernel; that of PostgreSQL's own processes
 stands apart. What the simulated participants use of the same processors is shown too.
 
+How much longer others wait while one floods the server with reports is measured in real time, on a
+server of its own (`benchmarks.server.report_flood`).
+
 Two more cases look at arrivals, each a first page and the start that follows it. In one, people
 arrive and take part in real time: they read, watch and answer as long as people do. In the other,
 newcomers come to two server processes one after the other, as fast as they get places.
@@ -33,7 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.server.load import arrive, judge, keep_arriving, live
-from benchmarks.server.report_flood import report_flood
+from benchmarks.server.report_flood import STORED, report_flood_waits
 from benchmarks.server.slow_readers import slow_readers
 from tests.support.databases import BACKENDS, Backend, FreshDatabase, fresh_database
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
@@ -46,12 +49,9 @@ CONCURRENCIES: Final = (1, 8, 32, 128)
 STATED: Final = ("sqlite", 32)
 """The row that the last lines state."""
 
-STORED: Final[tuple[Kind, ...]] = ("answers", "watched")
-"""Requests that are acknowledged when what they bring is stored: answers, and what was played."""
-
 SLOW_READERS: Final = 100
 BESIDE: Final = 8
-"""Participants who answer while others read slowly, or flood the server with reports."""
+"""Participants who answer while others read slowly."""
 
 IN_REAL_TIME: Final = 256
 REAL_SECONDS: Final = 60.0
@@ -134,10 +134,11 @@ def main() -> None:
                     print("  ".join(_cells(rows[-1])), flush=True)
                 alone = measured(server, database, BESIDE, seconds)
                 slow = measured(server, database, BESIDE, seconds, slow=SLOW_READERS)
-                flooded = measured(server, database, BESIDE, seconds, flood=1)
                 ratios[backend] = slow.stored_p99_ms / alone.stored_p99_ms
-                floods[backend] = flooded.stored_p99_ms / alone.stored_p99_ms
                 arrivals += arrival_lines(server, database, seconds)
+                flood = report_flood_waits(folder, database, seconds / 2)
+                floods[backend] = flood.ratio
+                arrivals.append(f"{backend}_report_flood_errors: {len(flood.errors)}")
     backend, concurrency = STATED
     (stated,) = (row for row in rows if (row.backend, row.concurrency) == STATED)
     print(f"\n{os.cpu_count()} processors. The last lines: {backend}, {concurrency} at once;")
@@ -162,16 +163,15 @@ def measured(
     seconds: float,
     *,
     slow: int = 0,
-    flood: int = 0,
 ) -> Row:
     """Return what `concurrency` participants saw for `seconds`.
 
-    Beside them, `slow` others read slowly, and `flood` others send reports without a pause.
+    Beside them, `slow` others read slowly.
     """
 
     async def run() -> Row:
         coming, sitting = Ledger(), Ledger()
-        async with slow_readers(server.port, slow), report_flood(server.port, flood):
+        async with slow_readers(server.port, slow):
             idle = _used(server, database)
             arrived = await arrive(server.port, count=concurrency, seed=slow, ledger=coming)
             before, started = _used(server, database), time.perf_counter()

@@ -1,40 +1,177 @@
-"""Participants who send one report after another of a video that they play in very many parts."""
+"""How long others wait while a participant floods the server with reports of what was played.
+
+Participants take part in real time. Beside them, in turns of equal length, one more does nothing,
+or sends the largest reports there are without a pause, from a process of its own. The ratio is that
+of the others' slowest answers (p99) in these turns. To measure it alone:
+``python -m benchmarks.server.report_flood``.
+"""
 
 from __future__ import annotations
 
+import argparse
+import asyncio
 import json
+import multiprocessing
 import random
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+import tempfile
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from multiprocessing.synchronize import Event
+from pathlib import Path
+from typing import Final
 
-from benchmarks.server.beside import beside
+import numpy as np
+
+from benchmarks.server.load import Arrived, arrive
 from studyapp.services.watch_evidence import MOST_INTERVALS, MOST_REPORTS
+from tests.support.databases import BACKENDS, FreshDatabase, fresh_database
+from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.page_scan import SeenVideo, seen_videos
-from tests.support.study_server import HOST
-from tests.support.visitor import Ledger, Visitor
-from tests.support.wire import Wire
+from tests.support.study_server import HOST, study_server
+from tests.support.visitor import Kind, Ledger, StrandedError, Visitor
+from tests.support.wire import LostConnectionError, Wire
+
+OTHERS: Final = 192
+"""Participants who take part in real time."""
+
+PAIRS: Final = 6
+"""Turns without the flood, each followed by one with it."""
+
+BEFORE: Final = 20.0
+"""Seconds after which everybody is somewhere in a trial: it takes about as long."""
+
+STORED: Final[tuple[Kind, ...]] = ("answers", "watched")
+"""Requests that are acknowledged when what they bring is stored: answers, and what was played."""
+
+
+@dataclass
+class Waits:
+    """How long the others' requests took, in seconds, without and with the flood beside them."""
+
+    without: list[float] = field(default_factory=list)
+    beside: list[float] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+
+    def p99_ms(self, *, beside: bool) -> float:
+        """Return their p99 in milliseconds."""
+        taken = self.beside if beside else self.without
+        return 1000 * float(np.quantile(taken, 0.99)) if taken else float("nan")
+
+    @property
+    def ratio(self) -> float:
+        """How many times as long the p99 is with the flood."""
+        return self.p99_ms(beside=True) / self.p99_ms(beside=False)
+
+
+def report_flood_waits(folder: Path, database: FreshDatabase, seconds: float) -> Waits:
+    """Serve the study in `folder`, and measure it in turns of `seconds`."""
+    said = folder / "said"
+    # The clock runs as it does for people: nobody may send more than a page does.
+    with (
+        study_server(folder, said, database_url=database.url, speed=1.0) as server,
+        _flooder(server.port) as flooding,
+    ):
+        return asyncio.run(_measure(server.port, flooding, seconds))
+
+
+async def _measure(port: int, flooding: Event, seconds: float) -> Waits:
+    waits, ledger = Waits(), Ledger()
+    arrived = await arrive(port, count=OTHERS, seed=2, ledger=ledger)
+    async with _taking_part(arrived, ledger):
+        await asyncio.sleep(BEFORE)
+        for turn in range(2 * PAIRS):
+            if turn % 2:
+                flooding.set()
+            ledger.seconds = {}
+            await asyncio.sleep(seconds)
+            flooding.clear()
+            taken = [second for kind in STORED for second in ledger.seconds.get(kind, [])]
+            (waits.beside if turn % 2 else waits.without).extend(taken)
+    waits.errors = ledger.errors
+    return waits
 
 
 @asynccontextmanager
-async def report_flood(port: int, count: int) -> AsyncIterator[None]:
-    """Let `count` participants each send the largest reports during the block, without a pause."""
-    async with beside(_flood(port, number) for number in range(count)):
+async def _taking_part(arrived: list[Arrived], ledger: Ledger) -> AsyncIterator[None]:
+    """Let everybody who has `arrived` take part in real time during the block."""
+
+    async def go_on(number: int, one: Arrived) -> None:
+        await asyncio.sleep(BEFORE * number / len(arrived))
+        visitor = replace(one.visitor, ledger=ledger, in_real_time=True)
+        with suppress(StrandedError):
+            await visitor.go_on(one.address, one.page)
+
+    tasks = [asyncio.create_task(go_on(number, one)) for number, one in enumerate(arrived)]
+    try:
         yield
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        for one in arrived:
+            one.visitor.wire.close()
 
 
-async def _flood(port: int, number: int) -> None:
+@contextmanager
+def _flooder(port: int) -> Iterator[Event]:
+    """Give what lets a participant flood the server at `port` while it is set."""
+    context = multiprocessing.get_context("spawn")
+    flooding = context.Event()
+    process = context.Process(target=_flood, args=(port, flooding), daemon=True)
+    process.start()
+    try:
+        yield flooding
+    finally:
+        process.terminate()
+        process.join()
+
+
+def _flood(port: int, flooding: Event) -> None:
+    asyncio.run(_send_reports(port, flooding))
+
+
+async def _send_reports(port: int, flooding: Event) -> None:
     async with Wire(HOST, port) as wire:
-        chance = random.Random(f"flood {number}")  # noqa: S311 - repeatable, not secret
+        chance = random.Random("flood")  # noqa: S311 - repeatable, not secret
         visitor = Visitor(wire=wire, ledger=Ledger(), chance=chance)
-        page = await visitor.begin(await visitor.enrol())
+        videos = seen_videos(await visitor.begin(await visitor.enrol()))
+        reports = [
+            (video.watched_address, _largest_report(video, batch))
+            for video in videos
+            for batch in range(MOST_REPORTS)
+        ]
         while True:
-            for video in seen_videos(page):
-                for batch in range(MOST_REPORTS):
-                    body = _largest_report(video, batch)
-                    await wire.post(video.watched_address, body, "application/json")
+            for address, body in reports:
+                # In this process nothing else is waiting.
+                flooding.wait()
+                with suppress(LostConnectionError):
+                    await wire.post(address, body, "application/json", accept="application/json")
 
 
 def _largest_report(video: SeenVideo, batch: int) -> bytes:
     step = video.duration / MOST_INTERVALS
     intervals = [[part * step, (part + 0.001) * step] for part in range(MOST_INTERVALS)]
     return json.dumps({"batch": batch, "intervals": intervals}).encode()
+
+
+def main() -> None:
+    """Measure on both databases, and print what others wait for without the flood and with it."""
+    parser = argparse.ArgumentParser(description="Measure what a flood of reports costs others.")
+    parser.add_argument("--seconds", type=float, default=5.0, help="of each turn")
+    parser.add_argument("--database", choices=BACKENDS, action="append", help="of both, only this")
+    options = parser.parse_args()
+    for backend in options.database or BACKENDS:
+        with tempfile.TemporaryDirectory(prefix="bench-") as name:
+            folder = Path(name)
+            write_fabricated_study(folder, StudyShape(places=5000))
+            with fresh_database(backend, folder) as database:
+                waits = report_flood_waits(folder, database, options.seconds)
+        print(f"{backend}_without_flood_p99_ms: {waits.p99_ms(beside=False):.1f}")
+        print(f"{backend}_beside_flood_p99_ms: {waits.p99_ms(beside=True):.1f}")
+        print(f"{backend}_report_flood_p99_ratio: {waits.ratio:.2f}")
+        print(f"{backend}_report_flood_errors: {len(waits.errors)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -8,7 +8,7 @@ Python what is said in SQL here, and the same tests hold both.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from datetime import datetime
 from typing import Final, cast
 
@@ -136,7 +136,7 @@ def load_playing(session: Session, token: str, video_token: str, now: datetime) 
 
 def store_record(session: Session, video: PlayedVideo, record: Record, now: datetime) -> None:
     """Store `record` in place of what is known of `video`."""
-    values = {**asdict(record), "reported_at": now}
+    values = {**vars(record), "reported_at": now}
     if video.watch_record is None:
         session.connection().execute(FIRST, {"video_id": video.id, **values})
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Final
 
 from sqlalchemy.orm import Session
@@ -116,7 +116,7 @@ def _report(
         for start, end in intervals
         if start < video.duration and end > max(0.0, start)
     ]
-    return Report(batch=batch, intervals=inside, **asdict(playback))
+    return Report(batch=batch, intervals=inside, **vars(playback))
 
 
 def _claimed(report: Report, record: Record, others: Sequence[PlayedVideo]) -> float:

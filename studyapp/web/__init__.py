@@ -51,5 +51,6 @@ Below a path of the host (``--prefix``) all these addresses begin with it; ``/he
 beside it as well.
 
 Refusals are pages (or JSON, where the request accepts that) with status 403, 404, 409 or 422;
-they change nothing.
+they change nothing. Too many reports of what was played get status 429; the same report is accepted
+after the seconds that ``Retry-After`` tells.
 """

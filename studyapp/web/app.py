@@ -21,6 +21,7 @@ from studyapp.web import entrance, health, media, participant, sound_check, with
 from studyapp.web.errors import register_error_pages
 from studyapp.web.headers import protect
 from studyapp.web.language import language_of, speak
+from studyapp.web.report_pace import keep_pace
 from studyapp.web.research.pages import research_pages
 from studyapp.web.running import Running, attach
 from studyapp.web.sub_path import SubPath, checked_prefix
@@ -112,6 +113,7 @@ def create_app(
     )
     open_study(here.database, served, here.clock, new_version=tried)
     attach(app, here)
+    keep_pace(app, here.clock)
     speak(app, language_of(served.study.page.language))
     app.register_blueprint(entrance.pages)
     app.register_blueprint(participant.pages)

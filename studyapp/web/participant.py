@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Final
 
 from flask import Blueprint, jsonify, redirect, render_template, request, url_for
@@ -132,7 +131,7 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
         clock=here.clock,
         playback=report.playback,
     )
-    return jsonify(asdict(known))
+    return jsonify(vars(known))
 
 
 def to_where_they_stand(token: str) -> ResponseReturnValue:

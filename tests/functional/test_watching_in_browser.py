@@ -10,13 +10,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Locator, Page, Response, Route, expect
+from playwright.sync_api import Browser, Locator, Page, Response, Route, expect
 from sqlalchemy import select
 
 from studyapp.models import Trial, Video
 from studyapp.services.database import Database
 from tests.finished_study import write_finished_study, write_short_video
-from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS, expect_playing, playing_on
+from tests.functional.browsing import (
+    IN_A_BROWSER,
+    PATIENCE_MS,
+    expect_playing,
+    expect_watched,
+    playing_on,
+)
 from tests.functional.redefining import redefine
 
 pytestmark = IN_A_BROWSER
@@ -274,6 +280,40 @@ def test_a_report_whose_answer_is_lost_counts_once_after_a_reload(
     expect(page.locator("#watched")).to_have_text("Still to watch: B")
     wait_until(page, lambda: played(database, arrived[0]) > 0.9)
     assert played(database, arrived[0]) < 1.05
+
+
+def test_reports_that_are_to_come_later_are_kept_and_hold_up_nobody_for_long(
+    browser: Browser, address: str, database: Database
+) -> None:
+    page = browser.new_page()  # the browser itself complains of status 429
+    page.set_default_timeout(PATIENCE_MS)
+    take_part(page, address)
+    token = page.url.rsplit("/", 1)[1]
+    refused: list[str] = []
+
+    def refuse(route: Route) -> None:
+        refused.append(route.request.url)
+        route.fulfill(status=429, headers={"Retry-After": "1"}, body="")
+
+    page.route("**/watched/**", refuse)
+    for label in ("A", "B"):
+        play_button(page, label).click()
+        expect_watched(page, label)
+    for group in page.locator("#answers fieldset").all():
+        group.locator("label").first.click()
+    page.get_by_role("button", name="Next").click()
+    wait_until(page, lambda: len(refused) >= 4)
+    expect(page.locator("#problem")).to_be_hidden()
+    page.unroute("**/watched/**")
+
+    expect(page.locator(".progress")).to_contain_text("Trial 2 of")
+    with database.reading() as session:
+        trial = session.scalars(
+            select(Trial).where(Trial.position == 1, Trial.study_session.has(token=token))
+        ).one()
+        videos = [video.token for video in trial.videos]
+    assert [played(database, video) for video in videos] == pytest.approx([1.0, 1.0], abs=0.1)
+    page.close()
 
 
 def test_the_key_k_plays_the_video_that_has_the_focus(page: Page, address: str) -> None:

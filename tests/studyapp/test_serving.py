@@ -17,6 +17,7 @@ import pytest
 from motion.errors import InputError
 from studyapp.services.database import sqlite_url
 from studyapp.serving import run_server
+from studyapp.worker import HELD_SECONDS
 from tests.hanging_lines import hanging, slow_body, whole_video
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.page_scan import seen_videos
@@ -142,4 +143,29 @@ def test_an_honest_participant_takes_part_while_300_lines_hang_at_either_end(
 
     assert ledger.completed == 1
     assert ledger.errors == []
+    assert said.read_text("utf-8") == ""
+
+
+@pytest.mark.slow
+def test_who_sends_too_many_reports_is_kept_waiting_for_the_answer(tmp_path: Path) -> None:
+    write_fabricated_study(tmp_path, StudyShape(places=4, trials=3, practice=0, catch=1))
+    url = sqlite_url(tmp_path / "bench.db")
+    said = tmp_path / "said"
+
+    async def flood() -> tuple[float, int]:
+        async with Wire(HOST, server.port) as wire, asyncio.timeout(60):
+            one = Visitor(wire=wire, ledger=Ledger(), chance=random.Random(1))  # noqa: S311
+            address = seen_videos(await one.begin(await one.enrol()))[0].watched_address
+            while True:
+                started = time.monotonic()
+                reply = await wire.post(address, b"", "application/json")
+                if reply.status == 429:
+                    waited = time.monotonic() - started
+                    return waited, (await wire.get("/healthz")).status
+
+    with study_server(tmp_path, said, database_url=url, speed=1.0) as server:
+        waited, afterwards = asyncio.run(flood())
+
+    assert waited >= HELD_SECONDS
+    assert afterwards == 200
     assert said.read_text("utf-8") == ""

@@ -39,11 +39,18 @@ class StudyServer:
     """
 
     def __init__(
-        self, folder: Path, said: Path, *, database_url: str, workers: int, threads: int
+        self,
+        folder: Path,
+        said: Path,
+        *,
+        database_url: str,
+        workers: int,
+        threads: int,
+        speed: float,
     ) -> None:
         self.port = _free_port()
         self.said = said
-        self._arguments = [str(folder), str(self.port), str(workers), str(threads)]
+        self._arguments = [str(folder), *map(str, (self.port, workers, threads, speed))]
         # An address may hold a password, and a command line can be read by everybody.
         self._environment = {**os.environ, "DATABASE_URL": database_url}
         self._workers = workers
@@ -162,6 +169,7 @@ def study_server(
     database_url: str,
     workers: int = WORKERS,
     threads: int = THREADS,
+    speed: float = SPEED,
 ) -> Iterator[StudyServer]:
     """Serve the study in `folder` during the block.
 
@@ -175,8 +183,12 @@ def study_server(
         Where answers go.
     workers, threads : int
         As of `motionjury serve`.
+    speed : float
+        How much faster than real the server's clock runs.
     """
-    server = StudyServer(folder, said, database_url=database_url, workers=workers, threads=threads)
+    server = StudyServer(
+        folder, said, database_url=database_url, workers=workers, threads=threads, speed=speed
+    )
     try:
         server.start()
         yield server
@@ -192,7 +204,7 @@ def _free_port() -> int:
 
 def _serve(arguments: list[str]) -> None:
     """Be the server."""
-    folder, port, workers, threads = arguments
+    folder, port, workers, threads, speed = arguments
     threading.Thread(target=_end_with_the_measurement, daemon=True).start()
     try:
         run_server(
@@ -202,7 +214,7 @@ def _serve(arguments: list[str]) -> None:
             int(workers),
             threads=int(threads),
             database_url=os.environ["DATABASE_URL"],
-            rehearsal_speed=SPEED,
+            rehearsal_speed=float(speed),
         )
     except InputError as error:
         sys.exit(str(error))

@@ -5,6 +5,7 @@
 import { forget, recall, remember } from "./storage.js";
 
 const RETRY_MS = 2000;
+const LONGEST_WAIT_MS = 5000; // whatever a proxy may ask for
 const MOST_INTERVALS = 150; // the server takes 200
 
 export class WatchReports extends EventTarget {
@@ -128,6 +129,12 @@ export class WatchReports extends EventTarget {
           this.dispatchEvent(new Event("change"));
           return;
         }
+        if (answer.status === 429) {
+          // Too many have come of late. It is sent again, and nobody needs to know.
+          const seconds = Number(answer.headers.get("Retry-After"));
+          await sleep(Math.min(1000 * seconds || RETRY_MS, LONGEST_WAIT_MS));
+          continue;
+        }
         if (answer.status < 500) {
           // Another window has moved on: show where the participant stands.
           this.queue = [];
@@ -138,7 +145,11 @@ export class WatchReports extends EventTarget {
         // The same report is sent again under the same number.
       }
       this.dispatchEvent(new Event("lost"));
-      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+      await sleep(RETRY_MS);
     }
   }
+}
+
+function sleep(milliseconds) {
+  return new Promise((resolve) => setTimeout(resolve, milliseconds));
 }

@@ -1,0 +1,67 @@
+"""One participant's reports of what was played are refused before they slow down anybody else."""
+
+from __future__ import annotations
+
+import pytest
+from flask import Flask
+
+from studyapp.web import participant
+from studyapp.web.report_pace import AT_ONCE, KEPT, PER_SECOND, Pace
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.web.visitor import WATCHED, Visitor
+
+
+def accepted(pace: Pace, seconds: float, *, per_second: float) -> int:
+    """Return how many reports were accepted that came at even distances, from one participant."""
+    moments = [number / per_second for number in range(int(seconds * per_second))]
+    return sum(pace.seconds_to_wait("one", moment) == 0 for moment in moments)
+
+
+def test_a_page_can_report_in_four_windows_for_an_hour() -> None:
+    every_two_seconds_and_at_each_end = 0.5 + 0.2
+
+    per_second = 4 * every_two_seconds_and_at_each_end
+    assert accepted(Pace(), 3600, per_second=per_second) == int(3600 * per_second)
+
+
+def test_of_a_flood_no_more_is_accepted_than_the_limit() -> None:
+    assert accepted(Pace(), 60, per_second=500) == AT_ONCE + 60 * PER_SECOND - 1
+
+
+def test_waiting_as_long_as_is_asked_for_is_enough() -> None:
+    pace = Pace()
+    while not (wait := pace.seconds_to_wait("one", 5.0)):
+        pass
+
+    assert wait == pytest.approx(1 / PER_SECOND)
+    assert pace.seconds_to_wait("one", 5.0 + wait) == 0
+
+
+def test_nobody_else_has_to_wait_however_many_names_are_made_up() -> None:
+    pace = Pace()
+    for _ in range(AT_ONCE):
+        pace.seconds_to_wait("one", 0.0)
+
+    waits = [pace.seconds_to_wait(f"{number}", 0.0) for number in range(KEPT + 10)]
+
+    assert set(waits) == {0.0}
+    assert pace.seconds_to_wait("one", 0.0) > 0
+
+
+def test_what_is_too_much_is_refused_before_it_is_read_and_stops_nobody_else(
+    app: Flask, clock: SetClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flooding, other = (Visitor(app, clock).enrol().begin() for _ in range(2))
+    address = flooding.page().value("#pair", "data-watched-url")
+    monkeypatch.setattr("studyapp.web.report_pace.time.monotonic", lambda: 7.0)
+    for _ in range(AT_ONCE):
+        assert flooding.client.post(address, json=WATCHED).status_code != 429
+    with monkeypatch.context() as patch:
+        patch.delattr(participant, "record_watched")
+        refused = flooding.client.post(address, data=b"\xff")
+
+    assert (refused.status_code, refused.headers["Retry-After"]) == (429, "1")
+    other.watch()
+    assert flooding.client.get(flooding.address).status_code == 200
+    monkeypatch.setattr("studyapp.web.report_pace.time.monotonic", lambda: 8.0)
+    flooding.watch()
