@@ -136,7 +136,7 @@ def main() -> None:
                 slow = measured(server, database, BESIDE, seconds, slow=SLOW_READERS)
                 ratios[backend] = slow.stored_p99_ms / alone.stored_p99_ms
                 arrivals += arrival_lines(server, database, seconds)
-                flood = report_flood_waits(folder, database, seconds / 2)
+                flood = report_flood_waits(folder, database, 0.4 * seconds)
                 floods[backend] = flood.ratio
                 arrivals.append(f"{backend}_report_flood_errors: {len(flood.errors)}")
     backend, concurrency = STATED
