@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
+.PHONY: help rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -70,6 +70,9 @@ bench-diffsheg: setup  ## Measure DiffSHEG's full network beside a plain loop ov
 
 bench-learned-motion: setup  ## Train DiffSHEG on the synthetic corpus and compare it with all else, in docs/learned-motion.md.
 	$(BIN)/python -m benchmarks.learned_motion --write docs/learned-motion.md
+
+bench-s2ue: setup  ## Time Speech2UnifiedExpressions, from samples to clip.
+	$(BIN)/python -m benchmarks.s2ue speed
 
 bench-metrics: setup  ## Time the Fréchet distance beside a matrix square root, and all metrics of 10,000 clips.
 	$(BIN)/python -m benchmarks.metrics.frechet_distance

@@ -22,6 +22,9 @@ FloatArray = NDArray[np.float32]
 _BEFORE: Final = 1
 """Whole seconds before a window that are heard with it."""
 
+_FADES: Final = 0.4
+"""Of a window's new frames, over which it comes to where it would be without the one before."""
+
 AHEAD: Final = 0.1
 """Seconds behind a window that are heard with it."""
 
@@ -101,7 +104,8 @@ def move(
     """Yield values of motion (some frames, 27 + 3 L), as soon as they are settled.
 
     Of each window the first frames are what the one before ended with; there one goes over into
-    the other. The first one begins at rest, as recordings do.
+    the other, and by how much they are apart on the average fades while the window goes on.
+    The first one begins at rest, as recordings do.
 
     Parameters
     ----------
@@ -118,6 +122,7 @@ def move(
     seeds, new = config.seeds, config.frames - config.seeds
     told = network.rest.expand(seeds, -1)
     share = torch.linspace(0, 1, seeds + 2, device=told.device)[1:-1, None]
+    away = _fading(seeds, new).to(told.device)
     for window in windows:
         with torch.inference_mode():
             found, _ = network.synthesise(
@@ -128,11 +133,20 @@ def move(
                 told[None],
             )
             lips = network.lips(window.spectrum[None].to(told.device))
-            values = _with_units(network.with_lips(found, lips)[0])
-            values[:seeds] = _with_units(torch.lerp(told, values[:seeds], share))
+            values = network.with_lips(found, lips)[0]
+            values = values + away * (told - values[:seeds]).mean(dim=0)
+            values[:seeds] = torch.lerp(told, values[:seeds], share)
+            values = _with_units(values)
         whole = window.count == config.frames
         told = values[new:]
         yield values[: new if whole else window.count].cpu().numpy().astype(np.float64)
+
+
+def _fading(seeds: int, new: int) -> Tensor:
+    """Return a window's shares of how far it begins from the one before, (T, 1)."""
+    lasts = round(_FADES * new)
+    falling = 0.5 + 0.5 * torch.cos(torch.pi * torch.arange(1, lasts + 1) / (lasts + 1))
+    return torch.cat([torch.ones(seeds), falling, torch.zeros(new - lasts)])[:, None]
 
 
 def _words_in(window: HeardWindow, words: FloatArray | None, width: int, frames: int) -> Tensor:
