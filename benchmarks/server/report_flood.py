@@ -127,6 +127,8 @@ def _flooder(port: int) -> Iterator[Event]:
     process.start()
     try:
         yield flooding
+        if not process.is_alive():
+            raise RuntimeError("the participant who floods the server has given up")
     finally:
         process.terminate()
         process.join()
