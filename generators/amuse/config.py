@@ -39,6 +39,9 @@ class MotionConfig:
         How many latents tell the speech: 3, or 1 where a speech model does not take it apart.
     prior : bool
         Whether motion is coded by a prior; without, the denoiser sees its frames (Table A.3).
+    tokens : int
+        Of a motion's latent, each as wide as the networks. The release has one, which tells little
+        of the movement before it has learned for days.
     longest : int
         Places that the learned positions know.
     dropout : float
@@ -54,6 +57,7 @@ class MotionConfig:
     condition_width: int = 256
     conditions: int = 3
     prior: bool = True
+    tokens: int = 1
     longest: int = 500
     dropout: float = 0.1
 
@@ -117,6 +121,8 @@ class MotionPreset:
     ----------
     network : MotionConfig
         Their sizes; conditions are as wide as the speech model's latents.
+    stride : int
+        Frames from one window to the next.
     training : TrainingConfig
         How; its steps are those of one epoch where `epochs` are told.
     epochs : int or None
@@ -124,6 +130,7 @@ class MotionPreset:
     """
 
     network: MotionConfig
+    stride: int
     training: TrainingConfig
     epochs: int | None = None
 
@@ -132,8 +139,15 @@ MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
     {
         "tiny": MotionPreset(
             network=MotionConfig(
-                frames=120, width=64, feed_forward=128, layers=5, longest=122, dropout=0.0
+                frames=120,
+                width=64,
+                feed_forward=128,
+                layers=3,
+                tokens=16,
+                longest=152,
+                dropout=0.0,
             ),
+            stride=30,
             training=TrainingConfig(
                 steps=1_500,
                 batch_size=32,
@@ -145,6 +159,7 @@ MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
         ),
         "full": MotionPreset(
             network=AMUSE,
+            stride=AMUSE.frames,
             training=TrainingConfig(
                 steps=1,
                 batch_size=64,

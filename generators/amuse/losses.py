@@ -26,7 +26,8 @@ class LossWeights:
     rec, vrec : float
         Of the prior's reconstruction, L_rec, and of the body's points in it, L_Vrec.
     kl : float
-        Of the latent's distance from a standard normal law, L_KL.
+        Of the latent's distance from a standard normal law, L_KL: a mean over its values, as the
+        other losses are means. A sum, as the paper prints it, outweighs all movement.
     ld : float
         Of the noise that the denoiser does not find, L_LD.
     align, valign : float
@@ -99,7 +100,7 @@ def motion_losses(
     parts: dict[str, Tensor] = {}
     points = model.points(motion) if weights.vrec or weights.valign else None
     if weights.kl:
-        parts["kl"] = (mu.square() + std.square() - 2 * std.log() - 1).sum(dim=-1).mean() / 2
+        parts["kl"] = (mu.square() + std.square() - 2 * std.log() - 1).mean() / 2
     if weights.rec or weights.vrec:
         parts |= _missed(model, motion, points, z, "rec", "vrec", weights)
     if weights.ld:

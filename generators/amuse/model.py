@@ -16,7 +16,7 @@ from training.diffusion import step_embedding
 
 
 class Gaussian(NamedTuple):
-    """Where a motion's latent lies: means and standard deviations, (batch, 1, width) each."""
+    """Where a motion's latent lies: means and standard deviations, (batch, tokens, width) each."""
 
     mu: Tensor
     std: Tensor
@@ -95,31 +95,35 @@ class MotionPrior(nn.Module):
     def __init__(self, config: MotionConfig) -> None:
         super().__init__()
         self.config = config
-        self.global_motion_token = nn.Parameter(torch.randn(2, config.width))
+        self.global_motion_token = nn.Parameter(torch.randn(2 * config.tokens, config.width))
         self.skel_embedding = nn.Linear(config.motion_width, config.width)
         self.query_pos_encoder = Positions(config)
         self.encoder = SkipTransformer(config)
         self.query_pos_decoder = Positions(config)
         self.decoder = SkipTransformer(config, reads_memory=True)
+        if config.tokens > 1:
+            self.memory_pos = nn.Parameter(torch.randn(config.tokens, config.width))
         self.final_layer = nn.Linear(config.width, config.motion_width)
 
     @property
     def latent_shape(self) -> tuple[int, int]:
         """Tokens of a latent, and their width."""
-        return 1, self.config.width
+        return self.config.tokens, self.config.width
 
     def encode(self, motion: Tensor) -> Gaussian:
         """Return where the latent of `motion` (batch, frames, motion width) lies."""
         tokens = self.global_motion_token.expand(len(motion), -1, -1)
         x = torch.cat([tokens, self.skel_embedding(motion)], dim=1)
         x = self.encoder(self.query_pos_encoder(x))
-        return Gaussian(mu=x[:, 0:1], std=(0.5 * x[:, 1:2]).exp())
+        mu, log_variance = x[:, : len(self.global_motion_token)].chunk(2, dim=1)
+        return Gaussian(mu=mu, std=(0.5 * log_variance).exp())
 
     def decode(self, z: Tensor, frames: int | None = None) -> Tensor:
-        """Return the motion of latents `z` (batch, 1, width), (batch, frames, motion width)."""
+        """Return the motion of latents `z`, (batch, frames, motion width)."""
         count = self.config.frames if frames is None else frames
         queries = self.query_pos_decoder(z.new_zeros(len(z), count, z.shape[-1]))
-        motion: Tensor = self.final_layer(self.decoder(queries, z))
+        memory = z if self.config.tokens == 1 else z + self.memory_pos
+        motion: Tensor = self.final_layer(self.decoder(queries, memory))
         return motion
 
 
@@ -176,7 +180,8 @@ class Denoiser(nn.Module):
         Parameters
         ----------
         z_t : Tensor
-            (batch, 1, width), latents with noise; without a prior (batch, frames, motion width).
+            (batch, tokens, width), latents with noise; without a prior (batch, frames, motion
+            width).
         timestep : Tensor
             (batch,) or a single one, diffusion steps from 0 to 999.
         *speech : Tensor

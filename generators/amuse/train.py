@@ -15,6 +15,7 @@ from torch import Tensor
 
 from generators.amuse.config import MOTION_PRESETS, MotionConfig
 from generators.amuse.generate import FRAME_RATE, heard_windows
+from generators.amuse.initialisation import set_out
 from generators.amuse.losses import (
     DENOISER_ALONE,
     PRIOR_ALONE,
@@ -78,7 +79,7 @@ class MotionTask:
     weights : LossWeights
         What counts how much.
     training, held_out : Windows
-        Of the features ``motion`` and ``latents``, side by side without overlap.
+        Of the features ``motion`` and ``latents``.
     settings : mapping
         What else makes this training another one than the next, as JSON values.
     data_sha256 : str
@@ -101,12 +102,11 @@ class MotionTask:
         return len(self.training)
 
     def network(self) -> MotionModel:
-        """Return fresh networks, whose prior sets out from the mean of the motion."""
+        """Return fresh networks, whose prior sets out from what the motion is like."""
         model = MotionModel(self.config)
         seen = self.training.batch(evenly(self.examples, SEEN))["motion"]
         if isinstance(model.prior, MotionPrior):
-            with torch.no_grad():
-                model.prior.final_layer.bias.copy_(torch.from_numpy(seen.mean(axis=(0, 1))))
+            set_out(model.prior, torch.from_numpy(seen))
         return model.to(self.device)
 
     def losses(self, network: MotionModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
@@ -156,21 +156,25 @@ def whole_body() -> Feature:
     return Feature(name="motion", version=_VERSION, compute=compute)
 
 
-def speech_latents(speech: SpeechNetwork, identity: str, frames: int) -> Feature:
-    """Return content, emotion and style of each window of `frames`, the same in all its frames."""
+def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: int) -> Feature:
+    """Return content, emotion and style of the window that begins at each `stride`-th frame.
+
+    The frames up to the next window hold the same.
+    """
 
     def compute(take: Take) -> NDArray[np.float32]:
         audio = read_audio(take.speech)
         total = max(1, round(audio.duration * FRAME_RATE))
-        count = -(-total // frames)
-        plan = WindowPlan(frames=frames, stride=frames, count=count, fade=0)
+        plan = WindowPlan(frames=frames, stride=stride, count=-(-total // stride), fade=0)
         told = [
             torch.cat([speech.model.latent(part, rows) for part in speech.model.parts], dim=-1)
             for rows in heard_windows(audio, plan, speech.model.config)
         ]
-        return torch.cat(told).repeat_interleave(frames, dim=0)[:total].numpy()
+        return torch.cat(told).repeat_interleave(stride, dim=0)[:total].numpy()
 
-    return Feature(name="latents", version=f"{_VERSION} {identity} {frames}", compute=compute)
+    return Feature(
+        name="latents", version=f"{_VERSION} {identity} {frames} {stride}", compute=compute
+    )
 
 
 def train_amuse(
@@ -194,7 +198,7 @@ def train_amuse(
     if ablation == "without_prior":
         longest = max(config.longest, config.frames + 1 + config.conditions)
         config = replace(config, prior=False, longest=longest)
-    features = (whole_body(), speech_latents(speech, identity, config.frames))
+    features = (whole_body(), speech_latents(speech, identity, config.frames, preset.stride))
     prepared = prepare(
         request.takes, features, request.cache, frame_rate=FRAME_RATE, show=show_preparing
     )
@@ -202,12 +206,13 @@ def train_amuse(
     task = MotionTask(
         config=config,
         weights=weights,
-        training=Windows(prepared, split="train", frames=config.frames, stride=config.frames),
-        held_out=Windows(prepared, split="validation", frames=config.frames, stride=config.frames),
+        training=Windows(prepared, split="train", frames=config.frames, stride=preset.stride),
+        held_out=Windows(prepared, split="validation", frames=config.frames, stride=preset.stride),
         settings={
             **{f"network {name}": value for name, value in asdict(config).items()},
             **{f"loss {name}": value for name, value in asdict(weights).items()},
             "speech model": identity,
+            "stride": preset.stride,
             "device": request.device,
         },
         data_sha256=prepared.sha256,

@@ -66,7 +66,7 @@ def _takes() -> PreparedTakes:
 @pytest.fixture(name="learn")
 def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
     settings = written_networks(tmp_path)
-    tiny = replace(MOTION_PRESETS["tiny"], network=replace(MOTION, frames=FRAMES))
+    tiny = replace(MOTION_PRESETS["tiny"], network=replace(MOTION, frames=FRAMES), stride=FRAMES)
     monkeypatch.setattr("generators.amuse.train.MOTION_PRESETS", {"tiny": tiny})
     monkeypatch.setattr("generators.amuse.losses.STEPS", 5)
     monkeypatch.setattr("generators.amuse.train.prepare", lambda *given, **options: takes)
@@ -168,7 +168,7 @@ def test_each_window_is_told_what_is_heard_in_it(tmp_path: Path) -> None:
         name="a", speaker="1", emotion="", split="train",
         speech=tmp_path / "a.wav", motion=tmp_path / "a.bvh",
     )  # fmt: skip
-    told = speech_latents(network, "x", frames=30).compute(take)
+    told = speech_latents(network, "x", frames=30, stride=30).compute(take)
     assert told.shape == (90, 24)
     assert (told[:30] == told[0]).all()
     same, other = (np.linalg.norm(told[0] - told[frame]) for frame in (30, 89))

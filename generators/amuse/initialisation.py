@@ -1,0 +1,92 @@
+"""Where a motion prior sets out from, so that it learns movement and not posture alone.
+
+A frame's values differ by a few hundredths while the learned positions are of the size of 1, and
+attention that looks everywhere alike tells the frames of a window apart only after many thousand
+steps. So the linear layers at both ends set out from the principal components of the frames, and
+attention sets out by looking at what is near in time. The network and what it can learn stay.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import torch
+from torch import Tensor, nn
+
+from generators.amuse.model import MotionPrior
+
+_SHORTEST: Final = 12
+"""Frames of the fastest wave that tells the time."""
+
+_SHARPNESS: Final = 3.0
+"""How much more attention is paid to what is near in time."""
+
+_LEAST_SPREAD: Final = 1e-3
+"""Of a principal component; smaller ones are rounding."""
+
+
+@torch.no_grad()
+def set_out(prior: MotionPrior, motion: Tensor) -> None:
+    """Set the first weights of a fresh prior from `motion` (windows, frames, motion width).
+
+    Of several tokens' prior, five eighths of the width hold what moves, the rest tells the time;
+    one token sets out from the mean alone.
+    """
+    config = prior.config
+    if config.tokens == 1:
+        prior.final_layer.bias.copy_(motion.mean(dim=(0, 1)))
+        return
+    held = 5 * config.width // 8
+    _code_frames(prior, motion.flatten(0, 1), held)
+    for positions, first in (
+        (prior.query_pos_encoder, 2 * config.tokens),
+        (prior.query_pos_decoder, 0),
+    ):
+        positions.pe[first : first + config.frames] = _times(
+            config.frames, config.frames, config.width - held, held
+        )
+    tokens = _times(config.tokens, config.frames, config.width - held, held)
+    prior.memory_pos.copy_(tokens)
+    prior.query_pos_encoder.pe[: 2 * config.tokens] = 0
+    prior.global_motion_token.copy_(tokens.repeat(2, 1))
+    prior.global_motion_token[:, :held].normal_(std=0.3)
+    for layer in prior.modules():
+        if isinstance(layer, nn.MultiheadAttention):
+            _look_near(layer, held)
+
+
+def _code_frames(prior: MotionPrior, frames: Tensor, held: int) -> None:
+    """Let the linear layers take frames apart into principal components, and put them together."""
+    mean = frames.mean(dim=0)
+    components = torch.pca_lowrank(frames, q=min(held, *frames.shape), niter=4)[2]
+    spread = ((frames - mean) @ components).std(dim=0).clamp_min(_LEAST_SPREAD)
+    count = len(spread)
+    first, last = prior.skel_embedding, prior.final_layer
+    for layer in (first, last):
+        layer.weight.zero_()
+        layer.bias.zero_()
+    first.weight[:count] = (components / spread).T
+    first.bias[:count] = -first.weight[:count] @ mean
+    last.weight[:, :count] = components * spread
+    last.bias.copy_(mean)
+
+
+def _times(count: int, frames: int, waves: int, before: int) -> Tensor:
+    """Return what tells the time of `count` evenly spaced moments of a window."""
+    moments = (torch.arange(count) + 0.5) * frames / count
+    slowest, fastest = math.pi / frames, 2 * math.pi / _SHORTEST
+    turns = torch.logspace(math.log10(slowest), math.log10(fastest), waves // 2)
+    angles = moments[:, None] * turns
+    return torch.cat([torch.zeros(count, before), angles.sin(), angles.cos()], dim=1)
+
+
+def _look_near(attention: nn.MultiheadAttention, held: int) -> None:
+    """Let each head compare times, in other waves each, and hardly what moves."""
+    width, size = attention.embed_dim, attention.head_dim
+    for head in range(attention.num_heads):
+        waves = torch.linalg.qr(torch.randn(width - held, width - held)).Q[:size]
+        for part in (0, width):
+            rows = slice(part + head * size, part + head * size + len(waves))
+            attention.in_proj_weight[rows] *= 0.3
+            attention.in_proj_weight[rows, held:] = _SHARPNESS * waves
