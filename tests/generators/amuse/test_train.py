@@ -66,7 +66,9 @@ def _takes() -> PreparedTakes:
 @pytest.fixture(name="learn")
 def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
     settings = written_networks(tmp_path)
-    tiny = replace(MOTION_PRESETS["tiny"], network=replace(MOTION, frames=FRAMES), stride=FRAMES)
+    tiny = replace(
+        MOTION_PRESETS["tiny"], network=replace(MOTION, frames=FRAMES, tokens=2), stride=FRAMES
+    )
     monkeypatch.setattr("generators.amuse.train.MOTION_PRESETS", {"tiny": tiny})
     monkeypatch.setattr("generators.amuse.losses.STEPS", 5)
     monkeypatch.setattr("generators.amuse.train.prepare", lambda *given, **options: takes)

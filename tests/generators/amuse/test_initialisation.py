@@ -1,0 +1,50 @@
+"""A prior of several tokens sets out from what the motion is like."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import torch
+from torch import Tensor
+
+from generators.amuse.config import MOTION_PRESETS
+from generators.amuse.initialisation import set_out
+from generators.amuse.model import MotionPrior
+
+CONFIG = MOTION_PRESETS["tiny"].network
+
+
+@pytest.fixture(name="motion")
+def _motion() -> Tensor:
+    """Windows of motion that has twelve ways to go, around a mean."""
+    chance = torch.Generator().manual_seed(1)
+    curves = torch.randn(20, CONFIG.frames, 12, generator=chance)
+    ways = torch.randn(12, CONFIG.motion_width, generator=chance)
+    return 1 + 0.05 * curves @ ways
+
+
+def test_the_linear_layers_take_frames_apart_and_put_them_together(motion: Tensor) -> None:
+    prior = MotionPrior(CONFIG)
+    set_out(prior, motion)
+    apart = prior.skel_embedding(motion)
+    assert (prior.final_layer(apart) - motion).abs().max() < 1e-3
+    assert (apart.std(dim=(0, 1))[:12] - 1).abs().max() < 0.05
+
+
+def test_a_frame_looks_first_at_the_token_of_its_time(motion: Tensor) -> None:
+    prior = MotionPrior(CONFIG)
+    set_out(prior, motion)
+    attention = prior.decoder.input_blocks[0].multihead_attn
+    queries = prior.query_pos_decoder.pe[None, : CONFIG.frames]
+    looked = attention(queries, prior.memory_pos[None], prior.memory_pos[None])[1][0]
+    nearest = torch.arange(CONFIG.frames) * CONFIG.tokens // CONFIG.frames
+    assert (looked.argmax(dim=1) == nearest).float().mean() > 0.9
+
+
+def test_a_prior_of_one_token_sets_out_from_the_mean(motion: Tensor) -> None:
+    prior = MotionPrior(replace(CONFIG, tokens=1))
+    before = prior.skel_embedding.weight.clone()
+    set_out(prior, motion)
+    assert torch.equal(prior.skel_embedding.weight, before)
+    assert torch.allclose(prior.final_layer.bias, motion.mean(dim=(0, 1)))
