@@ -24,8 +24,7 @@ from torch import nn
 from analysis.metrics.absolute_error import MAJE, MALE, absolute_error, box_scale
 from analysis.metrics.acceleration_error import MACE_LANDMARKS, MACE_POSES, acceleration_error
 from analysis.metrics.frechet import frechet_of_samples
-from generators.s2ue.config import ABLATIONS, PRESETS, NetworkConfig, components_of, lips_of
-from generators.s2ue.features import features_of
+from generators.s2ue.config import ABLATIONS, PRESETS, NetworkConfig
 from generators.s2ue.generate import S2ue
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, load_network, write_network
@@ -39,6 +38,8 @@ from training.data.feature_cache import PreparedTakes, prepare
 from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.hearing.word_vectors import StandIn
+from training.point_features import features_of
+from training.spaces.anatomy import components_of, lips_of
 from training.spaces.bones_and_landmarks import BONE_LENGTHS, BONE_VALUES, directions_of, joints_of
 from training.speakers import Speakers
 from training.threads import torch_threads

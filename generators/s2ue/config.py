@@ -6,7 +6,7 @@ of the first author's earlier Speech2AffectiveGestures ("S2AG"), or chosen here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final
@@ -15,20 +15,7 @@ from generators.trainable import Trainable, TrainingChoice
 from motion.errors import InputError
 from training.config import Decay, TrainingConfig
 from training.passes import Pass
-
-Parts = tuple[tuple[int, ...], ...]
-
-BODY_PARTS: Final[Parts] = ((0, 1, 2), (3, 4, 5), (6, 7, 8))
-"""Bones of torso, left and right arm (section 3.3.2)."""
-
-_COMPONENT_OF: Final = {
-    "brow": 0, "eye": 0, "cheek": 1, "nose": 1, "mouth": 2, "jaw": 3, "tongue": 3,
-}  # fmt: skip
-"""Eyes, nose, lips and lower jaw, by how the name of a landmark's facial action begins. The paper
-names no brows and cheeks; they go with what lies next to them."""
-
-_CORNERS: Final = ("mouthSmile", "mouthFrown", "mouthDimple", "mouthStretch")
-"""Actions of the corners of the lips, which express and are not the phoneme predictor's."""
+from training.spaces.anatomy import Parts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,24 +108,6 @@ class NetworkConfig:
             name for name, wanted in (("face", self.faces), ("pose", self.poses)) if wanted
         )
         return (told,) if self.synchronous else tuple((name,) for name in told)
-
-
-def components_of(actions: Sequence[str]) -> Parts:
-    """Return the landmarks of each anatomical component of the face, by their facial actions."""
-    parts: tuple[list[int], ...] = ([], [], [], [])
-    for landmark, action in enumerate(actions):
-        start = next(start for start in _COMPONENT_OF if action.startswith(start))
-        parts[_COMPONENT_OF[start]].append(landmark)
-    return tuple(tuple(part) for part in parts)
-
-
-def lips_of(actions: Sequence[str]) -> tuple[int, ...]:
-    """Return the landmarks of the lips without their corners."""
-    return tuple(
-        landmark
-        for landmark, action in enumerate(actions)
-        if action.startswith("mouth") and not action.startswith(_CORNERS)
-    )
 
 
 @dataclass(frozen=True, kw_only=True)

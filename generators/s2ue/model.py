@@ -9,15 +9,16 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from generators.s2ue.config import BODY_PARTS, NetworkConfig
-from generators.s2ue.graphs import (
+from generators.s2ue.config import NetworkConfig
+from motion.formats.ted_npz import BONES
+from training.graph_convolution import ComponentEncoder
+from training.spaces.anatomy import (
     BODY_EDGES,
-    ComponentEncoder,
+    BODY_PARTS,
     bone_graph,
     component_graph,
     face_graph,
 )
-from motion.formats.ted_npz import BONES
 from training.spaces.bones_and_landmarks import BONE_VALUES
 
 FloatArray = NDArray[np.float32]

@@ -19,10 +19,7 @@ from generators.s2ue.config import (
     PRESETS,
     LossWeights,
     NetworkConfig,
-    components_of,
-    lips_of,
 )
-from generators.s2ue.features import features_of
 from generators.s2ue.losses import (
     discriminator_loss,
     diversity_loss,
@@ -43,7 +40,9 @@ from training.device import check_device
 from training.hearing.word_vectors import StandIn, WordVectors, read_word_vectors
 from training.launching import is_leader
 from training.loop import train
+from training.point_features import features_of
 from training.run_folder import RunFolder
+from training.spaces.anatomy import components_of, lips_of
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
 from training.speakers import Speakers
 

@@ -9,13 +9,14 @@ from typing import Any, Final
 import numpy as np
 import torch
 
-from generators.s2ue.config import NetworkConfig, components_of, lips_of
+from generators.s2ue.config import NetworkConfig
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
 from motion.clip import MotionClip
 from motion.face_landmarks import FaceLandmarks
 from motion.skeleton import JOINT_COUNT, joint_index
 from training.hearing.word_vectors import StandIn
+from training.spaces.anatomy import components_of, lips_of
 from training.spaces.bones_and_landmarks import values_of
 from training.speakers import Speakers
 

@@ -11,11 +11,12 @@ import pytest
 import torch
 from torch import Tensor
 
-from generators.s2ue.config import ABLATIONS, BODY_PARTS, LossWeights, NetworkConfig
-from generators.s2ue.graphs import ComponentEncoder, bone_graph, component_graph, face_graph
+from generators.s2ue.config import ABLATIONS, LossWeights, NetworkConfig
 from generators.s2ue.model import Network
 from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, small_network
+from training.graph_convolution import ComponentEncoder
+from training.spaces.anatomy import BODY_PARTS, bone_graph, component_graph, face_graph
 
 VALUES = 27 + 3 * FACE.count
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from generators.s2ue.features import features_of
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from motion.formats.ted_npz import AXES
 from tests.generators.s2ue.small_network import FACE, standing
 from training.data.take import Kind, Take
 from training.hearing.word_vectors import StandIn
+from training.point_features import features_of
 
 
 def take(folder: Path, **files: Path) -> Take:

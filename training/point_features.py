@@ -1,4 +1,4 @@
-"""What Speech2UnifiedExpressions is told of a take, and learns to give."""
+"""Takes as directions of bones and landmarks of the face, and what is heard and said in them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Graphs of landmarks, bones and anatomical components, and convolutions on them."""
+"""Convolutions on graphs of landmarks, bones and anatomical components."""
 
 from __future__ import annotations
 
@@ -7,47 +7,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from generators.s2ue.config import BODY_PARTS, Parts
-from motion.formats.ted_npz import BONES
+from training.spaces.anatomy import Parts
 
 FloatArray = NDArray[np.float32]
-
-
-def face_graph(components: Parts, neutral: FloatArray) -> FloatArray:
-    """Return which landmarks are neighbours, (L, L) of 0 and 1.
-
-    All of a component are, and each with the nearest one of every other component.
-    """
-    count = len(neutral)
-    edges = np.zeros((count, count), np.float32)
-    apart = np.linalg.norm(neutral[:, None] - neutral, axis=-1)
-    for own in components:
-        edges[np.ix_(own, own)] = 1
-        for other in components:
-            if other is not own and own and other:
-                between = apart[np.ix_(own, other)]
-                one, two = np.unravel_index(between.argmin(), between.shape)
-                edges[own[one], other[two]] = edges[other[two], own[one]] = 1
-    np.fill_diagonal(edges, 0)
-    return edges
-
-
-def bone_graph(hops: int) -> FloatArray:
-    """Return which bones are neighbours, (9, 9): those that share a joint, over so many hops."""
-    touch = np.array([[bool(set(one) & set(two)) for two in BONES] for one in BONES], np.float32)
-    reached = np.linalg.matrix_power(touch, hops) > 0
-    edges = reached.astype(np.float32)
-    np.fill_diagonal(edges, 0)
-    return edges
-
-
-def component_graph(count: int, *, pose: bool) -> FloatArray:
-    """Return which components are neighbours: all of the face; of the body the torso with each."""
-    edges = np.ones((count, count), np.float32)
-    if pose:
-        edges[1:, 1:] = 0
-    np.fill_diagonal(edges, 0)
-    return edges
 
 
 class GraphConvolution(nn.Module):
@@ -136,6 +98,3 @@ class ComponentEncoder(nn.Module):
         flat = found.permute(0, 1, 3, 2).flatten(1, 2)
         latent: Tensor = self.temporal(self.spatial(flat).transpose(1, 2))
         return latent
-
-
-BODY_EDGES = component_graph(len(BODY_PARTS), pose=True)
