@@ -120,6 +120,7 @@ class Amuse:
             speech_model=self._settings.speech_model.name,
             strength=f"{self._settings.strength:g}",
             **{part: Path(named).name for part, named in self._swapped.items()},
+            **{f"from_{part}": Path(named).name for part, named in self._left.items()},
         )
 
     @cached_property
@@ -161,6 +162,12 @@ class Amuse:
         named = ((part, getattr(self._settings, part)) for part in PARTS)
         return {part: stands_in for part, stands_in in named if stands_in is not None}
 
+    @cached_property
+    def _left(self) -> dict[Part, str | Path]:
+        """The recordings and labels that emotion and style go from, by their strength."""
+        named = ((part, getattr(self._settings, f"from_{part}", None)) for part in PARTS)
+        return {part: stands_in for part, stands_in in named if stands_in is not None}
+
     def _plan(self, audio: Audio) -> WindowPlan:
         frames = round(audio.duration * FRAME_RATE)
         return plan_windows(frames, self._networks.prior.config.frames, FADE)
@@ -169,38 +176,41 @@ class Amuse:
     def _latents(self, audio: Audio, plan: WindowPlan, on_part: OnPart) -> list[Tensor]:
         """Return content, emotion and style of each window, (windows, latent) each."""
         parts = self._speech.model.parts
-        found = {part: self._stand_in(part, plan.count) for part in self._swapped}
-        strengths = {part: 1.0 if part == "content" else self._settings.strength for part in found}
-        own = [part for part in parts if strengths.get(part, 0) < 1]
+        begin, end = (
+            {part: self._stand_in(part, named, plan.count) for part, named in side.items()}
+            for side in (self._left, self._swapped)
+        )
+        strengths = {part: 1.0 if part == "content" else self._settings.strength for part in end}
+        own = [part for part in parts if part not in begin and strengths.get(part, 0) < 1]
         heard: dict[Part, list[Tensor]] = {part: [] for part in own}
         for number, rows in enumerate(self._windows(audio, plan)):
             for part in own:
                 heard[part].append(self._speech.model.latent(part, rows))
             on_part(number + 1, plan.count)
-        for part, latents in heard.items():
-            latent = torch.cat(latents)
-            found[part] = torch.lerp(latent, found.get(part, latent), strengths.get(part, 0.0))
-        return [found[part] for part in parts]
+        begin |= {part: torch.cat(latents) for part, latents in heard.items()}
+        begin, end = end | begin, begin | end
+        return [torch.lerp(begin[part], end[part], strengths.get(part, 0.0)) for part in parts]
 
     def _windows(self, audio: Audio, plan: WindowPlan) -> list[Tensor]:
         windows = heard_windows(audio, plan, self._speech.model.config)
         return [rows.to(self._device) for rows in windows]
 
-    def _stand_in(self, part: Part, windows: int) -> Tensor:
+    def _stand_in(self, part: Part, named: str | Path, windows: int) -> Tensor:
         """Return the latents (windows, latent) of what stands in for a part of the speech.
 
         Content follows its recording, from its beginning again where it is shorter; emotion and
         style are the recording's mean.
         """
-        latents = self._heard_elsewhere[part]
+        latents = self._heard_elsewhere[part, named]
         if part != "content":
             return latents.mean(dim=0, keepdim=True).expand(windows, -1)
         return latents[torch.arange(windows) % len(latents)]
 
     @cached_property
-    def _heard_elsewhere(self) -> dict[Part, Tensor]:
+    def _heard_elsewhere(self) -> dict[tuple[Part, str | Path], Tensor]:
         """Latents (windows, latent) of each recording or label that stands in for a part."""
-        return {part: self._heard(part, named) for part, named in self._swapped.items()}
+        named = (*self._swapped.items(), *self._left.items())
+        return {one: self._heard(*one) for one in named}
 
     def _heard(self, part: Part, named: str | Path) -> Tensor:
         if isinstance(named, str):

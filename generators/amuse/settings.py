@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from generators.settings import File, ModelSettings, content
 from motion.errors import InputError
@@ -28,6 +28,8 @@ class AmuseSettings(ModelSettings):
     emotion, style : str, Path or None
         An emotion or a speaker that the speech model learned, or a recording to hear it from;
         `within` tells the two apart.
+    from_emotion, from_style : str, Path or None
+        Told in the same way: what stands in for the speech's own where `strength` is 0.
     strength : float
         Where between the speech's own emotion and style, 0, and those that are named, 1, it moves.
     """
@@ -40,9 +42,23 @@ class AmuseSettings(ModelSettings):
     style: str | Path | None = Field(
         None, description="As whom it moves: a speaker it learned from, or a recording."
     )
+    from_emotion: str | Path | None = Field(
+        None, description="Emotion that strength goes from, in place of the speech's own."
+    )
+    from_style: str | Path | None = Field(
+        None, description="Style that strength goes from, in place of the speech's own."
+    )
     strength: float = Field(
         1.0, ge=0, le=1, description="How far emotion and style go from the speech's own: 1."
     )
+
+    @model_validator(mode="after")
+    def _goes_somewhere(self) -> Self:
+        """Refuse a beginning without an end."""
+        for part in ("emotion", "style"):
+            if getattr(self, f"from_{part}") is not None and getattr(self, part) is None:
+                raise ValueError(f"from_{part} needs the {part} that it goes to")
+        return self
 
     def within(self, folder: Path) -> Self:
         """Return the settings with paths from `folder`; see `Settings.within`."""
@@ -51,11 +67,12 @@ class AmuseSettings(ModelSettings):
 
     def fingerprint(self) -> tuple[object, ...]:
         """Return what changes with any value and the content of any file, not with its place."""
-        files = (self.checkpoint, self.speech_model, self.content, self.emotion, self.style)
-        return (*(content(file) for file in files), self.strength)
+        files = (self.checkpoint, self.speech_model, self.content)
+        voices = (getattr(self, part) for part in _VOICES)
+        return (*(content(one) for one in (*files, *voices)), self.strength)
 
 
-_VOICES = ("emotion", "style")
+_VOICES = ("emotion", "style", "from_emotion", "from_style")
 
 
 def _recording(part: str, named: str | Path | None, folder: Path) -> str | Path | None:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from analysis.metrics.seams import windows_of
 from generators.amuse.generate import Amuse
@@ -134,11 +136,41 @@ def test_motion_goes_from_the_speechs_own_emotion_to_the_one_that_is_named(
     assert 0 < np.linalg.norm(half - own) < np.linalg.norm(full - own)
 
 
+def test_motion_goes_from_one_named_emotion_to_another(settings: AmuseSettings) -> None:
+    def moved(**changes: str | float) -> NDArray[np.float64]:
+        return _clip(settings.model_copy(update=changes), _speech(3.0)).poses
+
+    happy, afraid = (moved(emotion=name) for name in ("happiness", "fear"))
+    none, half, full = (
+        moved(from_emotion="happiness", emotion="fear", strength=share) for share in (0.0, 0.5, 1.0)
+    )
+    assert np.abs(happy - none).max() < 1e-5
+    assert np.abs(afraid - full).max() < 1e-5
+    assert 0 < np.linalg.norm(half - happy) < np.linalg.norm(full - happy)
+
+
+def test_motion_goes_from_a_style_that_is_named_to_one_that_is_heard(
+    settings: AmuseSettings, tmp_path: Path
+) -> None:
+    anna = settings.model_copy(update={"style": "anna"})
+    ends = {"from_style": "anna", "style": _recording(tmp_path, 520)}
+    none = settings.model_copy(update={**ends, "strength": 0.0})
+    clip = _clip(none, _speech(3.0))
+    assert np.abs(_clip(anna, _speech(3.0)).poses - clip.poses).max() < 1e-5
+    assert clip.provenance["from_style"] == "anna"
+
+
+def test_an_emotion_to_go_from_needs_one_to_go_to(settings: AmuseSettings) -> None:
+    with pytest.raises(ValidationError, match="from_emotion needs the emotion that it goes to"):
+        AmuseSettings.model_validate({**settings.model_dump(), "from_emotion": "fear"})
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
         ({"emotion": "disgust"}, r"no emotion 'disgust': it knows happiness and fear"),
         ({"style": "berta"}, r"no style 'berta': it knows anna"),
+        ({"from_emotion": "disgust", "emotion": "fear"}, r"no emotion 'disgust'"),
     ],
 )
 def test_a_label_that_nobody_learned_is_refused(
