@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,21 @@ class Speakers:
         if name in self.names:
             return self.names.index(name) + 1
         return zlib.crc32(name.encode()) % len(self.names) + 1
+
+    def chosen(self, wanted: int | str | None, speaking: str | None, checkpoint: Path) -> int:
+        """Return whom the network moves as: whom is wanted, else who speaks, else the first one.
+
+        Raises
+        ------
+        InputError
+            If the network, which lies in `checkpoint`, never heard of who is wanted.
+        """
+        if wanted is None:
+            return 1 if speaking is None else self.stand_in(speaking)
+        try:
+            return self.number(wanted)
+        except InputError as error:
+            raise InputError(error.what, where=checkpoint, remedy=error.remedy) from error
 
     def one_hot(self, name: str) -> NDArray[np.float32]:
         """Return the vector, (width,), of whoever stands in for `name`."""

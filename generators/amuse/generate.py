@@ -27,6 +27,7 @@ from generators.amuse.sampling import (
 )
 from generators.amuse.settings import AmuseSettings
 from generators.clip_length import with_length
+from generators.finite_motion import check_finite
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
 from generators.settings import content
 from motion.audio import SPEECH_RATE, Audio, read_audio
@@ -98,12 +99,7 @@ class Amuse:
             torch.from_numpy(noise.astype(np.float32)).to(self._device),
         )
         motion = join_windows(windows, plan).cpu().numpy().astype(np.float64)
-        if not np.isfinite(motion).all():
-            raise InputError(
-                "the network tells motion that is not finite",
-                where=self._settings.checkpoint,
-                remedy="Its training has diverged: give another checkpoint",
-            )
+        check_finite(motion, self._settings.checkpoint)
         wanted = max(1, round(speech.audio.duration * FRAME_RATE))
         clip = resample(smplx_6d_clip(motion[:wanted], FRAME_RATE), frame_rate)
         return with_length(clip, count).with_provenance(

@@ -16,6 +16,7 @@ from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
 from generators.diffsheg.settings import DiffShegSettings
 from generators.diffsheg.walk import Sampling
+from generators.finite_motion import check_finite
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
@@ -195,12 +196,7 @@ class DiffSheg:
             motion = self._network.normalisation.restored(
                 normalised.cpu().numpy().astype(np.float64)
             )
-            if not np.isfinite(motion).all():
-                raise InputError(
-                    "the network tells motion that is not finite",
-                    where=self._settings.checkpoint,
-                    remedy="Its training has diverged: give another checkpoint",
-                )
+            check_finite(motion, self._settings.checkpoint)
             yield motion
 
     def _sampler_of(self, speaker: int) -> WindowSampler:
@@ -218,14 +214,10 @@ class DiffSheg:
     def _speaker(self, speaking: str | None) -> int:
         """Return the number of whom it moves as, when the speaker of that name is heard."""
         known, wanted = self._network.speakers, self._settings.speaker
-        try:
-            if wanted is None:
-                return 1 if known is None or speaking is None else known.stand_in(speaking)
-            if known is not None:
-                return known.number(wanted)
-        except InputError as error:
-            where = self._settings.checkpoint
-            raise InputError(error.what, where=where, remedy=error.remedy) from error
+        if known is not None:
+            return known.chosen(wanted, speaking, self._settings.checkpoint)
+        if wanted is None:
+            return 1
         speakers = self._network.denoiser.config.speakers
         if not isinstance(wanted, int) or wanted > speakers:
             raise InputError(

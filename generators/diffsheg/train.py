@@ -324,8 +324,7 @@ def _task(
     frames = preset.network.frames
     training = Windows(prepared, split="train", frames=frames, stride=STRIDE)
     held_out = Windows(prepared, split="validation", frames=frames, stride=frames)
-    taught = {take.speaker for take in prepared.takes if take.split == "train"}
-    names = tuple(name for name in request.takes.speakers if name in taught)
+    names = prepared.taught(request.takes.speakers)
     network = replace(preset.network, speakers=max(len(names), preset.network.speakers))
     weights = LOSSES[preset.losses]
     return DiffShegTask(

@@ -13,28 +13,26 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.clip_length import with_length
+from generators.finite_motion import check_finite
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
 from generators.s2ue.network_file import S2ueNetwork, load_network
-from generators.s2ue.sampling import hear, move
+from generators.s2ue.sampling import move
 from generators.s2ue.settings import ANYBODY, S2ueSettings
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from motion.formats.ted_npz import JOINT_NAMES
-from motion.formats.transcript import Word, read_transcript, spread_words, words_of
+from motion.formats.transcript import Word, find_transcript, spread_words
 from motion.points.clip_from_points import clip_from_points
 from motion.resample import resample
 from training.device import check_device
 from training.hearing.speech_frames import at_speech_rate
-from training.hearing.word_vectors import StandIn, WordVectors, read_word_vectors, word_rows
+from training.hearing.speech_windows import hear_windows
+from training.hearing.word_vectors import StandIn, WordVectors, vectors_of, word_rows
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
 
-_ENDINGS: Final = (".TextGrid", ".textgrid", ".csv", ".lab", ".txt")
 _AT_ONCE: Final = 1 << 16
 """Samples that are heard at once of a recording."""
-
-_ALIKE: Final = 0.5
-"""Share of a segment's words that a transcript of it holds at least."""
 
 
 class S2ue:
@@ -130,12 +128,7 @@ class S2ue:
 
     def clip_of(self, values: NDArray[np.float64]) -> MotionClip:
         """Return the clip of values of motion, (T, 27 + 3 L)."""
-        if not np.isfinite(values).all():
-            raise InputError(
-                "the network tells motion that is not finite",
-                where=self._settings.checkpoint,
-                remedy="Its training has diverged: give another checkpoint",
-            )
+        check_finite(values, self._settings.checkpoint)
         joints = joints_of(values[:, :BONE_VALUES].reshape(len(values), -1, 3))
         shifts = values[:, BONE_VALUES:].reshape(len(values), -1, 3)
         return clip_from_points(
@@ -160,7 +153,7 @@ class S2ue:
         noise = self._settings.variation * chance.standard_normal(shape)
         person, _ = self._person(chance, speaking)
         return move(
-            hear(pieces, network),
+            hear_windows(pieces, config.frame_rate, config.frames, config.seeds),
             words,
             network,
             person.to(self._device),
@@ -173,14 +166,7 @@ class S2ue:
         if wanted == ANYBODY and ANYBODY not in speakers.names:
             shares = chance.dirichlet(np.ones(len(speakers.names)))
             return torch.from_numpy(shares.astype(np.float32)), ANYBODY
-        if wanted is None:
-            number = 1 if speaking is None else speakers.stand_in(speaking)
-        else:
-            try:
-                number = speakers.number(wanted)
-            except InputError as error:
-                where = self._settings.checkpoint
-                raise InputError(error.what, where=where, remedy=error.remedy) from error
+        number = speakers.chosen(wanted, speaking, self._settings.checkpoint)
         return torch.eye(speakers.width)[number - 1], speakers.names[number - 1]
 
     def _said(self, speech: SpeechSegment) -> tuple[Word, ...]:
@@ -188,23 +174,7 @@ class S2ue:
         segment, folder = speech.segment, self._settings.transcripts
         if folder is None:
             return spread_words(segment.transcript, speech.audio)
-        paths = (folder / f"{segment.name}{ending}" for ending in _ENDINGS)
-        path = next((path for path in paths if path.is_file()), None)
-        if path is None:
-            raise InputError(
-                f"there is no transcript of {segment.name}",
-                where=folder,
-                remedy=f"Put {segment.name} with one of {', '.join(_ENDINGS)} there",
-            )
-        said = read_transcript(path, speech.audio)
-        known, told = set(words_of(segment.transcript)), {word.text for word in said}
-        if known and len(known & told) < _ALIKE * len(known):
-            raise InputError(
-                f"the transcript is of other words than segment {segment.name} has in its table",
-                where=path,
-                remedy="Give the transcript of this speech, or correct segments.csv",
-            )
-        return said
+        return find_transcript(folder, segment.name, segment.transcript, speech.audio)
 
     def _facts(self, speaking: str, said: tuple[Word, ...]) -> dict[str, str]:
         config = self._network.network.config
@@ -239,7 +209,7 @@ class S2ue:
     @cached_property
     def _vectors(self) -> WordVectors:
         named, network = self._settings.vectors, self._network
-        vectors = StandIn() if named is None else read_word_vectors(named)
+        vectors = vectors_of(named)
         if (vectors.description, vectors.width) != (network.vectors, network.network.config.words):
             raise InputError(
                 f"the network learned words by {network.vectors} of "

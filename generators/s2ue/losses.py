@@ -9,9 +9,8 @@ from torch import Tensor
 from torch.nn import functional
 
 from generators.s2ue.config import LossWeights
-from generators.s2ue.model import Network, split_motion
-from motion.formats.ted_npz import BONES
-from training.spaces.bones_and_landmarks import BONE_LENGTHS
+from generators.s2ue.model import Network
+from training.spaces.bone_tensors import joints_of, split_motion
 
 
 def phoneme_loss(found: Tensor, true: Tensor, spread: Tensor) -> Tensor:
@@ -39,7 +38,7 @@ def reconstruction_losses(
         places.append(_distance(joints_of(one["pose"]), joints_of(two["pose"]), joint))
         motions.append(_distance(one["pose"], two["pose"], direction))
         steps.append(_distance(_steps(one["pose"]), _steps(two["pose"]), direction))
-    parts = {"place": sum_of(places), "velocity": sum_of(motions), "acceleration": sum_of(steps)}
+    parts = {"place": _sum(places), "velocity": _sum(motions), "acceleration": _sum(steps)}
     total = (
         parts["place"]
         + weights.velocity * parts["velocity"]
@@ -63,39 +62,7 @@ def diversity_loss(
     return functional.relu(far[0] - far[1] + margin).mean()
 
 
-def generator_loss(synthesised: Tensor) -> Tensor:
-    """Return equation 18 of the logits of synthesised motion.
-
-    The paper prints the ground truth's, which no generator could change.
-    """
-    return functional.softplus(-synthesised).mean()
-
-
-def discriminator_loss(recorded: Tensor, synthesised: Tensor) -> Tensor:
-    """Return equation 19 of logits: -log c of recorded, -log(1 - c) of synthesised motion."""
-    return functional.softplus(-recorded).mean() + functional.softplus(synthesised).mean()
-
-
-def latent_loss(latents: Sequence[tuple[Tensor, Tensor]]) -> Tensor:
-    """Return how far the speakers' latents are from normal ones (Kullback & Leibler)."""
-    return sum_of(
-        [
-            -0.5 * (1 + variance - mean.square() - variance.exp()).mean()
-            for mean, variance in latents
-        ]
-    )
-
-
-def joints_of(directions: Tensor) -> Tensor:
-    """Return the ten joints (B, T, 10, 3) of directions (B, T, 9, 3), equation 2."""
-    units = functional.normalize(directions, dim=-1)
-    joints = [torch.zeros_like(units[..., 0, :])] * (len(BONES) + 1)
-    for bone, (parent, child) in enumerate(BONES):
-        joints[child] = joints[parent] + float(BONE_LENGTHS[bone]) * units[..., bone, :]
-    return torch.stack(joints, dim=-2)
-
-
-def sum_of(losses: Sequence[Tensor]) -> Tensor:
+def _sum(losses: Sequence[Tensor]) -> Tensor:
     """Return their sum."""
     return torch.stack(list(losses)).sum()
 

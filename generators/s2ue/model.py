@@ -19,22 +19,14 @@ from training.spaces.anatomy import (
     component_graph,
     face_graph,
 )
+from training.spaces.bone_tensors import points_of, split_motion
 from training.spaces.bones_and_landmarks import BONE_VALUES
+from training.speaker_latent import SpeakerEncoder
+from training.temporal_layers import Decoder, over_time
 
 FloatArray = NDArray[np.float32]
 Motion = Mapping[str, Tensor]
 """``face`` (B, T, L, 3) and ``pose`` (B, T, 9, 3), those that there are."""
-
-
-def points_of(values: Tensor) -> Tensor:
-    """Return values (…, 3 N) as points (…, N, 3)."""
-    return values.reshape(*values.shape[:-1], -1, 3)
-
-
-def split_motion(values: Tensor) -> dict[str, Tensor]:
-    """Return the parts of values (B, T, 27 + 3 L)."""
-    pose, face = values[..., :BONE_VALUES], values[..., BONE_VALUES:]
-    return {"face": points_of(face), "pose": points_of(pose)}
 
 
 def expression_encoder(
@@ -54,53 +46,6 @@ def expression_encoder(
     return ComponentEncoder(edges, parts, higher, frames, widths, config.reach)
 
 
-def _over_time(width_in: int, width: int, kernel: int, dilation: int = 1) -> nn.Sequential:
-    padding = kernel // 2 * dilation
-    return nn.Sequential(
-        nn.Conv1d(width_in, width, kernel, padding=padding, dilation=dilation),
-        nn.BatchNorm1d(width),
-        nn.LeakyReLU(0.1),
-    )
-
-
-class SpeakerEncoder(nn.Module):
-    """Who speaks, as mean and logarithm of the variance of a latent (equation 5)."""
-
-    def __init__(self, config: NetworkConfig) -> None:
-        super().__init__()
-        width = config.speaker_width
-        self.embedding = nn.Linear(config.speakers, width)
-        self.mean = nn.Linear(width, width)
-        self.variance = nn.Linear(width, width)
-
-    def forward(self, person: Tensor) -> tuple[Tensor, Tensor]:
-        """Return both, (B, D_k), of one-hot vectors (B, K)."""
-        embedded = self.embedding(person)
-        return self.mean(embedded), self.variance(embedded)
-
-
-class Decoder(nn.Module):
-    """Motion of an embedding: convolutions over time and over features, then all together."""
-
-    def __init__(self, width: int, hidden: int, values: int) -> None:
-        super().__init__()
-        self.temporal = nn.Sequential(_over_time(width, hidden, 5), _over_time(hidden, hidden, 5))
-        self.spatial = nn.Sequential(
-            nn.Conv1d(1, 4, 5, padding=2), nn.LeakyReLU(0.1), nn.Conv1d(4, 1, 5, padding=2)
-        )
-        self.full = nn.Sequential(
-            nn.Linear(hidden, 2 * hidden), nn.LeakyReLU(0.1), nn.Linear(2 * hidden, values)
-        )
-
-    def forward(self, embedding: Tensor) -> Tensor:
-        """Return (B, T, values) of (B, T, H)."""
-        over_time = self.temporal(embedding.transpose(1, 2)).transpose(1, 2)
-        batch, frames, width = over_time.shape
-        over_features = self.spatial(over_time.reshape(batch * frames, 1, width))
-        found: Tensor = self.full(over_time + over_features.reshape(batch, frames, width))
-        return found
-
-
 class Synthesis(nn.Module):
     """Motion of some modalities from one embedding of all that is given (section 3.3.3)."""
 
@@ -110,16 +55,16 @@ class Synthesis(nn.Module):
         super().__init__()
         hidden = config.hidden
         self.audio = nn.Sequential(
-            _over_time(config.sound, hidden, 5),
-            _over_time(hidden, hidden, 5),
+            over_time(config.sound, hidden, 5),
+            over_time(hidden, hidden, 5),
             nn.Conv1d(hidden, config.audio_width, 3, padding=1),
         )
         text = config.text_width
         self.text = nn.Sequential(
             nn.Conv1d(config.words, text, 1),
-            *(_over_time(text, text, 3, dilation) for dilation in (1, 2, 4, 8)),
+            *(over_time(text, text, 3, dilation) for dilation in (1, 2, 4, 8)),
         )
-        self.speaker = SpeakerEncoder(config)
+        self.speaker = SpeakerEncoder(config.speakers, config.speaker_width)
         frames = (config.seeds, config.frames)
         self.seeds = nn.ModuleDict(
             {name: expression_encoder(config, neutral, name, frames) for name in modalities}
@@ -226,9 +171,9 @@ class PhonemePredictor(nn.Module):
         super().__init__()
         hidden = config.hidden
         self.backbone = nn.Sequential(
-            _over_time(config.bands, hidden, 3),
-            _over_time(hidden, hidden, 3),
-            _over_time(hidden, hidden, 3),
+            over_time(config.bands, hidden, 3),
+            over_time(hidden, hidden, 3),
+            over_time(hidden, hidden, 3),
         )
         self.full = nn.Sequential(
             nn.Linear(hidden, hidden), nn.LeakyReLU(0.1), nn.Linear(hidden, 3 * len(config.lips))

@@ -3,95 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.nn import functional
 
-from generators.s2ue.model import Network, points_of
-from motion.audio import SPEECH_RATE, Audio
-from training.hearing.mfcc import log_mel, mfcc
-from training.spaces.bones_and_landmarks import BONE_VALUES
+from generators.s2ue.model import Network
+from training.hearing.speech_windows import HeardWindow
+from training.spaces.bone_tensors import with_units
 
 FloatArray = NDArray[np.float32]
 
-_BEFORE: Final = 1
-"""Whole seconds before a window that are heard with it."""
-
 _FADES: Final = 0.4
 """Of a window's new frames, over which it comes to where it would be without the one before."""
-
-AHEAD: Final = 0.1
-"""Seconds behind a window that are heard with it."""
-
-
-@dataclass(frozen=True)
-class HeardWindow:
-    """What is heard in a window: MFCC and spectrogram, and which of its frames are speech.
-
-    Attributes
-    ----------
-    sound, spectrum : Tensor
-        (T, channels).
-    first : int
-        The frame of the speech that the window begins with.
-    count : int
-        How many of its frames are speech: all, but of the last window.
-    """
-
-    sound: Tensor
-    spectrum: Tensor
-    first: int
-    count: int
-
-
-def hear(pieces: Iterable[FloatArray], network: Network) -> Iterator[HeardWindow]:
-    """Yield windows of speech as soon as they are heard.
-
-    How the speech is cut into pieces changes nothing: all of it at once gives the same windows.
-
-    Parameters
-    ----------
-    pieces : iterable of ndarray
-        Samples at 16 kHz, in order.
-    network : Network
-        Whose windows they are; what is new in one lasts whole seconds.
-    """
-    config = network.config
-    rate, new = config.frame_rate, config.frames - config.seeds
-    seconds, lasts = round(new / rate), config.frames / rate + AHEAD
-    kept, first, number = np.zeros(0, np.float32), 0, 0
-
-    def end() -> int:
-        return round((number * seconds + lasts) * SPEECH_RATE)
-
-    def window(count: int) -> HeardWindow:
-        before = min(_BEFORE, number * seconds)
-        sound = Audio(kept[: end() - first], SPEECH_RATE)
-        skipped = round(before * rate)
-        heard = [
-            torch.from_numpy(told(sound, rate, skipped + config.frames)[skipped:])
-            for told in (mfcc, log_mel)
-        ]
-        return HeardWindow(heard[0], heard[1], number * new, count)
-
-    for piece in pieces:
-        kept = np.concatenate([kept, np.asarray(piece, np.float32)])
-        while first + len(kept) >= end():
-            yield window(config.frames)
-            number += 1
-            forgotten = (number * seconds - _BEFORE) * SPEECH_RATE
-            kept, first = kept[forgotten - first :], forgotten
-    left = round((first + len(kept)) / SPEECH_RATE * rate) - number * new
-    while left > 0:
-        yield window(min(left, config.frames))
-        number, left = number + 1, left - new
-        forgotten = (number * seconds - _BEFORE) * SPEECH_RATE
-        kept, first = kept[forgotten - first :], forgotten
 
 
 def move(
@@ -136,7 +62,7 @@ def move(
             values = network.with_lips(found, lips)[0]
             values = values + away * (told - values[:seeds]).mean(dim=0)
             values[:seeds] = torch.lerp(told, values[:seeds], share)
-            values = _with_units(values)
+            values = with_units(values)
         whole = window.count == config.frames
         told = values[new:]
         yield values[: new if whole else window.count].cpu().numpy().astype(np.float64)
@@ -156,9 +82,3 @@ def _words_in(window: HeardWindow, words: FloatArray | None, width: int, frames:
         said = words[window.first : window.first + frames]
         found[: len(said)] = torch.from_numpy(said)
     return found
-
-
-def _with_units(values: Tensor) -> Tensor:
-    """Return values whose directions have length 1 (equation 2)."""
-    bones = functional.normalize(points_of(values[:, :BONE_VALUES]), dim=-1)
-    return torch.cat([bones.flatten(-2), values[:, BONE_VALUES:]], dim=-1)

@@ -21,29 +21,29 @@ from generators.s2ue.config import (
     NetworkConfig,
 )
 from generators.s2ue.losses import (
-    discriminator_loss,
     diversity_loss,
-    generator_loss,
-    latent_loss,
     phoneme_loss,
     reconstruction_losses,
 )
-from generators.s2ue.model import Network, split_motion
+from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
 from generators.trainable import Show, TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
+from training.adversarial import discriminator_loss, generator_loss
 from training.batch_order import evenly
 from training.data.feature_cache import PreparedTakes, prepare
 from training.data.windows import Windows
 from training.device import check_device
-from training.hearing.word_vectors import StandIn, WordVectors, read_word_vectors
+from training.hearing.word_vectors import StandIn, WordVectors, vectors_of
 from training.launching import is_leader
 from training.loop import train
 from training.point_features import features_of
 from training.run_folder import RunFolder
 from training.spaces.anatomy import components_of, lips_of
+from training.spaces.bone_tensors import split_motion
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
+from training.speaker_latent import latent_loss
 from training.speakers import Speakers
 
 STRIDE: Final = 10
@@ -251,8 +251,7 @@ def train_s2ue(
         frame_rate=config.frame_rate,
         show=show_preparing,
     )
-    taught = {take.speaker for take in prepared.takes if take.split == "train"}
-    names = tuple(name for name in request.takes.speakers if name in taught)
+    names = prepared.taught(request.takes.speakers)
     config = replace(config, speakers=len(names))
     task = S2ueTask(
         config=config,
@@ -302,11 +301,6 @@ def train_s2ue(
             ),
         )
     return _said(task, prepared, vectors, trained.best.step, trained.best.measured)
-
-
-def vectors_of(named: str | Path | None) -> WordVectors:
-    """Return the vectors of a file, or a stand-in."""
-    return StandIn() if named is None else read_word_vectors(Path(named))
 
 
 def _chosen(

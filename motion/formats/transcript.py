@@ -23,6 +23,9 @@ TRANSCRIPT_ENDINGS: Final = (".textgrid", ".csv", ".lab")
 FASTEST: Final = 8.0
 """Words a second; nobody who is understood speaks faster."""
 
+_FOUND: Final = (".TextGrid", ".textgrid", ".csv", ".lab", ".txt")
+_ALIKE: Final = 0.5
+"""Share of the known words that a transcript of them holds at least."""
 _TABLE: Final = ("word", "start", "end")
 _WORD_TIERS: Final = ("words", "word")
 _BEYOND: Final = 0.5
@@ -65,6 +68,45 @@ def read_transcript(path: Path, audio: Audio) -> tuple[Word, ...]:
     except InputError as error:
         raise InputError(error.what, where=error.where or path, remedy=error.remedy) from error
     return words
+
+
+def find_transcript(folder: Path, name: str, known: str, audio: Audio) -> tuple[Word, ...]:
+    """Return what is said in `audio`, by the transcript `name` in `folder`.
+
+    Parameters
+    ----------
+    folder : Path
+        Transcripts as `read_transcript` takes them.
+    name : str
+        The file's, without its ending.
+    known : str
+        What is said as far as is known, or nothing.
+    audio : Audio
+        The speech.
+
+    Raises
+    ------
+    InputError
+        If there is no such transcript, it cannot be read, or it has less than half of the words
+        that are known.
+    """
+    paths = (folder / f"{name}{ending}" for ending in _FOUND)
+    path = next((path for path in paths if path.is_file()), None)
+    if path is None:
+        raise InputError(
+            f"there is no transcript of {name}",
+            where=folder,
+            remedy=f"Put {name} with one of {', '.join(_FOUND)} there",
+        )
+    said = read_transcript(path, audio)
+    wanted, told = set(words_of(known)), {word.text for word in said}
+    if wanted and len(wanted & told) < _ALIKE * len(wanted):
+        raise InputError(
+            f"the transcript is of other words than segment {name} has in its table",
+            where=path,
+            remedy="Give the transcript of this speech, or correct segments.csv",
+        )
+    return said
 
 
 def spread_words(text: str, audio: Audio) -> tuple[Word, ...]:

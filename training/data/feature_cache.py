@@ -54,6 +54,11 @@ class PreparedTakes:
         """Return how many frames take `index` has."""
         return len(next(iter(self.arrays.values()))[index])
 
+    def taught(self, speakers: Sequence[str]) -> tuple[str, ...]:
+        """Return those of `speakers`, in their order, whose takes are learned from."""
+        taught = {take.speaker for take in self.takes if take.split == "train"}
+        return tuple(name for name in speakers if name in taught)
+
 
 def prepare(
     takes: TakeFolder,

@@ -181,3 +181,8 @@ def word_rows(
         if word.text in known:
             rows[first : max(first + 1, round(word.end * frame_rate))] = known[word.text]
     return rows
+
+
+def vectors_of(named: Path | str | None) -> WordVectors:
+    """Return the vectors of a file, or a stand-in where none is named."""
+    return StandIn() if named is None else read_word_vectors(Path(named))

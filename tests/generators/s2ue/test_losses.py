@@ -9,17 +9,16 @@ import torch
 
 from generators.s2ue.config import LossWeights
 from generators.s2ue.losses import (
-    discriminator_loss,
     diversity_loss,
-    generator_loss,
-    joints_of,
-    latent_loss,
     phoneme_loss,
     reconstruction_losses,
 )
 from tests.generators.s2ue.small_network import FACE, small_network
+from training.adversarial import discriminator_loss, generator_loss
+from training.spaces.bone_tensors import joints_of
 from training.spaces.bones_and_landmarks import BONE_LENGTHS
 from training.spaces.bones_and_landmarks import joints_of as joints_in_arrays
+from training.speaker_latent import latent_loss
 
 VALUES = 27 + 3 * FACE.count
 WEIGHTS = LossWeights(velocity=2.0, acceleration=3.0)
