@@ -79,6 +79,12 @@ def holds_joints(path: Path, start: bytes) -> bool:
     return path.suffix.lower() == ".csv" and len(_joints_of(heading.split(","))) >= 3
 
 
+def is_joint_table(path: Path) -> bool:
+    """Tell whether a CSV file tells joint positions, and is not another table."""
+    with path.open("rb") as file:
+        return holds_joints(path, file.read(512))
+
+
 def read_joints(
     path: Path, *, frame_rate: float | None = None, joint_map: JointMap | None = None
 ) -> MotionClip:

@@ -15,6 +15,7 @@ from analysis.metrics.measuring import study_metrics
 from analysis.metrics.presets import combined
 from analysis.metrics.segment_scores import Excerpt
 from motion.errors import InputError
+from motion.formats.joint_positions import is_joint_table
 from motion.segments_table import SEGMENTS_FILE, read_segments
 from renderer.avatars import default_body
 from studyapp.definition.folder import StudyFolder
@@ -23,7 +24,7 @@ from studyapp.stages.shown_body import body_file, expression_matrix_file
 
 Show = Callable[[int, int], None]
 
-_MOTION: Final = (".npz", ".npy", ".bvh")
+_MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
 _SEMANTICS: Final = (".txt",)
 _NETWORK: Final = ".safetensors"
 MEASURED_BODY: Final = "mannequin"
@@ -233,7 +234,10 @@ def _listed(folder: Path, endings: Sequence[str]) -> list[Path]:
     return sorted(
         path
         for path in folder.iterdir()
-        if path.suffix.lower() in endings and path.name[0] != "." and path.is_file()
+        if path.suffix.lower() in endings
+        and path.name[0] != "."
+        and path.is_file()
+        and (path.suffix.lower() != ".csv" or is_joint_table(path))
     )
 
 

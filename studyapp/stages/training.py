@@ -18,13 +18,14 @@ from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip, read_motion
+from motion.formats.joint_positions import is_joint_table
 from motion.hands import read_mean_hands
 from motion.segments_table import SEGMENTS_FILE
 from renderer.avatars import default_body
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.shown_body import shown_body
 
-_MOTION: Final = (".npz", ".npy", ".bvh")
+_MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -118,6 +119,7 @@ def _of_folder(folder: Path, file_rate: float | None, body: Path | None) -> Reco
         for path in folder.rglob("*")
         if path.suffix.lower() in _MOTION
         and path.is_file()
+        and (path.suffix.lower() != ".csv" or is_joint_table(path))
         and not any(part.startswith(".") for part in path.relative_to(folder).parts)
     )
     if not paths:

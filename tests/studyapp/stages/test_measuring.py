@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import BODY_JOINTS
 from studyapp.definition.folder import StudyFolder
 from studyapp.stages.measuring import measure_folders, measure_study
 from studyapp.stages.recordings import Take, import_take
@@ -118,6 +120,17 @@ def test_motion_and_speech_of_any_format_are_taken_by_their_names(
     names = {(s.segment, s.result.name.split(" (")[0]) for s in metrics.clips}
     assert {("take", "jerk"), ("other", "jerk"), ("take", "beat alignment")} <= names
     assert ("other", "beat alignment") not in names
+
+
+def test_tables_of_joint_positions_are_motion_and_other_tables_are_not(tmp_path: Path) -> None:
+    joints = REST_JOINTS[: len(BODY_JOINTS)]
+    heading = [f"{name}_{axis}" for name in BODY_JOINTS for axis in "xyz"]
+    rows = ["time", *heading], *([frame / 30, *joints.ravel()] for frame in range(30))
+    (tmp_path / "a.csv").write_text("\n".join(",".join(map(str, row)) for row in rows))
+    (tmp_path / "segments.csv").write_text("segment,wav\na,a.wav\n")
+    metrics = measure_folders(tmp_path, None, None, presets=("genea",), processes=1)
+    assert {score.segment for score in metrics.clips} == {"a"}
+    assert not metrics.skipped
 
 
 @pytest.mark.parametrize(
