@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from generators.amuse.speech import SpeechModel
+from generators.amuse.speech import SpeechDecoder, SpeechModel
 
 OTHER_CONTENT: Final = (1, 0, 3, 2)
 """For each of the four, one of the same speaker and another text: j(k) = [(6 - k) mod 4] + 1."""
@@ -73,23 +73,52 @@ def speech_losses(
     content, _ = model.content(flat)
     emotion, emotion_logits = model.emotion(flat)
     style, style_logits = model.style(flat)
-
-    def rebuilt(c: Tensor, e: Tensor, s: Tensor) -> Tensor:
-        return functional.l1_loss(model.decoder(c, e, s), target.flatten(0, 1))
-
     fours = content.view(batch, 4, -1)
     parts = {
-        "self": rebuilt(content, emotion, style),
         "con": functional.l1_loss(fours[:, :2], fours[:, 2:]),
-        "xcon": rebuilt(_swapped(content, OTHER_STYLE), emotion, style),
+        **reconstruction_errors(
+            model.decoder, (content, emotion, style), target.flatten(0, 1), counted
+        ),
     }
     if counted.emotion:
         parts["emo"] = functional.cross_entropy(emotion_logits, emotions.flatten())
-        parts["xemo"] = rebuilt(content, _swapped(emotion, OTHER_CONTENT), style)
     if counted.style:
         parts["sty"] = functional.cross_entropy(style_logits, styles.flatten())
-        parts["xsty"] = rebuilt(content, emotion, _swapped(style, OTHER_CONTENT))
     return {"loss": torch.stack(list(parts.values())).sum(), **parts}
+
+
+def reconstruction_errors(
+    decoder: SpeechDecoder,
+    latents: tuple[Tensor, Tensor, Tensor],
+    target: Tensor,
+    counted: SpeechLosses,
+) -> dict[str, Tensor]:
+    """Return how much filterbanks miss that are rebuilt from latents of quadruples (Table A.2).
+
+    Parameters
+    ----------
+    decoder : SpeechDecoder
+        Of the network.
+    latents : tuple of Tensor
+        Content, emotion and style, (4 batch, latent) each.
+    target : Tensor
+        (4 batch, frames, bands), what is to be rebuilt.
+    counted : SpeechLosses
+        What is left out.
+
+    Returns
+    -------
+    dict of str to Tensor
+        Mean absolute differences: ``self``, of each speech's own latents; ``xcon``, ``xemo`` and
+        ``xsty``, with one latent of another of the four.
+    """
+    content, emotion, style = latents
+    inputs = {"self": latents, "xcon": (_swapped(content, OTHER_STYLE), emotion, style)}
+    if counted.emotion:
+        inputs["xemo"] = (content, _swapped(emotion, OTHER_CONTENT), style)
+    if counted.style:
+        inputs["xsty"] = (content, emotion, _swapped(style, OTHER_CONTENT))
+    return {name: functional.l1_loss(decoder(*each), target) for name, each in inputs.items()}
 
 
 def augmented(filterbanks: Tensor) -> tuple[Tensor, Tensor]:

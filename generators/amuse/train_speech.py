@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Final
@@ -17,11 +18,22 @@ from torch.nn import functional
 from generators.amuse.config import SPEECH_PRESETS, SpeechConfig
 from generators.amuse.network_file import SpeechNetwork, write_speech_network
 from generators.amuse.quadruples import quadruples
-from generators.amuse.speech import AnySpeechModel, SpeechAutoencoder, speech_model_of
-from generators.amuse.speech_losses import SpeechLosses, augmented, speech_losses
+from generators.amuse.speech import (
+    AnySpeechModel,
+    SpeechAutoencoder,
+    SpeechModel,
+    speech_model_of,
+)
+from generators.amuse.speech_losses import (
+    SpeechLosses,
+    augmented,
+    reconstruction_errors,
+    speech_losses,
+)
 from generators.trainable import Show, TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
+from motion.listing import listed
 from training.batch_order import evenly
 from training.corpus.description import DESCRIPTION, read_request
 from training.data.feature import Feature
@@ -40,6 +52,9 @@ MOST: Final = 20_000
 
 HELD_OUT: Final = 64
 """At most so many windows tell how well held-out recordings are known."""
+
+SELF: Final = "self of fours"
+"""Self-reconstruction error of the very windows whose latents are swapped."""
 
 MFCC: Final = 13
 """Cepstral coefficients that an auto-encoder hears."""
@@ -111,7 +126,8 @@ class SpeechTask:
         """Return what is measured of held-out windows.
 
         ``loss`` is what the filterbanks miss, and the cross entropies of emotion and style; then
-        accuracies and F1 scores (macro), as in Table A.1. Of an auto-encoder, what it misses.
+        accuracies and F1 scores (macro), as in Table A.1, and `reconstruction_errors` of held-out
+        quadruples, as in Table A.2. Of an auto-encoder, what it misses.
         """
         known = self.known(self.held_out)
         rows = known[evenly(len(known), HELD_OUT)]
@@ -135,7 +151,30 @@ class SpeechTask:
             told, true = torch.cat(pairs, dim=1).cpu().numpy()
             scores[f"{kind} accuracy"] = float((told == true).mean())
             scores[f"{kind} F1"] = macro_f1(told, true)
-        return {"loss": sum(found.values()), **found, **scores}
+        return {"loss": sum(found.values()), **found, **scores, **self._rebuilt(network)}
+
+    @cached_property
+    def held_out_fours(self) -> NDArray[np.int64]:
+        """Rows of `held_out`, (quadruples, 4); none where no two speakers share two texts there."""
+        try:
+            fours = quadruples(self.held_out, most=MOST, seed=0)
+        except InputError:
+            return np.empty((0, 4), dtype=np.int64)
+        fours = fours[np.isin(fours, self.known(self.held_out)).all(axis=1)]
+        return fours[evenly(len(fours), HELD_OUT // 4)]
+
+    def _rebuilt(self, network: SpeechModel) -> dict[str, float]:
+        """Return the `reconstruction_errors` of held-out quadruples, where there are any."""
+        errors: dict[str, float] = {}
+        for four in self.held_out_fours:
+            filterbanks = self._filterbanks(self.held_out, four)
+            heard = network(filterbanks)
+            latents = (heard.content, heard.emotion, heard.style)
+            missed = reconstruction_errors(network.decoder, latents, filterbanks, self.counted)
+            for name, error in missed.items():
+                key = SELF if name == "self" else name
+                errors[key] = errors.get(key, 0.0) + float(error) / len(self.held_out_fours)
+        return errors
 
     def mean_latents(self, model: AnySpeechModel) -> dict[str, dict[str, Tensor]]:
         """Return the mean latent of each emotion, and of each speaker's style."""
@@ -307,11 +346,26 @@ def _said(task: SpeechTask, found: Mapping[str, float], best: int, steps: int) -
             f"Of {heard} held-out windows it tells the emotion of {found['emotion accuracy']:.0%} "
             f"(chance {1 / len(task.emotions):.0%}) and the speaker of "
             f"{found['style accuracy']:.0%} (chance {1 / len(task.speakers):.0%}); its filterbanks "
-            f"miss theirs by {found['self']:.3f}."
+            f"miss theirs by {found['self']:.3f}. {_rebuilt_said(task, found)}"
         )
     return (
         f"Learned from {len(task.fours)} fours of {len(task.training)} windows, by "
         f"{len(task.speakers)} speakers in {len(task.emotions)} emotions.",
         said,
         f"Its weights are those of step {best} of {steps}.",
+    )
+
+
+def _rebuilt_said(task: SpeechTask, found: Mapping[str, float]) -> str:
+    """Say Table A.2, or why it is left out."""
+    if not len(task.held_out_fours):
+        return (
+            "Errors of cross-reconstruction are left out: no two speakers speak two held-out texts "
+            "in one emotion. A split list (--split) can hold out such texts."
+        )
+    names = {"xcon": "content", "xemo": "emotion", "xsty": "style"}
+    crossed = [f"{found[one]:.3f} with another's {of}" for one, of in names.items() if one in found]
+    return (
+        f"Those of {len(task.held_out_fours)} held-out fours miss theirs by {found[SELF]:.3f}, and "
+        f"rebuilt from two recordings by {listed(crossed)}."
     )

@@ -70,6 +70,45 @@ def test_it_learns_to_tell_emotions_and_speakers_of_texts_it_never_heard(
     assert float((happy - angry).norm()) > 0.1
 
 
+def _hold_out_two_texts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "generators.amuse.train_speech.prepare", lambda *given, **options: toy_speech(held_out=2)
+    )
+
+
+def test_held_out_speech_is_rebuilt_from_latents_of_two_recordings(
+    learn: Learn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _hold_out_two_texts(monkeypatch)
+    said = learn(40, tmp_path / "out.safetensors")
+    found = load_speech_network(tmp_path / "out.safetensors").training["held_out"]
+    # Emotion and style are the same in both recordings of a pair, so swapping them costs little.
+    for name in ("xcon", "xemo", "xsty"):
+        assert found[name] == pytest.approx(found["self of fours"], rel=0.3)
+    assert "Those of 4 held-out fours miss theirs by" in said.sentences[1]
+    assert "with another's content" in said.sentences[1]
+
+
+def test_an_ablation_swaps_only_what_it_takes_apart(
+    learn: Learn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _hold_out_two_texts(monkeypatch)
+    said = learn(1, tmp_path / "out.safetensors", ablation="style_only")
+    found = load_speech_network(tmp_path / "out.safetensors").training["held_out"]
+    assert {"xcon", "xsty"} <= found.keys()
+    assert "xemo" not in found
+    assert "another's emotion" not in said.sentences[1]
+
+
+def test_held_out_texts_of_one_speaker_leave_cross_reconstruction_out(
+    learn: Learn, tmp_path: Path
+) -> None:
+    said = learn(1, tmp_path / "out.safetensors")
+    found = load_speech_network(tmp_path / "out.safetensors").training["held_out"]
+    assert found.keys().isdisjoint({"xcon", "xemo", "xsty", "self of fours"})
+    assert "no two speakers speak two held-out texts in one emotion" in said.sentences[1]
+
+
 def test_an_ablation_does_not_learn_what_it_leaves_out(learn: Learn, tmp_path: Path) -> None:
     learn(2, tmp_path / "out.safetensors", ablation="emotion_only")
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()

@@ -17,13 +17,13 @@ SPEAKERS: Final = {"1": "ann", "2": "bob"}
 ROWS: Final = 100
 
 
-def toy_speech() -> PreparedTakes:
-    """Return takes of two windows by two speakers in two emotions; a third text is held out."""
+def toy_speech(held_out: int = 1) -> PreparedTakes:
+    """Return takes of two windows by two speakers in two emotions; further texts are held out."""
     chance = np.random.default_rng(4)
     takes, arrays = [], []
     for number, speaker in SPEAKERS.items():
         for emotion, texts in EMOTIONS.items():
-            for text in (*texts, texts[0] + 2):
+            for text in (*texts, *range(texts[0] + 2, texts[0] + 2 + held_out)):
                 split: Split = "train" if text in texts else "validation"
                 name = f"{number}_{speaker}_0_{text}_{text}"
                 values = 0.1 * chance.standard_normal((2 * ROWS, 32))
