@@ -153,6 +153,13 @@ class ModelSettings(Settings):
         return str(content(self.checkpoint))
 
 
+def names_somebody(speaker: int | str | None) -> int | str | None:
+    """Return a speaker's number, from 1, or name; nobody where none is given."""
+    if speaker in (0, "") or (isinstance(speaker, int) and speaker < 0):
+        raise ValueError("give the speaker's number, from 1, or name")
+    return speaker
+
+
 def content(value: object) -> object:
     """Return what a fingerprint holds of a value: of a file its hash, of a folder each file's."""
     if isinstance(value, Settings):

@@ -27,8 +27,8 @@ from generators.amuse.sampling import (
 )
 from generators.amuse.settings import AmuseSettings
 from generators.clip_length import with_length
-from generators.finite_motion import check_finite
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
+from generators.network_motion import check_finite, network_facts
 from generators.settings import content
 from motion.audio import SPEECH_RATE, Audio, read_audio
 from motion.clip import MotionClip, check_frame_rate
@@ -107,12 +107,13 @@ class Amuse:
             seed=str(seed),
             segment=speech.segment.name,
             sampling=f"{STEPS} steps",
-            window_frames=str(plan.stride + FADE),
-            window_overlap=str(FADE),
-            window_frame_rate=str(FRAME_RATE),
-            device=self._device,
-            checkpoint=self._settings.checkpoint.name,
-            checkpoint_sha256=self._settings.checkpoint_sha256,
+            **network_facts(
+                self._settings,
+                self._device,
+                frames=plan.stride + FADE,
+                overlap=FADE,
+                frame_rate=FRAME_RATE,
+            ),
             speech_model=self._settings.speech_model.name,
             strength=f"{self._settings.strength:g}",
             **{part: Path(named).name for part, named in self._swapped.items()},

@@ -16,8 +16,8 @@ from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
 from generators.diffsheg.settings import DiffShegSettings
 from generators.diffsheg.walk import Sampling
-from generators.finite_motion import check_finite
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
+from generators.network_motion import check_finite, joined, network_facts
 from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.forearm_twist import ForearmTwists
@@ -87,13 +87,9 @@ class DiffSheg:
         check_frame_rate(frame_rate)
         config = self._network.denoiser.config
         speaker = self._speaker(speech.segment.speaker)
-        parts, made, frames = [], 0, max(1, round(speech.audio.duration * config.frame_rate))
+        frames = max(1, round(speech.audio.duration * config.frame_rate))
         heard = hear(speech.audio, config.frame_rate, self._hubert)
-        for part in self._moved(heard, seed, speaker):
-            parts.append(part)
-            made += len(part)
-            on_part(made, frames)
-        clip = self._clip(np.concatenate(parts))
+        clip = self._clip(joined(self._moved(heard, seed, speaker), frames, on_part))
         window = hearing_of(speech.audio)
         return with_length(resample(clip, frame_rate), count).with_provenance(
             generator=self.name,
@@ -242,12 +238,6 @@ class DiffSheg:
             f"{sampling.jump_count}, blended below {sampling.blend_below:g}"
             f"{', from the last pose' if sampling.keeps_pose else ''}"
             f"{', with its own noise' if sampling.own_noise else ''}",
-            "window_frames": str(config.frames),
-            "window_overlap": str(sampling.overlap),
-            "window_frame_rate": f"{config.frame_rate:g}",
-            "device": self._device,
-            "checkpoint": self._settings.checkpoint.name,
-            "checkpoint_sha256": self._settings.checkpoint_sha256,
             "hubert": self._hubert.description,
         }
         stand_ins = [self._hubert.description] if self._hubert.stands_in else []
@@ -255,7 +245,14 @@ class DiffSheg:
             stand_ins.append(f"speaker {name} for who is heard")
         if self._network.dataset == "show":
             stand_ins.append("relaxed hands for SMPL-X's mean hands")
-        return facts | ({"stand_ins": "; ".join(stand_ins)} if stand_ins else {})
+        return facts | network_facts(
+            self._settings,
+            self._device,
+            frames=config.frames,
+            overlap=sampling.overlap,
+            frame_rate=config.frame_rate,
+            stand_ins=stand_ins,
+        )
 
     @cached_property
     def _network(self) -> MotionNetwork:

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 from pydantic import Field, field_validator, model_validator
 
 from generators.diffsheg.walk import Sampling
-from generators.settings import Folder, ModelSettings, Settings, content
+from generators.settings import Folder, ModelSettings, Settings, content, names_somebody
 from motion.errors import InputError
 
 PRESETS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
@@ -124,12 +124,7 @@ class DiffShegSettings(ModelSettings):
     )
     sampling: SamplingSettings = SamplingSettings()
 
-    @field_validator("speaker")
-    @classmethod
-    def _names_somebody(cls, speaker: int | str | None) -> int | str | None:
-        if speaker in (0, "") or (isinstance(speaker, int) and speaker < 0):
-            raise ValueError("give the speaker's number, from 1, or name")
-        return speaker
+    _names_somebody = field_validator("speaker")(names_somebody)
 
     def fingerprint(self) -> tuple[object, ...]:
         """Return what changes with the content of any file and with any value."""

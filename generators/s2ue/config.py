@@ -109,6 +109,11 @@ class NetworkConfig:
         )
         return (told,) if self.synchronous else tuple((name,) for name in told)
 
+    def width_of(self, modalities: tuple[str, ...]) -> int:
+        """Return how wide the latents of some modalities are together."""
+        widths = {"face": self.face_width, "pose": self.pose_width}
+        return sum(widths[name] for name in modalities)
+
 
 @dataclass(frozen=True, kw_only=True)
 class LossWeights:

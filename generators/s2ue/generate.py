@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from generators.clip_length import with_length
-from generators.finite_motion import check_finite
 from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
+from generators.network_motion import check_finite, joined, network_facts
 from generators.s2ue.network_file import S2ueNetwork, load_network
 from generators.s2ue.sampling import move
 from generators.s2ue.settings import ANYBODY, S2ueSettings
@@ -84,12 +84,8 @@ class S2ue:
         words = word_rows(said, self._vectors, frames, config.frame_rate) if said else None
         sound = at_speech_rate(speech.audio)
         pieces = (sound[at : at + _AT_ONCE] for at in range(0, len(sound), _AT_ONCE))
-        parts, made = [], 0
-        for part in self._moved(pieces, words, seed, speech.segment.speaker):
-            parts.append(part)
-            made += len(part)
-            on_part(made, frames)
-        clip = resample(self.clip_of(np.concatenate(parts)), frame_rate)
+        moved = self._moved(pieces, words, seed, speech.segment.speaker)
+        clip = resample(self.clip_of(joined(moved, frames, on_part)), frame_rate)
         return with_length(clip, count).with_provenance(
             generator=self.name,
             seed=str(seed),
@@ -179,23 +175,24 @@ class S2ue:
     def _facts(self, speaking: str, said: tuple[Word, ...]) -> dict[str, str]:
         config = self._network.network.config
         _, name = self._person(np.random.default_rng(0), speaking)
-        facts = {
-            "speaker": name,
-            "variation": f"{self._settings.variation:g}",
-            "window_frames": str(config.frames),
-            "window_overlap": str(config.seeds),
-            "window_frame_rate": f"{config.frame_rate:g}",
-            "device": self._device,
-            "checkpoint": self._settings.checkpoint.name,
-            "checkpoint_sha256": self._settings.checkpoint_sha256,
-            "vectors": self._vectors.description,
-        }
         stand_ins = ["silence for the words, which nobody told"] if not said else []
         if said and isinstance(self._vectors, StandIn):
             stand_ins.append(self._vectors.description)
         if self._settings.speaker is None and name != speaking:
             stand_ins.append(f"speaker {name} for who is heard")
-        return facts | ({"stand_ins": "; ".join(stand_ins)} if stand_ins else {})
+        return {
+            "speaker": name,
+            "variation": f"{self._settings.variation:g}",
+            "vectors": self._vectors.description,
+            **network_facts(
+                self._settings,
+                self._device,
+                frames=config.frames,
+                overlap=config.seeds,
+                frame_rate=config.frame_rate,
+                stand_ins=stand_ins,
+            ),
+        }
 
     @cached_property
     def _face(self) -> FaceLandmarks:

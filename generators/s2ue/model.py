@@ -37,12 +37,10 @@ def expression_encoder(
         parts = config.components
         edges = face_graph(parts, neutral)
         higher = component_graph(len(parts), pose=False) if config.face_graph else None
-        width = config.face_width
     else:
         parts, edges = BODY_PARTS, bone_graph(config.hops)
         higher = BODY_EDGES if config.pose_graph else None
-        width = config.pose_width
-    widths = (config.node_width, config.part_width, width)
+    widths = (config.node_width, config.part_width, config.width_of((modality,)))
     return ComponentEncoder(edges, parts, higher, frames, widths, config.reach)
 
 
@@ -69,9 +67,8 @@ class Synthesis(nn.Module):
         self.seeds = nn.ModuleDict(
             {name: expression_encoder(config, neutral, name, frames) for name in modalities}
         )
-        widths = {"face": config.face_width, "pose": config.pose_width}
         width = config.audio_width + text + config.speaker_width
-        width += sum(widths[name] for name in modalities)
+        width += config.width_of(modalities)
         values = {"face": 3 * config.landmarks, "pose": 3 * len(BONES)}
         self.decoders = nn.ModuleDict(
             {name: Decoder(width, hidden, values[name]) for name in modalities}
@@ -142,11 +139,10 @@ class Discriminator(nn.Module):
             )
             for modalities in config.modalities
         )
-        widths = {"face": config.face_width, "pose": config.pose_width}
         self.classes = nn.ModuleList(
             nn.Sequential(
                 nn.Flatten(),
-                nn.Linear(config.frames * sum(widths[name] for name in modalities), config.hidden),
+                nn.Linear(config.frames * config.width_of(modalities), config.hidden),
                 nn.LeakyReLU(0.1),
                 nn.Linear(config.hidden, 1),
             )
@@ -216,12 +212,8 @@ class Network(nn.Module):
         self.register_buffer("deviation", torch.ones(values))
         self.register_buffer("spread", torch.ones(3))  # of landmarks, directions, joints
         self.register_buffer("rest", torch.zeros(values))  # the mean first frame of recordings
-        self.register_buffer(
-            "sound", torch.stack([torch.zeros(config.sound), torch.ones(config.sound)])
-        )
-        self.register_buffer(
-            "spectrum", torch.stack([torch.zeros(config.bands), torch.ones(config.bands)])
-        )
+        for name, width in (("sound", config.sound), ("spectrum", config.bands)):
+            self.register_buffer(name, torch.stack([torch.zeros(width), torch.ones(width)]))
 
     def normalised(self, values: Tensor) -> Tensor:
         """Return values of motion as the networks see them."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field, field_validator
 
-from generators.settings import File, Folder, ModelSettings, content
+from generators.settings import File, Folder, ModelSettings, names_somebody
 
 ANYBODY = "anybody"
 """In place of a speaker: somebody between those it learned from, whom the seed draws."""
@@ -37,14 +37,4 @@ class S2ueSettings(ModelSettings):
         1.0, ge=0, le=3, description="How far from the speaker's mean it moves: 1."
     )
 
-    @field_validator("speaker")
-    @classmethod
-    def _names_somebody(cls, speaker: int | str | None) -> int | str | None:
-        if speaker in (0, "") or (isinstance(speaker, int) and speaker < 0):
-            raise ValueError("give the speaker's number, from 1, or name")
-        return speaker
-
-    def fingerprint(self) -> tuple[object, ...]:
-        """Return what changes with the content of any file and with any value."""
-        files = (content(self.transcripts), content(self.vectors))
-        return (self.checkpoint_sha256, self.speaker, self.variation, *files)
+    _names_somebody = field_validator("speaker")(names_somebody)

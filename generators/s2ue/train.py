@@ -43,6 +43,7 @@ from training.run_folder import RunFolder
 from training.spaces.anatomy import components_of, lips_of
 from training.spaces.bone_tensors import split_motion
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
+from training.spaces.normalisation import mean_and_deviation, spread
 from training.speaker_latent import latent_loss
 from training.speakers import Speakers
 
@@ -54,9 +55,6 @@ HELD_OUT: Final = 256
 
 _SEEN: Final = 4_000
 """At most so many windows tell how the values of recordings spread."""
-
-_LEAST: Final = 1e-5
-"""Least deviation of a value; what never changes has this one."""
 
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
 
@@ -205,23 +203,16 @@ class S2ueTask:
         }
         motion = flat["motion"]
         pose, face = motion[:, :BONE_VALUES], motion[:, BONE_VALUES:]
-        joints = joints_of(pose.reshape(len(pose), -1, 3))
-        spread = [_spread(one) for one in (face, pose, joints.reshape(len(pose), -1))]
+        joints = joints_of(pose.reshape(len(pose), -1, 3)).reshape(len(pose), -1)
+        mean, deviation = mean_and_deviation(motion)
         found = {
-            "mean": motion.mean(axis=0),
-            "deviation": np.maximum(motion.std(axis=0), _LEAST),
-            "spread": np.array(spread),
+            "mean": mean,
+            "deviation": deviation,
+            "spread": np.array([spread(one) for one in (face, pose, joints)]),
             "rest": self.rest,
+            **{name: np.stack(mean_and_deviation(flat[name])) for name in ("sound", "spectrum")},
         }
-        for name in ("sound", "spectrum"):
-            deviation = np.maximum(flat[name].std(axis=0), _LEAST)
-            found[name] = np.stack([flat[name].mean(axis=0), deviation])
         return {name: one.astype(np.float32) for name, one in found.items()}
-
-
-def _spread(values: NDArray[np.float64]) -> float:
-    """Return how far values spread about their means, all together."""
-    return float(np.maximum(np.sqrt(values.var(axis=0).mean()), _LEAST))
 
 
 def train_s2ue(
@@ -237,8 +228,8 @@ def train_s2ue(
     preset = PRESETS[request.config]
     ablation = request.choices.get("ablation")
     vectors = vectors_of(request.choices.get("vectors"))
-    config, weights = _chosen(request, ablation, vectors)
     face = FaceLandmarks.of_default_body()
+    config, weights = _chosen(request, ablation, vectors, face)
     if request.takes.kind == "ted" and config.faces:
         raise InputError(
             "recordings of the layout 'ted' have no face",
@@ -274,11 +265,8 @@ def train_s2ue(
     training = preset.training.changed(
         request.changes, epochs=preset.epochs, examples=task.examples
     )
-    without = {
-        "discriminator": not weights.adversarial,
-        "phonemes": not config.faces,
-    }
-    passes = tuple(one for one in training.passes if not without.get(one.name, False))
+    used = {"generator": True, "discriminator": weights.adversarial, "phonemes": config.faces}
+    passes = tuple(one for one in training.passes if used[one.name])
     training = replace(training, passes=passes)
     trained = train(task, training, RunFolder(run), show=show_training)
     facts = {
@@ -304,13 +292,12 @@ def train_s2ue(
 
 
 def _chosen(
-    request: TrainingRequest, ablation: str | None, vectors: WordVectors
+    request: TrainingRequest, ablation: str | None, vectors: WordVectors, face: FaceLandmarks
 ) -> tuple[NetworkConfig, LossWeights]:
     """Return sizes and weights with the ablation's changes; the speakers are not counted yet."""
-    actions = FaceLandmarks.of_default_body().actions
     config = NetworkConfig(
-        components=components_of(actions),
-        lips=lips_of(actions),
+        components=components_of(face.actions),
+        lips=lips_of(face.actions),
         speakers=1,
         words=vectors.width,
         **PRESETS[request.config].sizes,

@@ -14,6 +14,20 @@ _CONSTANT: Final = 1e-6
 """Standard deviations below this are rounding: such a value never changes."""
 
 
+LEAST: Final = 1e-5
+"""Least deviation that `mean_and_deviation` and `spread` tell, of what never changes."""
+
+
+def mean_and_deviation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return mean and standard deviation of each of values (N, values)."""
+    return values.mean(axis=0), np.maximum(values.std(axis=0), LEAST)
+
+
+def spread(values: FloatArray) -> float:
+    """Return how far values (N, values) are from their means, all together."""
+    return float(np.maximum(np.sqrt(values.var(axis=0).mean()), LEAST))
+
+
 @dataclass(frozen=True, eq=False)
 class Normalisation:
     """Mean and standard deviation of each value of a frame, the body's first.
