@@ -262,6 +262,11 @@ TRAINABLE_SPEECH: Final = Trainable(
             "or nothing: an auto-encoder of cepstral coefficients, with one latent (Table A.3).",
             values=("emotion_only", "style_only", "mfcc"),
         ),
+        TrainingChoice(
+            name="encoder_weights",
+            help="Folder of an AST's or a DeiT's weights, as transformers saves them in "
+            "safetensors, that the three encoders set out from.",
+        ),
     ),
     taken_by="motionjury train amuse --speech-model {out}",
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from importlib import metadata
 from pathlib import Path
@@ -16,6 +16,7 @@ from torch import Tensor
 from torch.nn import functional
 
 from generators.amuse.config import SPEECH_PRESETS, SpeechConfig
+from generators.amuse.encoder_weights import WEIGHTS, read_encoder_weights
 from generators.amuse.network_file import SpeechNetwork, write_speech_network
 from generators.amuse.quadruples import quadruples
 from generators.amuse.speech import (
@@ -30,6 +31,7 @@ from generators.amuse.speech_losses import (
     reconstruction_errors,
     speech_losses,
 )
+from generators.settings import content
 from generators.trainable import Show, TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
@@ -85,6 +87,8 @@ class SpeechTask:
         Hash of all takes and features.
     device : str
         ``cpu`` or ``cuda``.
+    encoder_weights : mapping of str to Tensor
+        What each encoder's transformer sets out from; empty where that is chance.
     """
 
     config: SpeechConfig
@@ -97,6 +101,7 @@ class SpeechTask:
     settings: Mapping[str, Any]
     data_sha256: str
     device: str = "cpu"
+    encoder_weights: Mapping[str, Tensor] = field(default_factory=dict)
 
     @property
     def examples(self) -> int:
@@ -105,7 +110,11 @@ class SpeechTask:
 
     def network(self) -> AnySpeechModel:
         """Return a fresh network."""
-        return speech_model_of(self.config).to(self.device)
+        network = speech_model_of(self.config)
+        if self.encoder_weights and isinstance(network, SpeechModel):
+            for encoder in (network.content, network.emotion, network.style):
+                encoder.transformer.load_state_dict(self.encoder_weights)
+        return network.to(self.device)
 
     def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
         """Return `speech_losses` of quadruples that chance masks, shifts and makes noisy.
@@ -255,6 +264,8 @@ def train_amuse_speech(
     check_device(request.device)
     _check_texts(request.takes)
     preset = SPEECH_PRESETS[request.config]
+    ablation = request.choices.get("ablation")
+    weights, origin = _encoder_weights(request.choices, preset.network)
     prepared = prepare(
         request.takes,
         (speech_filterbank(preset.network.bands),),
@@ -268,7 +279,6 @@ def train_amuse_speech(
     emotions = tuple(sorted({take.emotion for take in learned if take.emotion}))
     speakers = tuple(sorted({take.speaker for take in learned}))
     held_out = Windows(prepared, split="validation", frames=frames, stride=frames)
-    ablation = request.choices.get("ablation")
     config = replace(
         preset.network,
         emotions=len(emotions),
@@ -290,9 +300,11 @@ def train_amuse_speech(
             "emotions": list(emotions),
             "speakers": list(speakers),
             "device": request.device,
+            **origin,
         },
         data_sha256=prepared.sha256,
         device=request.device,
+        encoder_weights=weights,
     )
     if not len(task.known(held_out)):
         raise InputError(
@@ -311,6 +323,7 @@ def train_amuse_speech(
             training={
                 "config": training_config.facts(),
                 "ablation": ablation,
+                **origin,
                 "best_step": trained.best.step,
                 "held_out": dict(found),
                 "data": {"kind": request.takes.kind, "sha256": prepared.sha256},
@@ -323,6 +336,23 @@ def train_amuse_speech(
         warnings=(),
         skipped=prepared.skipped,
     )
+
+
+def _encoder_weights(
+    choices: Mapping[str, str], config: SpeechConfig
+) -> tuple[Mapping[str, Tensor], Mapping[str, str]]:
+    """Return what encoders set out from, and where it is from."""
+    if "encoder_weights" not in choices:
+        return {}, {}
+    folder = Path(choices["encoder_weights"])
+    if choices.get("ablation") == "mfcc":
+        raise InputError(
+            "an auto-encoder of cepstral coefficients has no encoders that could take weights",
+            where=folder,
+            remedy="Leave out --encoder-weights, or --ablation mfcc",
+        )
+    weights = read_encoder_weights(folder, config)
+    return weights, {"encoder_weights": f"{folder.name} (sha256 {content(folder / WEIGHTS)})"}
 
 
 def _check_texts(takes: TakeFolder) -> None:

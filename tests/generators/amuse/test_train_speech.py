@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from generators.amuse.config import SPEECH_PRESETS
 from generators.amuse.network_file import load_speech_network
+from generators.amuse.speech import SpeechEncoder, SpeechModel
 from generators.amuse.train_speech import macro_f1, speech_filterbank, train_amuse_speech
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.audio import Audio, write_wav
@@ -37,13 +39,15 @@ def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
     monkeypatch.setattr("generators.amuse.train_speech.SPEECH_PRESETS", {"tiny": small})
     monkeypatch.setattr("generators.amuse.train_speech.prepare", lambda *given, **options: prepared)
 
-    def train(steps: int, out: Path, folder: Path = tmp_path, **choices: str) -> TrainedGenerator:
+    def train(
+        steps: int, out: Path, folder: Path = tmp_path, rate: float = 3e-3, **choices: str
+    ) -> TrainedGenerator:
         takes = tuple(replace(take, speech=folder / take.speech) for take in prepared.takes)
         request = TrainingRequest(
             takes=TakeFolder(kind="beat", takes=takes, speakers=("ann", "bob")),
             cache=tmp_path,
             config="tiny",
-            changes={"steps": steps, "batch_size": 2, "learning_rate": 3e-3, "validate_every": 5},
+            changes={"steps": steps, "batch_size": 2, "learning_rate": rate, "validate_every": 5},
             choices=choices,
         )
         return train_amuse_speech(
@@ -114,6 +118,25 @@ def test_an_ablation_does_not_learn_what_it_leaves_out(learn: Learn, tmp_path: P
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
     assert '"emo"' in log[0]
     assert '"sty"' not in log[0]
+
+
+def test_the_encoders_set_out_from_the_weights_of_a_folder(learn: Learn, tmp_path: Path) -> None:
+    network = SpeechEncoder(replace(SMALL, frames=100)).transformer
+    network.save_pretrained(tmp_path / "ast")
+    out = tmp_path / "out.safetensors"
+    # A rate of next to nothing leaves them as they were.
+    learn(1, out, encoder_weights=str(tmp_path / "ast"), rate=1e-12)
+    learned = load_speech_network(out)
+    assert isinstance(learned.model, SpeechModel)
+    for encoder in (learned.model.content, learned.model.emotion, learned.model.style):
+        for name, value in network.state_dict().items():
+            torch.testing.assert_close(encoder.transformer.state_dict()[name], value)
+    assert str(learned.training["encoder_weights"]).startswith("ast (sha256 ")
+
+
+def test_an_autoencoder_takes_no_weights_of_encoders(learn: Learn, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no encoders that could take weights"):
+        learn(1, tmp_path / "out", ablation="mfcc", encoder_weights=str(tmp_path))
 
 
 def test_an_autoencoder_can_stand_in_for_the_speech_model(learn: Learn, tmp_path: Path) -> None:

@@ -1,0 +1,109 @@
+"""The encoders of AMUSE's speech model can set out from another network's weights."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+import torch
+from safetensors.torch import load_file, save_file
+from transformers import ASTConfig, ASTForAudioClassification, ASTModel, DeiTConfig, DeiTModel
+
+from generators.amuse.encoder_weights import read_encoder_weights
+from generators.amuse.speech import SpeechEncoder
+from motion.errors import InputError
+from tests.generators.amuse.test_speech import SMALL
+
+
+def _saved(folder: Path) -> ASTModel:
+    torch.manual_seed(8)
+    model = SpeechEncoder(SMALL).transformer
+    torch.nn.init.normal_(model.embeddings.position_embeddings)
+    model.save_pretrained(folder)
+    return model
+
+
+def _image_model(**changes: int) -> DeiTModel:
+    config = DeiTConfig(
+        hidden_size=SMALL.width,
+        num_hidden_layers=SMALL.layers,
+        num_attention_heads=SMALL.heads,
+        intermediate_size=SMALL.feed_forward,
+        **changes,
+    )
+    model = DeiTModel(config, add_pooling_layer=False)
+    torch.nn.init.normal_(model.embeddings.position_embeddings)
+    return model
+
+
+def test_an_encoder_with_the_weights_of_an_ast_hears_what_it_hears(tmp_path: Path) -> None:
+    model = _saved(tmp_path).eval()
+    encoder = SpeechEncoder(SMALL).eval()
+    encoder.transformer.load_state_dict(read_encoder_weights(tmp_path, SMALL))
+    sound = torch.randn(2, SMALL.frames, SMALL.bands)
+    with torch.inference_mode():
+        torch.testing.assert_close(encoder.transformer(sound)[0], model(sound)[0])
+
+
+def test_a_classifiers_transformer_is_taken_without_its_classes(tmp_path: Path) -> None:
+    classifier = ASTForAudioClassification(SpeechEncoder(SMALL).transformer.config)
+    classifier.save_pretrained(tmp_path)
+    weights = read_encoder_weights(tmp_path, SMALL)
+    expected = classifier.audio_spectrogram_transformer.state_dict()
+    assert weights.keys() == expected.keys()
+    assert all(torch.equal(weights[name], expected[name]) for name in expected)
+
+
+def test_a_network_for_images_becomes_one_for_sound(tmp_path: Path) -> None:
+    model = _image_model(image_size=48)
+    model.save_pretrained(tmp_path)
+    weights = read_encoder_weights(tmp_path, SMALL)
+    SpeechEncoder(SMALL).transformer.load_state_dict(weights)
+    colours = model.embeddings.patch_embeddings.projection.weight
+    torch.testing.assert_close(
+        weights["embeddings.patch_embeddings.projection.weight"], colours.sum(1, keepdim=True)
+    )
+    # Of 3 rows of patches the first 2 are the middle; 3 columns are stretched to 4.
+    own, fitted = model.embeddings.position_embeddings, weights["embeddings.position_embeddings"]
+    torch.testing.assert_close(fitted[:, :2], own[:, :2])
+    assert fitted.shape == (1, 2 + 2 * 4, SMALL.width)
+    torch.testing.assert_close(fitted[:, 2], own[:, 2])
+    torch.testing.assert_close(fitted[:, 5], own[:, 4])
+
+
+def test_a_folder_without_safetensors_is_refused_and_no_pickle_is_read(tmp_path: Path) -> None:
+    _saved(tmp_path)
+    weights = tmp_path / "model.safetensors"
+    weights.rename(tmp_path / "pytorch_model.bin")
+    with pytest.raises(InputError, match=r"holds no model.safetensors.*save_pretrained"):
+        read_encoder_weights(tmp_path, SMALL)
+
+
+def test_an_encoder_of_another_size_is_refused_by_what_differs(tmp_path: Path) -> None:
+    ASTModel(ASTConfig(hidden_size=8, num_hidden_layers=1, num_attention_heads=2)).save_pretrained(
+        tmp_path
+    )
+    with pytest.raises(InputError, match=r"another size.*hidden_size 8 in place of 24"):
+        read_encoder_weights(tmp_path, SMALL)
+
+
+def test_another_architecture_is_refused_by_its_name(tmp_path: Path) -> None:
+    _saved(tmp_path)
+    (tmp_path / "config.json").write_text(json.dumps({"model_type": "bert"}))
+    with pytest.raises(InputError, match="a network of type 'bert', not an AST or a DeiT"):
+        read_encoder_weights(tmp_path, SMALL)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_damaged_or_incomplete_file_is_refused(tmp_path: Path, whole: bool) -> None:
+    _saved(tmp_path)
+    path = tmp_path / "model.safetensors"
+    if whole:
+        weights = load_file(path)
+        weights.pop("layernorm.weight")
+        save_file(weights, path, metadata={"format": "pt"})
+    else:
+        path.write_bytes(path.read_bytes()[:200])
+    with pytest.raises(InputError, match=r"lacks 1 of|cannot be read"):
+        read_encoder_weights(tmp_path, SMALL)
