@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
-from torch import Tensor
+from torch import Tensor, nn
 
 from motion.errors import InputError
 from motion.files import replacing
+
+Network = TypeVar("Network", bound=nn.Module)
 
 _KEY: Final = "motionjury"
 """All facts are one entry: safetensors keeps no order among several, and equal runs are to make
@@ -43,6 +46,44 @@ class WeightsFile:
             for name, tensor in self.tensors.items()
             if name.startswith(start)
         }
+
+    def config(self, kind: str) -> dict[str, Any]:
+        """Return the sizes of the network; ValueError if it is none of that kind."""
+        if self.facts["network"] != kind:
+            raise ValueError("another network")
+        return dict(self.facts["config"])
+
+    def loaded(self, network: Network, part: str) -> Network:
+        """Return a network with the weights of a part, in evaluation mode."""
+        network.load_state_dict(self.part(part))
+        network.requires_grad_(False).eval()
+        return network
+
+
+@contextmanager
+def holding(path: Path, wanted: str, remedy: str) -> Iterator[None]:
+    """Say that the file holds no such network where it lacks something that is looked for.
+
+    Raises
+    ------
+    InputError
+        If a fact or a tensor is missing, or of another shape.
+    """
+    try:
+        yield
+    except (KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
+        raise InputError(
+            f"the file holds weights, but not of {wanted}", where=path, remedy=remedy
+        ) from error
+
+
+def tensors_of(parts: Mapping[str, nn.Module]) -> dict[str, Tensor]:
+    """Return the weights of networks as a file holds them, each as ``part.name``."""
+    return {
+        f"{part}.{name}": tensor
+        for part, network in parts.items()
+        for name, tensor in network.state_dict().items()
+    }
 
 
 def write_weights(path: Path, tensors: Mapping[str, Tensor], facts: Mapping[str, Any]) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
-from torch import Tensor, nn
+from torch import Tensor
 
 from generators.amuse.config import MotionConfig, SpeechConfig
 from generators.amuse.model import Denoiser, MotionPrior, NoPrior, prior_of
@@ -15,9 +16,7 @@ from generators.amuse.released import read_motion_networks, read_speech_model
 from generators.amuse.speech import AnySpeechModel, speech_model_of
 from motion.errors import InputError
 from motion.listing import listed
-from training.weights_file import WeightsFile, holds_facts, read_weights, write_weights
-
-Network = TypeVar("Network", bound=nn.Module)
+from training.weights_file import holding, holds_facts, read_weights, tensors_of, write_weights
 
 _MOTION: Final = "amuse motion"
 _SPEECH: Final = "amuse speech"
@@ -80,12 +79,7 @@ class SpeechNetwork:
 
 def write_motion_networks(path: Path, networks: MotionNetworks) -> None:
     """Write prior and denoiser to one safetensors file, with their sizes and their origin."""
-    parts = {"prior": networks.prior, "denoiser": networks.denoiser}
-    tensors = {
-        f"{part}.{name}": tensor
-        for part, network in parts.items()
-        for name, tensor in network.state_dict().items()
-    }
+    tensors = tensors_of({"prior": networks.prior, "denoiser": networks.denoiser})
     facts = {
         "network": _MOTION,
         "config": asdict(networks.prior.config),
@@ -96,7 +90,7 @@ def write_motion_networks(path: Path, networks: MotionNetworks) -> None:
 
 def write_speech_network(path: Path, network: SpeechNetwork) -> None:
     """Write a speech model to one safetensors file, with its sizes, its labels and its origin."""
-    tensors = {f"model.{name}": tensor for name, tensor in network.model.state_dict().items()}
+    tensors = tensors_of({"model": network.model})
     for part, latents in network.latents.items():
         tensors |= {f"{part}.{label}": latent for label, latent in latents.items()}
     facts = {
@@ -120,15 +114,13 @@ def load_motion_networks(path: Path) -> MotionNetworks:
         prior, denoiser = read_motion_networks(path)
         return MotionNetworks(prior=prior, denoiser=denoiser)
     file = read_weights(path)
-    try:
-        config = MotionConfig(**_config(file, _MOTION))
+    with _looking(path, "motion prior and denoiser"):
+        config = MotionConfig(**file.config(_MOTION))
         return MotionNetworks(
-            prior=_loaded(prior_of(config), file, "prior"),
-            denoiser=_loaded(Denoiser(config), file, "denoiser"),
+            prior=file.loaded(prior_of(config), "prior"),
+            denoiser=file.loaded(Denoiser(config), "denoiser"),
             training=file.facts["training"],
         )
-    except (KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise _another_network(path, "motion prior and denoiser") from error
 
 
 def load_speech_network(path: Path) -> SpeechNetwork:
@@ -142,36 +134,18 @@ def load_speech_network(path: Path) -> SpeechNetwork:
     if not holds_facts(path):
         return SpeechNetwork(model=read_speech_model(path))
     file = read_weights(path)
-    try:
-        config = SpeechConfig(**_config(file, _SPEECH))
+    with _looking(path, "speech model"):
+        config = SpeechConfig(**file.config(_SPEECH))
         return SpeechNetwork(
-            model=_loaded(speech_model_of(config), file, "model"),
+            model=file.loaded(speech_model_of(config), "model"),
             latents={
                 part: {label: file.tensors[f"{part}.{label}"] for label in labels}
                 for part, labels in file.facts["labels"].items()
             },
             training=file.facts["training"],
         )
-    except (KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
-        raise _another_network(path, "speech model") from error
 
 
-def _config(file: WeightsFile, kind: str) -> Mapping[str, Any]:
-    if file.facts["network"] != kind:
-        raise ValueError("another network")
-    config: Mapping[str, Any] = file.facts["config"]
-    return config
-
-
-def _loaded(network: Network, file: WeightsFile, part: str) -> Network:
-    network.load_state_dict(file.part(part))
-    network.requires_grad_(False).eval()
-    return network
-
-
-def _another_network(path: Path, wanted: str) -> InputError:
-    return InputError(
-        f"the file holds weights, but not of AMUSE's {wanted}",
-        where=path,
-        remedy=f"Give AMUSE's {wanted}: one that was trained here, or the released one",
-    )
+def _looking(path: Path, wanted: str) -> AbstractContextManager[None]:
+    remedy = f"Give AMUSE's {wanted}: one that was trained here, or the released one"
+    return holding(path, f"AMUSE's {wanted}", remedy)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from importlib import metadata
 from pathlib import Path
 from typing import Any, Final
 
@@ -49,6 +48,7 @@ from training.diffusion import SCALED_LINEAR
 from training.launching import is_leader
 from training.loop import train
 from training.passes import Pass
+from training.run_facts import run_facts
 from training.run_folder import RunFolder
 from training.spaces.smplx_6d import smplx_6d_values
 
@@ -64,7 +64,6 @@ STAGES: Final = {"prior": PRIOR_ALONE, "denoiser": DENOISER_ALONE}
 COUNTED: Final = {"without_alignment": WITHOUT_ALIGNMENT, "without_prior": DENOISER_ALONE}
 """What counts in ablations that leave out losses."""
 
-_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch", "transformers")
 _VERSION: Final = "1"
 
 
@@ -233,13 +232,9 @@ def train_amuse(
     trained = train(task, training, RunFolder(run), show=show_training)
     model = trained.network.cpu()
     facts = {
-        "config": training.facts(),
+        **run_facts(training, trained, request.takes.kind, prepared, ("transformers",)),
         "speech_model": identity,
         "ablation": ablation,
-        "best_step": trained.best.step,
-        "held_out": dict(trained.best.measured),
-        "data": {"kind": request.takes.kind, "sha256": prepared.sha256},
-        "versions": {name: metadata.version(name) for name in _PACKAGES},
     }
     if is_leader():
         networks = MotionNetworks(prior=model.prior, denoiser=model.denoiser, training=facts)

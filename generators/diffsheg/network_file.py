@@ -16,7 +16,14 @@ from generators.diffsheg.released import DATASETS, load_released, read_normalisa
 from motion.errors import InputError
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
-from training.weights_file import WeightsFile, holds_facts, read_weights, write_weights
+from training.weights_file import (
+    WeightsFile,
+    holding,
+    holds_facts,
+    read_weights,
+    tensors_of,
+    write_weights,
+)
 
 _NETWORK: Final = "diffsheg"
 
@@ -51,7 +58,7 @@ class MotionNetwork:
 
 def write_network(path: Path, network: MotionNetwork) -> None:
     """Write a network to one safetensors file, with its sizes, its normalisation and its origin."""
-    tensors = {f"denoiser.{name}": one for name, one in network.denoiser.state_dict().items()}
+    tensors = tensors_of({"denoiser": network.denoiser})
     tensors["normalisation.mean"] = torch.from_numpy(network.normalisation.mean)
     tensors["normalisation.std"] = torch.from_numpy(network.normalisation.std)
     facts = {
@@ -103,25 +110,19 @@ def load_network(path: Path, dataset: str, stats: Path | None) -> MotionNetwork:
 
 def _own(file: WeightsFile, path: Path) -> MotionNetwork:
     facts: Mapping[str, Any] = file.facts
-    try:
-        if facts["network"] != _NETWORK or facts["dataset"] not in DATASETS:
-            raise ValueError("another network")
-        config = DenoiserConfig(**facts["config"])
-        denoiser = Denoiser(config)
-        denoiser.load_state_dict(file.part("denoiser"))
+    remedy = "Give a DiffSHEG checkpoint: one that was trained here, or the released one"
+    with holding(path, "a DiffSHEG network", remedy):
+        config = DenoiserConfig(**file.config(_NETWORK))
+        if facts["dataset"] not in DATASETS:
+            raise ValueError("another data set")
+        denoiser = file.loaded(Denoiser(config), "denoiser")
         mean, std = (np.asarray(file.tensors[f"normalisation.{kind}"]) for kind in ("mean", "std"))
         if mean.shape != (config.motion_width,) or std.shape != mean.shape:
             raise ValueError("a normalisation of another size")
         names, hubert, training = (facts[key] for key in ("speakers", "hubert", "training"))
         speakers = None if names is None else Speakers(tuple(names), config.speakers)
-    except (KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise InputError(
-            "the file holds weights, but not of a DiffSHEG network",
-            where=path,
-            remedy="Give a DiffSHEG checkpoint: one that was trained here, or the released one",
-        ) from error
     return MotionNetwork(
-        denoiser=denoiser.requires_grad_(False).eval(),
+        denoiser=denoiser,
         dataset=str(facts["dataset"]),
         normalisation=Normalisation(mean, std),
         speakers=speakers,

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from importlib import metadata
 from pathlib import Path
 from typing import Any, Final
 
@@ -40,6 +39,7 @@ from training.features import (
 from training.hearing.hubert import Hubert, load_hubert, stand_in
 from training.launching import is_leader
 from training.loop import Trained, train
+from training.run_facts import run_facts
 from training.run_folder import RunFolder
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
@@ -205,8 +205,6 @@ def training_settings(config: DenoiserConfig, weights: LossWeights) -> dict[str,
     }
 
 
-_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch", "transformers")
-
 _DATASETS: Final[Mapping[str, str]] = {"beat": "beat", "beat2": "show", "show": "show"}
 """As whose motion the recordings of a layout are told."""
 
@@ -267,21 +265,17 @@ def train_diffsheg(
     config = preset.trained_on(task.examples, request.changes)
     trained = train(task, config, RunFolder(run), show=show_training)
     untrained = _untrained(task, config.seed)
-    facts = {
+    facts = run_facts(config, trained, request.takes.kind, prepared, ("transformers",))
+    facts |= {
         "losses": preset.losses,
-        "config": config.facts(),
-        "best_step": trained.best.step,
         "last_loss": trained.last_loss,
-        "held_out": dict(trained.best.measured),
         "untrained": untrained,
         "data": {
-            "kind": request.takes.kind,
-            "sha256": prepared.sha256,
+            **facts["data"],
             "takes": len(prepared.takes),
             "windows": len(task.training),
             "held_out_windows": len(task.held_out),
         },
-        "versions": {name: metadata.version(name) for name in _PACKAGES},
     }
     network = MotionNetwork(
         denoiser=trained.network.cpu(),

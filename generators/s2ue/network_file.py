@@ -14,7 +14,7 @@ from generators.s2ue.model import Network
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from training.speakers import Speakers
-from training.weights_file import read_weights, write_weights
+from training.weights_file import holding, read_weights, tensors_of, write_weights
 
 _NETWORK: Final = "s2ue"
 
@@ -50,8 +50,7 @@ def write_network(path: Path, network: S2ueNetwork) -> None:
         "vectors": network.vectors,
         "training": dict(network.training),
     }
-    weights = network.network.state_dict()
-    write_weights(path, {f"network.{name}": one for name, one in weights.items()}, facts)
+    write_weights(path, tensors_of({"network": network.network}), facts)
 
 
 def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
@@ -63,29 +62,18 @@ def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
         If the file holds another network, or one of other landmarks than `face` has.
     """
     file = read_weights(path)
-    try:
-        facts = file.facts
-        if facts["network"] != _NETWORK:
-            raise ValueError("another network")
-        given = dict(facts["config"])
+    wanted = "a Speech2UnifiedExpressions network"
+    with holding(path, wanted, "Give one that 'motionjury train s2ue' wrote"):
+        given = file.config(_NETWORK)
         given["components"] = tuple(tuple(part) for part in given["components"])
         config = NetworkConfig(**given | {"lips": tuple(given["lips"])})
         neutral = file.tensors["network.neutral"]
-        network = Network(config, neutral.numpy())
-        network.load_state_dict(file.part("network"))
-        speakers = Speakers(tuple(facts["speakers"]), config.speakers)
         loaded = S2ueNetwork(
-            network=network.requires_grad_(False).eval(),
-            speakers=speakers,
-            vectors=str(facts["vectors"]),
-            training=facts["training"],
+            network=file.loaded(Network(config, neutral.numpy()), "network"),
+            speakers=Speakers(tuple(file.facts["speakers"]), config.speakers),
+            vectors=str(file.facts["vectors"]),
+            training=file.facts["training"],
         )
-    except (KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
-        raise InputError(
-            "the file holds weights, but not of a Speech2UnifiedExpressions network",
-            where=path,
-            remedy="Give one that 'motionjury train s2ue' wrote",
-        ) from error
     ours = torch.from_numpy(face.neutral)
     if neutral.shape != ours.shape or not torch.allclose(neutral, ours, atol=1e-5):
         raise InputError(

@@ -12,6 +12,7 @@ from torch import Tensor
 
 from generators.s2ue.model import Network
 from training.hearing.speech_windows import HeardWindow
+from training.hearing.word_vectors import words_in
 from training.spaces.bone_tensors import with_units
 
 FloatArray = NDArray[np.float32]
@@ -50,10 +51,11 @@ def move(
     share = torch.linspace(0, 1, seeds + 2, device=told.device)[1:-1, None]
     away = _fading(seeds, new).to(told.device)
     for window in windows:
+        said = words_in(words, window.first, config.frames, config.words)
         with torch.inference_mode():
             found, _ = network.synthesise(
                 window.sound[None].to(told.device),
-                _words_in(window, words, config.words, config.frames)[None].to(told.device),
+                torch.from_numpy(said)[None].to(told.device),
                 person[None],
                 noise[None],
                 told[None],
@@ -73,12 +75,3 @@ def _fading(seeds: int, new: int) -> Tensor:
     lasts = round(_FADES * new)
     falling = 0.5 + 0.5 * torch.cos(torch.pi * torch.arange(1, lasts + 1) / (lasts + 1))
     return torch.cat([torch.ones(seeds), falling, torch.zeros(new - lasts)])[:, None]
-
-
-def _words_in(window: HeardWindow, words: FloatArray | None, width: int, frames: int) -> Tensor:
-    """Return the vectors of the words in a window, zeros outside of the speech."""
-    found = torch.zeros(frames, width)
-    if words is not None:
-        said = words[window.first : window.first + frames]
-        found[: len(said)] = torch.from_numpy(said)
-    return found

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from importlib import metadata
 from pathlib import Path
 from typing import Any, Final
 
@@ -39,6 +38,7 @@ from training.hearing.word_vectors import StandIn, WordVectors, vectors_of
 from training.launching import is_leader
 from training.loop import train
 from training.point_features import features_of
+from training.run_facts import run_facts
 from training.run_folder import RunFolder
 from training.spaces.anatomy import components_of, lips_of
 from training.spaces.bone_tensors import split_motion
@@ -55,8 +55,6 @@ HELD_OUT: Final = 256
 
 _SEEN: Final = 4_000
 """At most so many windows tell how the values of recordings spread."""
-
-_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -270,13 +268,9 @@ def train_s2ue(
     training = replace(training, passes=passes)
     trained = train(task, training, RunFolder(run), show=show_training)
     facts = {
-        "config": training.facts(),
+        **run_facts(training, trained, request.takes.kind, prepared),
         "losses": asdict(weights),
         "ablation": ablation,
-        "best_step": trained.best.step,
-        "held_out": dict(trained.best.measured),
-        "data": {"kind": request.takes.kind, "sha256": prepared.sha256},
-        "versions": {name: metadata.version(name) for name in _PACKAGES},
     }
     if is_leader():
         write_network(

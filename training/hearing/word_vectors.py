@@ -183,6 +183,15 @@ def word_rows(
     return rows
 
 
+def words_in(rows: FloatArray | None, first: int, frames: int, width: int) -> FloatArray:
+    """Return those `frames` of `word_rows` from `first` on, (frames, width), zeros beside them."""
+    found = np.zeros((frames, width), np.float32)
+    if rows is not None:
+        said = rows[first : first + frames]
+        found[: len(said)] = said
+    return found
+
+
 def vectors_of(named: Path | str | None) -> WordVectors:
     """Return the vectors of a file, or a stand-in where none is named."""
     return StandIn() if named is None else read_word_vectors(Path(named))
