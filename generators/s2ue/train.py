@@ -13,17 +13,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from generators.s2ue.config import (
-    ABLATIONS,
-    PRESETS,
-    LossWeights,
-    NetworkConfig,
-)
-from generators.s2ue.losses import (
-    diversity_loss,
-    phoneme_loss,
-    reconstruction_losses,
-)
+from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights, NetworkConfig
+from generators.s2ue.losses import diversity_loss, phoneme_loss, reconstruction_losses
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
 from generators.trainable import Show, TrainedGenerator, TrainingRequest
@@ -249,7 +240,7 @@ def train_s2ue(
         training=Windows(prepared, split="train", frames=config.frames, stride=STRIDE),
         held_out=Windows(prepared, split="validation", frames=config.frames, stride=config.frames),
         speakers=Speakers(names, len(names)),
-        rest=_rest(prepared),
+        rest=prepared.mean_first("motion"),
         settings={
             **{f"network {name}": _plain(value) for name, value in asdict(config).items()},
             **{f"loss {name}": value for name, value in asdict(weights).items()},
@@ -300,16 +291,6 @@ def _chosen(
     of_losses = {name: value for name, value in changes.items() if hasattr(LossWeights, name)}
     of_network = {name: value for name, value in changes.items() if name not in of_losses}
     return replace(config, **of_network), replace(LossWeights(), **of_losses)
-
-
-def _rest(prepared: PreparedTakes) -> NDArray[np.float32]:
-    """Return the mean first frame of the takes to learn from."""
-    firsts = [
-        motion[0]
-        for take, motion in zip(prepared.takes, prepared.arrays["motion"], strict=True)
-        if take.split == "train"
-    ]
-    return np.asarray(np.mean(firsts, axis=0), np.float32)
 
 
 def _plain(value: object) -> object:

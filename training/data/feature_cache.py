@@ -59,6 +59,15 @@ class PreparedTakes:
         taught = {take.speaker for take in self.takes if take.split == "train"}
         return tuple(name for name in speakers if name in taught)
 
+    def mean_first(self, feature: str) -> FloatArray:
+        """Return the mean first frame (channels,) of a feature in the takes to learn from."""
+        firsts = [
+            values[0]
+            for take, values in zip(self.takes, self.arrays[feature], strict=True)
+            if take.split == "train"
+        ]
+        return np.asarray(np.mean(firsts, axis=0), np.float32)
+
 
 def prepare(
     takes: TakeFolder,

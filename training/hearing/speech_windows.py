@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float32]
 _BEFORE: Final = 1
 """Whole seconds before a window that are heard with it."""
 
-AHEAD: Final = 0.1
+_AHEAD: Final = 0.1
 """Seconds behind a window that are heard with it."""
 
 
@@ -60,7 +60,7 @@ def hear_windows(
         Of a window, and what it shares with the next; what is new in one lasts whole seconds.
     """
     new = frames - overlap
-    seconds, lasts = round(new / frame_rate), frames / frame_rate + AHEAD
+    seconds, lasts = round(new / frame_rate), frames / frame_rate + _AHEAD
     kept, first, number = np.zeros(0, np.float32), 0, 0
 
     def end() -> int:
