@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from importlib import metadata
 from pathlib import Path
 from typing import Any, Final
 
@@ -47,6 +46,7 @@ from training.hearing.filterbank import ROWS_PER_SECOND, check_speech, filterban
 from training.hearing.speech_frames import at_speech_rate
 from training.launching import is_leader
 from training.loop import train
+from training.run_facts import run_facts
 from training.run_folder import RunFolder
 
 MOST: Final = 20_000
@@ -62,7 +62,6 @@ MFCC: Final = 13
 """Cepstral coefficients that an auto-encoder hears."""
 
 _AT_ONCE: Final = 16
-_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "torch", "transformers")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -321,13 +320,11 @@ def train_amuse_speech(
             model=trained.network,
             latents=task.mean_latents(trained.network),
             training={
-                "config": training_config.facts(),
+                **run_facts(
+                    training_config, trained, request.takes.kind, prepared, ("transformers",)
+                ),
                 "ablation": ablation,
                 **origin,
-                "best_step": trained.best.step,
-                "held_out": dict(found),
-                "data": {"kind": request.takes.kind, "sha256": prepared.sha256},
-                "versions": {name: metadata.version(name) for name in _PACKAGES},
             },
         )
         write_speech_network(out, network)
