@@ -39,7 +39,7 @@ def test_one_process_or_two_make_the_same_corpus_and_what_is_there_is_kept(tmp_p
             ]
         )
     assert contents[0] == contents[1]
-    assert len(contents[0]) == 8 * 5 + 3
+    assert len(contents[0]) == 8 * 6 + 3
     again = run(folder, *options, "--fps", 10)
     assert "Made 0 takes" in again.stdout
     assert "8 were there" in again.stdout
