@@ -42,6 +42,9 @@ class MotionConfig:
     tokens : int
         Of a motion's latent, each as wide as the networks. The release has one, which tells little
         of the movement before it has learned for days.
+    log_variance : float
+        Added to the logarithms of the latent's variances that the prior tells. Of a latent that
+        is half noise a denoiser learns little; below 0 it begins with less noise than the release.
     longest : int
         Places that the learned positions know.
     dropout : float
@@ -58,6 +61,7 @@ class MotionConfig:
     conditions: int = 3
     prior: bool = True
     tokens: int = 1
+    log_variance: float = 0.0
     longest: int = 500
     dropout: float = 0.1
 
@@ -144,6 +148,7 @@ MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
                 feed_forward=128,
                 layers=3,
                 tokens=16,
+                log_variance=-4.0,
                 longest=152,
                 dropout=0.0,
             ),

@@ -116,7 +116,7 @@ class MotionPrior(nn.Module):
         x = torch.cat([tokens, self.skel_embedding(motion)], dim=1)
         x = self.encoder(self.query_pos_encoder(x))
         mu, log_variance = x[:, : len(self.global_motion_token)].chunk(2, dim=1)
-        return Gaussian(mu=mu, std=(0.5 * log_variance).exp())
+        return Gaussian(mu=mu, std=(0.5 * (log_variance + self.config.log_variance)).exp())
 
     def decode(self, z: Tensor, frames: int | None = None) -> Tensor:
         """Return the motion of latents `z`, (batch, frames, motion width)."""

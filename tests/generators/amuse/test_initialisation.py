@@ -48,3 +48,10 @@ def test_a_prior_of_one_token_sets_out_from_the_mean(motion: Tensor) -> None:
     set_out(prior, motion)
     assert torch.equal(prior.skel_embedding.weight, before)
     assert torch.allclose(prior.final_layer.bias, motion.mean(dim=(0, 1)))
+
+
+def test_the_tiny_latent_begins_with_little_noise(motion: Tensor) -> None:
+    prior = MotionPrior(CONFIG)
+    set_out(prior, motion)
+    latent = prior.encode(motion)
+    assert latent.std.mean() < 0.3 * latent.mu.std()
