@@ -17,7 +17,7 @@ from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
 from motion.formats.joint_maps import JointMap
 from motion.formats.ted_npz import ARRAYS as TED_ARRAYS
-from motion.formats.ted_npz import AXES, BONES, JOINTS, read_ted_npz
+from motion.formats.ted_npz import AXES, JOINTS, chain_bones, read_ted_npz
 from motion.points.joint_rotations import rotations_from_joints
 from motion.points.person import MEDIAPIPE, body_joints
 from motion.rest_pose import REST_JOINTS
@@ -184,9 +184,7 @@ def _read(path: Path) -> _Recording:
 
 def _read_ted(path: Path) -> _Recording:
     motion = read_ted_npz(path)
-    points = np.zeros((len(motion.directions), JOINTS, 3))
-    for bone, (parent, child) in enumerate(BONES):
-        points[:, child] = points[:, parent] + _TED_LENGTHS[bone] * motion.directions[:, bone]
+    points = chain_bones(np.array(_TED_LENGTHS)[:, None] * motion.directions)
     return _Recording(points=points * AXES, names=_TED, frame_rate=motion.frame_rate)
 
 

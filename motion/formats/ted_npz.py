@@ -68,6 +68,14 @@ class TedMotion:
     frame_rate: float
 
 
+def chain_bones(bones: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the ten joints (T, 10, 3) that `BONES`, (T, 9, 3), lead to from the first one."""
+    joints = np.zeros((len(bones), JOINTS, 3))
+    for bone, (parent, child) in enumerate(BONES):
+        joints[:, child] = joints[:, parent] + bones[:, bone]
+    return joints
+
+
 def read_ted_npz(path: Path) -> TedMotion:
     """Read the motion of a clip.
 

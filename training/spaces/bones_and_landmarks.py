@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
-from motion.formats.ted_npz import BONES, JOINT_NAMES
+from motion.formats.ted_npz import BONES, JOINT_NAMES, chain_bones
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import forward_kinematics, joint_index
 
@@ -73,9 +73,5 @@ def directions_of(joints: FloatArray) -> FloatArray:
 
 def joints_of(directions: FloatArray, lengths: FloatArray = BONE_LENGTHS) -> FloatArray:
     """Return the ten joints (T, 10, 3) about the pelvis; directions need not be of length 1."""
-    joints = np.zeros((len(directions), len(JOINT_NAMES), 3))
-    for bone, (parent, child) in enumerate(BONES):
-        along = directions[:, bone]
-        unit = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
-        joints[:, child] = joints[:, parent] + lengths[bone] * unit
-    return joints
+    units = directions / np.maximum(np.linalg.norm(directions, axis=-1, keepdims=True), 1e-9)
+    return chain_bones(lengths[:, None] * units)
