@@ -13,6 +13,11 @@ from training.loop import Trained
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
 
 
+def package_versions(*further: str) -> dict[str, str]:
+    """Return the versions of what every training uses, and of `further` packages."""
+    return {name: metadata.version(name) for name in (*_PACKAGES, *further)}
+
+
 def run_facts(
     config: TrainingConfig,
     trained: Trained[Any],
@@ -40,5 +45,5 @@ def run_facts(
         "best_step": trained.best.step,
         "held_out": dict(trained.best.measured),
         "data": {"kind": kind, "sha256": prepared.sha256},
-        "versions": {name: metadata.version(name) for name in (*_PACKAGES, *packages)},
+        "versions": package_versions(*packages),
     }

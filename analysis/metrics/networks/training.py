@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import Final
 
@@ -45,6 +44,7 @@ from motion.segment import EMOTIONS
 from training.device import check_device
 from training.launching import is_leader
 from training.loop import Show, Trained, train
+from training.run_facts import package_versions
 from training.run_folder import RunFolder
 
 FEWEST_WINDOWS: Final = 32
@@ -52,8 +52,6 @@ FEWEST_WINDOWS: Final = 32
 
 FEWEST_HELD_OUT: Final = 8
 """Fewer windows than this do not tell which weights are best."""
-
-_PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -154,7 +152,7 @@ def train_evaluator(
             config=request.training.facts(),
             best_step=trained.best.step,
             last_loss=trained.last_loss,
-            versions={name: metadata.version(name) for name in _PACKAGES},
+            versions=package_versions(),
         ),
         held_out=dict(trained.best.measured),
     )
