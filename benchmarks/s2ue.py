@@ -32,7 +32,9 @@ from generators.s2ue.settings import S2ueSettings
 from generators.s2ue.train import train_s2ue
 from generators.trainable import TrainingRequest
 from motion.face_landmarks import FaceLandmarks
+from motion.formats.ted_npz import JOINT_NAMES
 from motion.rest_pose import REST_JOINTS
+from motion.skeleton import joint_index
 from training.data.any_folder import read_takes
 from training.data.feature_cache import PreparedTakes, prepare
 from training.data.take import TakeFolder
@@ -65,7 +67,7 @@ def speed(rounds: int) -> None:
     torch.manual_seed(1)
     network = Network(config, face.neutral)
     standing = np.zeros(BONE_VALUES + 3 * face.count, np.float32)
-    rest = REST_JOINTS[[0, 12, 22, 15, 16, 18, 20, 17, 19, 21]][None]
+    rest = REST_JOINTS[[joint_index(name) for name in JOINT_NAMES]][None]
     standing[:BONE_VALUES] = directions_of(rest).ravel()
     network.mean.copy_(torch.from_numpy(standing))
     network.rest.copy_(network.mean)
