@@ -158,22 +158,22 @@ def whole_body() -> Feature:
 def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: int) -> Feature:
     """Return content, emotion and style of the window that begins at each `stride`-th frame.
 
-    The frames up to the next window hold the same.
+    The frames up to the next window hold the same, and those behind the last window that fits.
     """
 
     def compute(take: Take) -> NDArray[np.float32]:
         audio = read_audio(take.speech)
         total = max(1, round(audio.duration * FRAME_RATE))
-        plan = WindowPlan(frames=frames, stride=stride, count=-(-total // stride), fade=0)
+        count = 1 + max(0, total - frames) // stride
+        plan = WindowPlan(frames=frames, stride=stride, count=count, fade=0)
         told = [
             torch.cat([speech.model.latent(part, rows) for part in speech.model.parts], dim=-1)
             for rows in heard_windows(audio, plan, speech.model.config)
         ]
-        return torch.cat(told).repeat_interleave(stride, dim=0)[:total].numpy()
+        window = np.minimum(np.arange(total) // stride, count - 1)
+        return torch.cat(told).numpy()[window]
 
-    return Feature(
-        name="latents", version=f"{_VERSION} {identity} {frames} {stride}", compute=compute
-    )
+    return Feature(name="latents", version=f"2 {identity} {frames} {stride}", compute=compute)
 
 
 def train_amuse(
