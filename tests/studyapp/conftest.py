@@ -14,15 +14,19 @@ import pytest
 from argon2 import PasswordHasher
 from flask import Flask
 
+from studyapp.definition.creation import new_study
+from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
+from studyapp.stages.recordings import Take
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.emptying import empty
 from tests.studyapp.figures_at_hand import FiguresAtHand
 from tests.studyapp.s3_stand_in import Store, s3_stand_in, use_keys
+from tests.studyapp.takes import write_motion, write_speech
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.support.throwaway_postgresql import (
     ThrowawayPostgresql,
@@ -31,6 +35,22 @@ from tests.support.throwaway_postgresql import (
 )
 
 DatabaseKind = Literal["sqlite", "postgresql"]
+
+
+BOTH_DATABASES = {"custody", "recruitment", "services"}
+"""Rooms whose tests are repeated on both databases: what is done with the tables."""
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Repeat a test that uses a database on SQLite and on PostgreSQL, unless it says which."""
+    room = Path(metafunc.module.__file__ or "").relative_to(Path(__file__).parent).parts[0]
+    chosen = [mark.args[0] for mark in metafunc.definition.iter_markers("parametrize")]
+    if (
+        room in BOTH_DATABASES
+        and "database_url" in metafunc.fixturenames
+        and "database_url" not in chosen
+    ):
+        metafunc.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
 
 
 @pytest.fixture(scope="session")
@@ -156,3 +176,44 @@ def s3_store(monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
     use_keys(monkeypatch)
     with s3_stand_in() as running_store:
         yield running_store
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> StudyFolder:
+    made = StudyFolder(tmp_path / "study")
+    new_study(made.definition, name="study", trials=2)
+    return made
+
+
+@pytest.fixture
+def speech_file(tmp_path: Path) -> Callable[..., Path]:
+    def write(seconds: float, name: str = "take") -> Path:
+        return write_speech(tmp_path / f"{name}.wav", seconds)
+
+    return write
+
+
+@pytest.fixture
+def motion_file(tmp_path: Path) -> Callable[..., Path]:
+    def write(seconds: float, frame_rate: float = 30, name: str = "motion") -> Path:
+        return write_motion(tmp_path / f"{name}.npz", seconds, frame_rate)
+
+    return write
+
+
+@pytest.fixture
+def take(speech_file: Callable[..., Path], motion_file: Callable[..., Path]) -> Callable[..., Take]:
+    def make(
+        *, speech: float = 6.0, motion: float = 6.0, segment: float | None = 2.0, name: str = "take"
+    ) -> Take:
+        return Take(
+            motion=motion_file(motion),
+            speech=speech_file(speech, name),
+            frame_rate=None,
+            segment_seconds=segment,
+            condition="ground_truth",
+            speaker="scott",
+            emotion="neutral",
+        )
+
+    return make

@@ -11,7 +11,7 @@ from PIL import Image
 from motion.errors import InputError
 from studyapp.command.main import group
 from tests.motion.formats.bvh_text import bvh_text, columns_of, smplx_skeleton, write_bvh
-from tests.studyapp.stages.takes import write_motion, write_speech
+from tests.studyapp.takes import write_motion, write_speech
 
 
 @pytest.fixture

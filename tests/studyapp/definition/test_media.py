@@ -14,7 +14,7 @@ from studyapp.definition.stimuli import ClipVideo, Stimuli, VideoCopy, write_sti
 from studyapp.design.stimulus import Stimulus
 from tests.finished_study import PROTOCOLS, SEGMENTS, write_finished_study, write_short_video
 from tests.studyapp.made_study import make_study
-from tests.studyapp.stages.takes import write_speech
+from tests.studyapp.takes import write_speech
 
 OTHER = Stimulus(condition="ours", segment="one", speech="two")
 MUTED = Stimulus(condition="ours", segment="one", speech=None)

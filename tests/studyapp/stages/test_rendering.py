@@ -21,7 +21,7 @@ from studyapp.stages.generation import generate
 from studyapp.stages.recordings import Take, import_take
 from studyapp.stages.render_record import RenderCount, RenderProgress
 from studyapp.stages.rendering import render
-from tests.studyapp.stages.takes import write_motion, write_speech
+from tests.studyapp.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow
 
