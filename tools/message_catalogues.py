@@ -21,7 +21,7 @@ ROOT: Final = Path(__file__).parents[1]
 TRANSLATED: Final = ("de", "ja")
 """Languages that have a catalogue; the texts themselves are in English."""
 
-ROOMS: Final = ("design", "definition", "services", "web")
+ROOMS: Final = ("design", "definition", "services", "recruitment", "web")
 """Rooms of ``studyapp`` that say something to participants."""
 
 PLURAL: Final = frozenset({"ngettext"})

@@ -11,8 +11,8 @@ from studyapp.command import recruit_on_mturk, recruit_on_prolific
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.recruitment import Channel
-from studyapp.stages.recruiting.codes import draw_codes
-from studyapp.stages.recruiting.inviting import counts, invite, listed_people, numbered
+from studyapp.recruitment.codes import draw_codes
+from studyapp.recruitment.invitations import counts, invite, listed_people, numbered
 
 address = click.option(
     "--address",

@@ -6,8 +6,8 @@ import click
 
 from studyapp.command.verdict_table import echo_table, echo_verdicts
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.recruiting.mturk_client import connect
-from studyapp.stages.recruiting import mturk
+from studyapp.recruitment import mturk
+from studyapp.recruitment.mturk_client import connect
 
 
 def create(folder: StudyFolder, address: str, *, live: bool, yes: bool) -> None:

@@ -8,9 +8,9 @@ import click
 
 from studyapp.command.verdict_table import echo_table, echo_verdicts
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.recruiting.prolific_client import Action, ProlificClient, prolific_token
-from studyapp.services.recruiting.prolific_draft import CENTS, hourly
-from studyapp.stages.recruiting import prolific
+from studyapp.recruitment import prolific
+from studyapp.recruitment.prolific_client import Action, ProlificClient, prolific_token
+from studyapp.recruitment.prolific_draft import CENTS, hourly
 
 LEAST_HOURLY = 6.0
 """What Prolific asks researchers to pay for an hour, in pounds."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import click
 
-from studyapp.services.recruiting.payment import Judged
+from studyapp.recruitment.payment import Judged
 
 WORDS = {"pay": "pay", "look": "decide yourself", "wait": "wait", "settled": "–"}
 

@@ -12,10 +12,10 @@ from studyapp.definition.study import Study
 from studyapp.design.asking import Ask
 from studyapp.models import StudySession, Trial, Video
 from studyapp.services.database import Database
+from studyapp.services.leaving import Leaving, leaving
 from studyapp.services.loading import durations_of, load_videos
 from studyapp.services.noting import note
 from studyapp.services.places import regain_place
-from studyapp.services.recruiting.leaving import Leaving, leaving
 from studyapp.services.resting import break_due
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import State, current_trial, find, form_due, state_of

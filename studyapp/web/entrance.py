@@ -17,9 +17,9 @@ from studyapp.definition.form import Stage
 from studyapp.definition.study import Study
 from studyapp.services.enrolment import Arrival, enrol, enrolled, require_welcome
 from studyapp.services.form_answers import check_eligibility
-from studyapp.services.recruiting.leaving import leaving_at_once, way_back
-from studyapp.services.recruiting.screening import note_screen_out, was_screened_out
+from studyapp.services.leaving import leaving_at_once, way_back
 from studyapp.services.refusal import IneligibleError, StudyFullError, UnacceptableError
+from studyapp.services.screening import note_screen_out, was_screened_out
 from studyapp.web.about_participant import form_fields, problems_of
 from studyapp.web.errors import STATUS, told
 from studyapp.web.language import say

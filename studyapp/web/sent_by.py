@@ -9,10 +9,10 @@ from types import MappingProxyType
 from typing import Final
 
 from studyapp.definition.recruitment import Channel
+from studyapp.recruitment.invitations import invited
+from studyapp.recruitment.signed_links import SIGNED, signed_names
 from studyapp.services.enrolment import Arrival
-from studyapp.services.recruiting.invitations import invited
-from studyapp.services.recruiting.leaving import MTURK_SITES
-from studyapp.services.recruiting.signed_links import SIGNED, signed_names
+from studyapp.services.leaving import MTURK_SITES
 from studyapp.services.refusal import UnacceptableError, UninvitedError
 from studyapp.services.researchers.tokens import token_hash
 from studyapp.web.address import newcomers_address

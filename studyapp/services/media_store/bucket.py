@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager
 from typing import Any, Final
 
 from motion.errors import InputError
-from studyapp.services.boto_errors import said_plainly
+from studyapp.boto_errors import said_plainly
 from studyapp.services.media_store.record import Place
 
 LOADED_AGAIN_SECONDS: Final = 3600

@@ -10,8 +10,8 @@ from motion.errors import InputError
 from motion.listing import listed
 from studyapp.definition.recruitment import FEWEST_FAILED_CHECKS, Recruitment
 from studyapp.definition.study import Study
-from studyapp.services.recruiting.made_there import FILE, read_made_there
-from studyapp.services.recruiting.prolific_draft import CODE_TYPES, places_of
+from studyapp.recruitment.prolific_draft import CODE_TYPES, places_of
+from studyapp.recruitment.record import FILE, read_made_there
 from studyapp.stages.checking.finding import Finding, error, note, warning
 
 CODES_MISSING: Final = error(

@@ -17,10 +17,10 @@ from studyapp.clock import Clock
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.definition.versioning import design_digest
+from studyapp.recruitment.prolific_draft import places_of
 from studyapp.services.database import Database, database_url_of, sqlite_url
 from studyapp.services.intake import present_intake
 from studyapp.services.probing import for_probing, token_of_a_video
-from studyapp.services.recruiting.prolific_draft import places_of
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting_times import arrivals
 from studyapp.services.versions import must_be_new_version

@@ -10,12 +10,12 @@ from flask import Response, abort, current_app, jsonify, redirect, render_templa
 from flask.typing import ResponseReturnValue
 
 from studyapp.design.planned_trial import PlannedTrial
-from studyapp.services.previewing import TOKEN, planned_trials, players, previewed_trial
-from studyapp.services.trying import (
+from studyapp.recruitment.tries import (
     count_test_participations,
     erase_test_participations,
     make_test_participation,
 )
+from studyapp.services.previewing import TOKEN, planned_trials, players, previewed_trial
 from studyapp.web.errors import wants_json
 from studyapp.web.media import send_video
 from studyapp.web.research.page import page

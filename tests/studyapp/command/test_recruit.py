@@ -17,14 +17,14 @@ from click.testing import CliRunner, Result
 from motion.errors import InputError
 from studyapp.command.main import group
 from studyapp.definition.folder import StudyFolder
+from studyapp.recruitment.codes import draw_codes
+from studyapp.recruitment.record import read_made_there
 from studyapp.services.database import Database, database_url_of
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.recruiting.made_there import read_made_there
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.stages.checking.recruiting_checks import made_findings
-from studyapp.stages.recruiting.codes import draw_codes
-from tests.studyapp.services.recruiting.prolific_stand_in import TOKEN, StandIn, served
+from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 ADDRESS = "https://study.example.org/"
@@ -41,7 +41,7 @@ def tiny_study(tiny_study: Path, empty_sqlite: Path) -> Path:
 def stand_in(monkeypatch: pytest.MonkeyPatch) -> Iterator[StandIn]:
     monkeypatch.setenv("PROLIFIC_TOKEN", TOKEN)
     with served(StandIn()) as running:
-        monkeypatch.setattr("studyapp.services.recruiting.prolific_client.API", running.address)
+        monkeypatch.setattr("studyapp.recruitment.prolific_client.API", running.address)
         yield running
 
 

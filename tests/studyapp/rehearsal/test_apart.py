@@ -18,24 +18,24 @@ from studyapp.clock import Clock
 from studyapp.command.backup_command import command as backup_command
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Response, StudySession
+from studyapp.recruitment import mturk, prolific
+from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
+from studyapp.recruitment.payment import arrived
+from studyapp.recruitment.prolific_client import ProlificClient
+from studyapp.recruitment.record import MadeThere, write_made_there
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.resumption import prepare
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.monitoring.sittings import sittings
-from studyapp.services.recruiting.made_there import MadeThere, write_made_there
-from studyapp.services.recruiting.mturk_client import SANDBOX, MTurkClient
-from studyapp.services.recruiting.payment import arrived
-from studyapp.services.recruiting.prolific_client import ProlificClient
 from studyapp.services.served_study import ServedStudy
 from studyapp.stages.answers import answers_to_report, read_answers
 from studyapp.stages.exporting.writing import export
-from studyapp.stages.recruiting import mturk, prolific
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.answered_study import answer_study
+from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.studyapp.rehearsal.steps import browser
-from tests.studyapp.services.recruiting.prolific_stand_in import TOKEN, StandIn, served
 
 REAL = 2
 TRIALS = 6
@@ -130,7 +130,7 @@ def test_nobody_is_paid_at_prolific_for_what_was_rehearsed(
     write_made_there(rehearsed.root, MadeThere(prolific_study="s1"))
     study = {"id": "s1", "status": "ACTIVE"}
     with served(StandIn(studies={"s1": study})) as site:
-        monkeypatch.setattr("studyapp.services.recruiting.prolific_client.API", site.address)
+        monkeypatch.setattr("studyapp.recruitment.prolific_client.API", site.address)
         site.add_submission(participant.name, "AWAITING REVIEW", "KX7QM2PWTR")
         site.add_submission("timed-out", "TIMED-OUT", None)
         with ProlificClient(TOKEN) as client:

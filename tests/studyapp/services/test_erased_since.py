@@ -16,7 +16,7 @@ from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.erased_since import ErasedAgain, erase_again, note_restored
 from studyapp.services.forgetting import forget
 from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.recruiting.screening import note_screen_out
+from studyapp.services.screening import note_screen_out
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.services.withdrawing import withdraw

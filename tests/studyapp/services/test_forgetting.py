@@ -17,9 +17,9 @@ from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.export import form_answers_table, responses_table, study_sessions_table
 from studyapp.services.forgetting import forget, remembered
 from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.recruiting.screening import note_screen_out
 from studyapp.services.refusal import ConflictError, UnknownAddressError
 from studyapp.services.refusals import note_refusal
+from studyapp.services.screening import note_screen_out
 from studyapp.services.scrubbing import leave_nothing
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study

@@ -13,7 +13,7 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.definition.study import Study
 from studyapp.models import Place, ScreenOut, StudySession
-from studyapp.services.recruiting.invitations import make_invitations
+from studyapp.recruitment.invitations import make_invitations
 from studyapp.services.steering import steer
 from studyapp.web.app import create_app
 from studyapp.web.returning import cookie_name

@@ -12,9 +12,9 @@ from sqlalchemy import func, select
 
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Base, Place, StudySession
+from studyapp.recruitment.tries import make_test_participation
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.trying import make_test_participation
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import SetClock

@@ -3,14 +3,14 @@ from __future__ import annotations
 from sqlalchemy import select
 
 from studyapp.models import Invitation
-from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol, enrolled
-from studyapp.services.recruiting.invitations import (
+from studyapp.recruitment.invitations import (
     invitation_counts,
     invited,
     make_invitations,
 )
-from studyapp.services.recruiting.screening import note_screen_out, was_screened_out
+from studyapp.services.database import Database
+from studyapp.services.enrolment import Arrival, enrol, enrolled
+from studyapp.services.screening import note_screen_out, was_screened_out
 from studyapp.services.served_study import ServedStudy
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

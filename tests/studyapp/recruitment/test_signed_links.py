@@ -10,7 +10,7 @@ import jwt
 import pytest
 from cryptography.hazmat.primitives.asymmetric.rsa import RSAPrivateKey, generate_private_key
 
-from studyapp.services.recruiting.signed_links import prolific_keys, signed_names
+from studyapp.recruitment.signed_links import prolific_keys, signed_names
 from studyapp.services.refusal import UnacceptableError
 
 HOST = "study.example.org"

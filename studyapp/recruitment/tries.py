@@ -11,10 +11,10 @@ from sqlalchemy import delete, func, select
 from studyapp.clock import Clock
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Base, StudySession
+from studyapp.recruitment.invitations import make_invitations
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.intake import present_intake
 from studyapp.services.places import has_open_place
-from studyapp.services.recruiting.invitations import make_invitations
 from studyapp.services.scrubbing import leave_nothing
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.steering import extend

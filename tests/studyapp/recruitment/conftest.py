@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.studyapp.services.recruiting.prolific_stand_in import StandIn, served
+from tests.studyapp.recruitment.prolific_stand_in import StandIn, served
 
 
 @pytest.fixture

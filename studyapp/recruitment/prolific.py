@@ -10,9 +10,7 @@ from typing import Any
 from motion.errors import InputError
 from motion.listing import listed
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.recruiting.made_there import read_made_there, write_made_there
-from studyapp.services.recruiting.payment import (
+from studyapp.recruitment.payment import (
     Arrived,
     Judged,
     Ours,
@@ -20,8 +18,10 @@ from studyapp.services.recruiting.payment import (
     by_submission,
     judge_submission,
 )
-from studyapp.services.recruiting.prolific_client import ProlificClient, ProlificStudy, Submission
-from studyapp.services.recruiting.prolific_draft import internal_name, prolific_draft
+from studyapp.recruitment.prolific_client import ProlificClient, ProlificStudy, Submission
+from studyapp.recruitment.prolific_draft import internal_name, prolific_draft
+from studyapp.recruitment.record import read_made_there, write_made_there
+from studyapp.services.database import Database, database_url_of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,9 +6,7 @@ import pytest
 
 from studyapp.clock import Clock
 from studyapp.definition.recruitment import Prolific, Recruitment
-from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.recruiting.payment import (
+from studyapp.recruitment.payment import (
     Arrived,
     Ours,
     Verdict,
@@ -17,7 +15,9 @@ from studyapp.services.recruiting.payment import (
     judge_assignment,
     judge_submission,
 )
-from studyapp.services.recruiting.screening import note_screen_out
+from studyapp.services.database import Database
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.screening import note_screen_out
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.withdrawing import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -1,23 +1,28 @@
-"""Making invitations, for so many people or for a list of them."""
+"""Invitations: links for one person each. What is stored of one is a hash.
+
+Looking at a link uses nothing up. Who begins by it has one study session, and comes back to it by
+the same link.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
+import secrets
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
+
+from sqlalchemy import func, select
 
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.clock import Clock
 from studyapp.definition.folder import StudyFolder
+from studyapp.models import Invitation, StudySession
 from studyapp.services.database import Database, database_url_of
-from studyapp.services.recruiting.invitations import (
-    InvitationCounts,
-    invitation_counts,
-    make_invitations,
-)
+from studyapp.services.researchers.tokens import token_hash
 
 COLUMNS: Final = ("for", "link")
 
@@ -113,3 +118,42 @@ def _rows(path: Path) -> list[list[str]]:
         raise InputError(
             f"the table cannot be read ({error})", where=path, remedy="Save it as CSV in UTF-8"
         ) from None
+
+
+BYTES: Final = 24
+
+
+@dataclass(frozen=True, kw_only=True)
+class InvitationCounts:
+    """How many invitations there are, and by how many somebody has begun or finished."""
+
+    made: int
+    begun: int
+    completed: int
+
+
+def make_invitations(database: Database, count: int, clock: Clock) -> list[str]:
+    """Return the tokens of `count` new invitations; nobody can read them again."""
+    tokens = [secrets.token_urlsafe(BYTES) for _ in range(count)]
+    now = clock.now()
+    with database.writing() as session:
+        session.add_all(Invitation(token_hash=token_hash(token), made_at=now) for token in tokens)
+    return tokens
+
+
+def invited(database: Database, token: str) -> str | None:
+    """Return what stands for the invitation's holder, None where it is none of this study."""
+    wanted = select(Invitation.token_hash).where(Invitation.token_hash == token_hash(token))
+    with database.reading() as session:
+        return session.scalars(wanted).first()
+
+
+def invitation_counts(database: Database) -> InvitationCounts:
+    """Return how far the invitations have got."""
+    used = select(func.count(StudySession.id), func.count(StudySession.completed_at)).join(
+        Invitation, Invitation.token_hash == StudySession.visit
+    )
+    with database.reading() as session:
+        made = session.scalar(select(func.count(Invitation.id))) or 0
+        begun, completed = session.execute(used).one()
+    return InvitationCounts(made=made, begun=begun, completed=completed)

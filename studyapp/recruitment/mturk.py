@@ -2,22 +2,78 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
+from xml.sax.saxutils import escape
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.recruiting.made_there import MadeThere, read_made_there, write_made_there
-from studyapp.services.recruiting.mturk_client import Assignment, Hit, MTurkClient
-from studyapp.services.recruiting.mturk_hit import hit_request
-from studyapp.services.recruiting.payment import (
+from studyapp.definition.study import Study
+from studyapp.recruitment.mturk_client import Assignment, Hit, MTurkClient
+from studyapp.recruitment.payment import (
     Arrived,
     Judged,
     arrived,
     by_submission,
     judge_assignment,
 )
+from studyapp.recruitment.prolific_draft import places_of, require_public
+from studyapp.recruitment.record import MadeThere, read_made_there, write_made_there
+from studyapp.services.database import Database, database_url_of
+
+SCHEMA: Final = (
+    "http://mechanicalturk.amazonaws.com/AWSMechanicalTurkDataSchemas/2006-07-14/"
+    "ExternalQuestion.xsd"
+)
+TIMES_AS_LONG: Final = 4
+"""So many times what the study takes may pass before an assignment is taken away."""
+
+SECONDS_PER_MINUTE: Final = 60
+SECONDS_PER_HOUR: Final = 3600
+SECONDS_PER_DAY: Final = 86_400
+
+
+def hit_request(study: Study, address: str, *, made_before: int, live: bool) -> dict[str, Any]:
+    """Return the HIT of `study`, which workers see in a frame that shows `address`.
+
+    Parameters
+    ----------
+    made_before : int
+        How many HITs the study has; the same number asks for the same HIT.
+    live : bool
+        Whether it is not for the sandbox.
+
+    Raises
+    ------
+    InputError
+        If the study file does not say what Mechanical Turk needs, or nobody could open the
+        address.
+    """
+    recruited = study.recruitment.mturk
+    minutes = study.page.minutes
+    if not recruited.dollars or minutes is None:
+        raise InputError(
+            "Mechanical Turk needs recruitment.mturk.reward and page.minutes",
+            where="study.toml",
+            remedy='Fill them in; a reward is written like "3.50"',
+        )
+    require_public(address)
+    once = f"{study.name} {address} {made_before} {live}"
+    return {
+        "Title": study.title[:128],
+        "Description": recruited.description or study.title,
+        "Keywords": recruited.keywords,
+        "Reward": recruited.reward,
+        "MaxAssignments": recruited.assignments or places_of(study),
+        "LifetimeInSeconds": recruited.hours_to_accept * SECONDS_PER_HOUR,
+        "AssignmentDurationInSeconds": minutes * SECONDS_PER_MINUTE * TIMES_AS_LONG,
+        "AutoApprovalDelayInSeconds": recruited.days_to_review * SECONDS_PER_DAY,
+        "Question": f'<ExternalQuestion xmlns="{SCHEMA}"><ExternalURL>{escape(address)}'
+        "</ExternalURL><FrameHeight>0</FrameHeight></ExternalQuestion>",
+        "UniqueRequestToken": hashlib.sha256(once.encode()).hexdigest(),
+    }
+
 
 SUBMITTED = "Submitted"
 

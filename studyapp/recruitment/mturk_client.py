@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from typing import Any, Final
 
 from motion.errors import InputError
-from studyapp.services.boto_errors import said_plainly
+from studyapp.boto_errors import said_plainly
 
 SANDBOX: Final = "https://mturk-requester-sandbox.us-east-1.amazonaws.com"
 LIVE: Final = "https://mturk-requester.us-east-1.amazonaws.com"

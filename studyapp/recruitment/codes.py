@@ -14,7 +14,7 @@ from motion.files import write_text
 from studyapp.definition.completion_codes import draw_code
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.reading import parse_text, read_text
-from studyapp.services.recruiting.made_there import FILE, read_made_there
+from studyapp.recruitment.record import FILE, read_made_there
 
 KEYS: Final = ("completed", "screened_out", "failed_attention")
 HEADING: Final = re.compile(r"^\[recruitment\.prolific\][^\n]*\n", re.MULTILINE)

@@ -7,16 +7,16 @@ import httpx
 import pytest
 
 from motion.errors import InputError
-from studyapp.services.recruiting.prolific_client import (
+from studyapp.recruitment.prolific_client import (
     PAGE_SIZE,
     TRIES,
     ProlificClient,
     ProlificRefusedError,
     prolific_token,
 )
-from studyapp.services.recruiting.prolific_draft import prolific_draft
+from studyapp.recruitment.prolific_draft import prolific_draft
 from tests.studyapp.made_study import make_segments, make_study
-from tests.studyapp.services.recruiting.prolific_stand_in import TOKEN, StandIn
+from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn
 
 PAGE = {"consent": "You agree.", "minutes": 10}
 PROLIFIC = {

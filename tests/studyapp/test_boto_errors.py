@@ -6,7 +6,7 @@ import pytest
 from botocore.exceptions import ClientError, NoCredentialsError
 
 from motion.errors import InputError
-from studyapp.services.boto_errors import said_plainly
+from studyapp.boto_errors import said_plainly
 
 REFUSED = ClientError({"Error": {"Code": "AccessDenied", "Message": "Not yours."}}, "PutObject")
 UNEXPLAINED = ClientError({}, "PutObject")

@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 
 from motion.errors import InputError
-from studyapp.services.recruiting.prolific_draft import hourly, internal_name, prolific_draft
+from studyapp.recruitment.prolific_draft import hourly, internal_name, prolific_draft
 from tests.studyapp.made_study import make_segments, make_study
-from tests.studyapp.services.recruiting.test_prolific_client import PAGE, PROLIFIC, draft
+from tests.studyapp.recruitment.test_prolific_client import PAGE, PROLIFIC, draft
 
 SEGMENTS = make_segments(["happiness"] * 4)
 

@@ -11,14 +11,14 @@ import pytest
 from botocore.stub import Stubber
 
 from motion.errors import InputError
-from studyapp.services.recruiting.mturk_client import (
+from studyapp.recruitment.mturk import SCHEMA, hit_request
+from studyapp.recruitment.mturk_client import (
     LIVE,
     LONG_AGO,
     SANDBOX,
     MTurkClient,
     connect,
 )
-from studyapp.services.recruiting.mturk_hit import SCHEMA, hit_request
 from tests.studyapp.made_study import make_study
 
 ADDRESS = "https://study.example.org/a&b/"

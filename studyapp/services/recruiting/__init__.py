@@ -1,1 +1,0 @@
-"""Where participants come from: invitations, screen-outs, recruiters' sites, and payment."""

@@ -1,1 +1,0 @@
-"""Recruiting for a study: codes, invitations, and what is done at recruiters' sites."""
