@@ -10,11 +10,11 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.command.arguments import optional_study_folder
 from studyapp.command.progress import progress
+from studyapp.custody.backup import Backup, back_up
+from studyapp.custody.manifest import Manifest
+from studyapp.custody.study_files import media_amiss
+from studyapp.custody.verification import check_archive
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.backing_up.backing import Backup, back_up
-from studyapp.stages.backing_up.checking import check_archive
-from studyapp.stages.backing_up.manifest import Manifest
-from studyapp.stages.backing_up.study_files import media_amiss
 from studyapp.stages.disk_space import as_text
 
 

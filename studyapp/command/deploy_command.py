@@ -8,8 +8,7 @@ from typing import cast
 import click
 
 from studyapp.command.arguments import study_folder
-from studyapp.definition.folder import StudyFolder
-from studyapp.stages.deploying.deployment import (
+from studyapp.custody.deployment import (
     DATABASES,
     PORT,
     PROXIES,
@@ -17,8 +16,8 @@ from studyapp.stages.deploying.deployment import (
     Proxy,
     planned_deployment,
 )
-from studyapp.stages.deploying.files import NAMES, deployed_file
-from studyapp.stages.deploying.writing import write_deployment
+from studyapp.custody.server_files import NAMES, deployed_file, write_deployment
+from studyapp.definition.folder import StudyFolder
 
 
 @click.command("deploy")

@@ -6,9 +6,9 @@ import click
 
 from motion.listing import listed
 from studyapp.command.arguments import study_folder
+from studyapp.custody.erasure import copies_to_mend, forget_participant, remembered_of
+from studyapp.custody.forgetting import Remembered
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.forgetting import Remembered
-from studyapp.stages.forgetting import copies_to_mend, forget_participant, remembered_of
 
 
 @click.command("forget")

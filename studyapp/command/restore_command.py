@@ -10,8 +10,8 @@ from motion.listing import listed
 from studyapp.clock import Clock
 from studyapp.command.backup_command import contents
 from studyapp.command.progress import progress
+from studyapp.custody.restoration import Restored, restore
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.backing_up.restoring import Restored, restore
 
 _SHOWN = 3
 """As many files are named."""

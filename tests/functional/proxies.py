@@ -19,8 +19,8 @@ from pathlib import Path, PurePosixPath
 
 import httpx
 
-from studyapp.stages.deploying.deployment import Deployment, Proxy, planned_deployment
-from studyapp.stages.deploying.files import deployed_files
+from studyapp.custody.deployment import Deployment, Proxy, planned_deployment
+from studyapp.custody.server_files import deployed_files
 
 HOST = "study.example.org"
 UNPACKED = Path(__file__).parents[2] / "build" / "proxies" / "usr"

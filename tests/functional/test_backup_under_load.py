@@ -13,11 +13,11 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.clock import Clock
+from studyapp.custody.backup import Backup, back_up
+from studyapp.custody.restoration import restore
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Place, Response, StudySession, Trial
 from studyapp.services.database import Database, sqlite_url
-from studyapp.stages.backing_up.backing import Backup, back_up
-from studyapp.stages.backing_up.restoring import restore
 from tests.support.databases import BACKENDS, Backend
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.study_server import HOST, study_server

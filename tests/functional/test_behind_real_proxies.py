@@ -13,7 +13,7 @@ from urllib.parse import urljoin, urlsplit
 import httpx
 import pytest
 
-from studyapp.stages.deploying.deployment import PROXIES, Proxy
+from studyapp.custody.deployment import PROXIES, Proxy
 from tests.functional.proxies import HOST, PATIENCE, Proxied, any_certificate, behind, program
 from tests.hanging_lines import hanging, slow_body, whole_video
 from tests.studyapp.researchers_at_hand import PASSWORD

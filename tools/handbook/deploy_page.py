@@ -14,8 +14,8 @@ from types import MappingProxyType
 from typing import Final
 
 from motion.files import write_text
-from studyapp.stages.deploying.deployment import STUDIES, Deployment, planned_deployment
-from studyapp.stages.deploying.files import deployed_file
+from studyapp.custody.deployment import STUDIES, Deployment, planned_deployment
+from studyapp.custody.server_files import deployed_file
 from tools.handbook.fenced import Fenced, fenced_blocks, with_body
 
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "deploy.md"

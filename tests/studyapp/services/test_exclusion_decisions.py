@@ -6,6 +6,7 @@ import pytest
 from sqlalchemy import select, update
 
 from motion.errors import InputError
+from studyapp.custody.forgetting import erase
 from studyapp.models import AuditLine, ExclusionDecision
 from studyapp.services.audit import ERASED, logged_changes
 from studyapp.services.database import Database
@@ -15,7 +16,6 @@ from studyapp.services.exclusion_decisions import (
     exclusion_decisions,
     standing_exclusions,
 )
-from studyapp.services.forgetting import erase
 from studyapp.services.looks import StudyState, note_look
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find

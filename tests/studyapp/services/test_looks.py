@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from sqlalchemy import select
 
+from studyapp.custody.forgetting import forget
 from studyapp.models import InterimFigures
 from studyapp.services.audit import logged_changes
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.forgetting import forget
 from studyapp.services.looks import StudyState, looks, note_look
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.stored_answers import stored_answers

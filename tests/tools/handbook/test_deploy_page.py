@@ -10,7 +10,7 @@ import click
 import pytest
 
 from studyapp.command.deploy_command import command
-from studyapp.stages.deploying.files import NAMES
+from studyapp.custody.server_files import NAMES
 from tools.handbook.deploy_page import DEPLOYMENTS, PAGE, shown_files, up_to_date
 from tools.handbook.fenced import fenced_blocks
 

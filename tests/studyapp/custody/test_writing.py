@@ -6,8 +6,8 @@ from pathlib import Path, PurePosixPath
 import pytest
 
 from motion.errors import InputError
-from studyapp.stages.deploying.deployment import planned_deployment
-from studyapp.stages.deploying.writing import write_deployment
+from studyapp.custody.deployment import planned_deployment
+from studyapp.custody.server_files import write_deployment
 
 STUDY = planned_deployment(
     title="Gestures", folder=PurePosixPath("/srv/motionjury/my-study"), host="study.example.org"

@@ -15,7 +15,7 @@ import pytest
 from pydantic import ValidationError
 
 from motion.errors import InputError
-from studyapp.stages.backing_up.archive import (
+from studyapp.custody.archive import (
     DIGEST,
     LARGEST_MANIFEST,
     is_compressed,
@@ -23,7 +23,7 @@ from studyapp.stages.backing_up.archive import (
     read_manifest,
     write_archive,
 )
-from studyapp.stages.backing_up.manifest import NAME, Manifest, StoredFile
+from studyapp.custody.manifest import NAME, Manifest, StoredFile
 
 FILES = {
     "study.toml": b"name = 'tiny'\n",

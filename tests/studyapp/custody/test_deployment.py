@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from motion.errors import InputError
-from studyapp.stages.deploying.deployment import planned_deployment
+from studyapp.custody.deployment import planned_deployment
 
 GIVEN: dict[str, Any] = {
     "title": "Gestures",

@@ -2,18 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 from typing import Final
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from motion.errors import InputError
 from motion.listing import listed
-from studyapp.stages.deploying.deployment import Deployment
-from studyapp.stages.deploying.escaping import ESCAPES
+from studyapp.custody.deployment import Deployment
+
+
+def in_unit(text: str) -> str:
+    """Return `text` for a quoted value of systemd's units; ``%`` begins a specifier there."""
+    return _behind_backslashes(" ".join(text.split())).replace("%", "%%")
+
+
+def in_proxy(text: str) -> str:
+    """Return `text` for a quoted value of Caddy's or nginx's files."""
+    return _behind_backslashes(text)
+
+
+def in_script(text: str) -> str:
+    """Return `text` for between two single quotes of a shell script."""
+    return text.replace("'", "'\\''")
+
+
+def in_sql(text: str) -> str:
+    """Return `text` for a quoted name or string of SQL."""
+    return text.replace('"', '""').replace("'", "''")
+
+
+def as_it_is(text: str) -> str:
+    """Return `text`; such a file holds nothing but values of a known alphabet."""
+    return text
+
+
+def _behind_backslashes(text: str) -> str:
+    return text.replace("\\", "\\\\").replace('"', '\\"')
+
+
+Escape = Callable[[str], str]
+
+ESCAPES: Final[Mapping[str, Escape]] = MappingProxyType(
+    {
+        ".service": in_unit,
+        ".timer": in_unit,
+        ".caddy": in_proxy,
+        ".nginx": in_proxy,
+        ".sh": in_script,
+        ".sql": in_sql,
+        ".env": as_it_is,
+        ".conf": as_it_is,
+        ".container": as_it_is,
+    }
+)
+"""How a value is written so that it stays one value, by the ending of a template.
+
+Templates put a value that could hold anything within double quotes (in scripts, single ones).
+"""
+
 
 TEMPLATES: Final = Path(__file__).parent / "templates"
 
@@ -184,3 +236,33 @@ def _environment(ending: str) -> Environment:
         # What is made are files of a server, of which none is HTML.
         autoescape=False,  # noqa: S701
     )
+
+
+def write_deployment(deployment: Deployment, out: Path) -> tuple[DeployedFile, ...]:
+    """Write all files of `deployment` into the folder `out`, and return them.
+
+    Each has the mode that it needs on the server from its first byte on.
+
+    Raises
+    ------
+    InputError
+        If there is anything in the folder yet: what was changed by hand is never overwritten.
+    """
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise InputError(
+            "there is something already",
+            where=out,
+            remedy="Name a new folder with --out, and compare the two",
+        )
+    out.mkdir(parents=True, exist_ok=True)
+    files = deployed_files(deployment)
+    for file in files:
+        _write(out / file.name, file)
+    return files
+
+
+def _write(path: Path, file: DeployedFile) -> None:
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, file.mode)
+    with os.fdopen(handle, "w", encoding="utf-8") as stream:
+        stream.write(file.text)
+    path.chmod(file.mode)

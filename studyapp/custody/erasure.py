@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from studyapp.clock import Clock
+from studyapp.custody.forgetting import Remembered, forget, has_forgotten, remembered
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import Database, database_url_of
-from studyapp.services.forgetting import Remembered, forget, has_forgotten, remembered
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.scrubbing import leave_nothing
 

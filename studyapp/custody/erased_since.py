@@ -14,10 +14,10 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import Clock
+from studyapp.custody.forgetting import erase
 from studyapp.models import AuditLine, Event, ScreenOut, StudySession, StudyVersion
 from studyapp.services.audit import log_change
 from studyapp.services.database import Database
-from studyapp.services.forgetting import erase
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.withdrawing import take_back
 
@@ -78,7 +78,7 @@ def erase_again(
     later : Database
         Read only.
     key : PseudonymKey or None
-        See `studyapp.services.forgetting.forget`.
+        See `studyapp.custody.forgetting.forget`.
 
     Raises
     ------

@@ -20,8 +20,8 @@ from typing import IO, Final, cast
 from pydantic import ValidationError
 
 from motion.errors import InputError
+from studyapp.custody.manifest import NAME, Manifest, StoredFile
 from studyapp.definition.validation import explain
-from studyapp.stages.backing_up.manifest import NAME, Manifest, StoredFile
 
 ENDINGS: Final = (".tar", ".tar.gz", ".tgz")
 BLOCK: Final = 1 << 20

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,14 +15,13 @@ from typing import Final
 
 from motion.errors import InputError
 from studyapp.clock import Clock
+from studyapp.custody.archive import ENDINGS, OnFile, is_compressed, read_manifest, write_archive
+from studyapp.custody.manifest import DATABASE, Manifest
+from studyapp.custody.study_files import found_file, media_files, small_files
+from studyapp.custody.verification import check_archive
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import database_url_of, shown_address
 from studyapp.services.database_copies import rows_of_copy, schema_of_copy, write_copy
-from studyapp.stages.backing_up.archive import ENDINGS, OnFile, is_compressed, write_archive
-from studyapp.stages.backing_up.checking import check_archive
-from studyapp.stages.backing_up.manifest import DATABASE, Manifest
-from studyapp.stages.backing_up.rotation import dated_name, remove_older
-from studyapp.stages.backing_up.study_files import found_file, media_files, small_files
 
 _UNFINISHED: Final = "unfinished-backup-"
 
@@ -196,3 +196,51 @@ def _taken(path: Path) -> InputError:
 def _origin(folder: StudyFolder, url: str) -> str:
     where = f"{folder.root.resolve()}\n{shown_address(url)}"
     return hashlib.sha256(where.encode()).hexdigest()
+
+
+STAMP: Final = "%Y%m%dT%H%M%SZ"
+_STAMP: Final = r"\d{8}T\d{6}Z"
+
+
+def dated_name(study: str, manifest: Manifest) -> str:
+    """Return the name of a backup in a folder of backups."""
+    return f"{study}-{manifest.made_at:{STAMP}}.tar.gz"
+
+
+def remove_older(folder: Path, study: str, newest: Manifest, keep: int) -> list[Path]:
+    """Remove the backups of one study in `folder` but for the newest `keep`, and return which.
+
+    Left alone is whatever is no backup, is of another study, or has another name than this
+    command gives.
+
+    Parameters
+    ----------
+    study : str
+        What names begin with.
+    newest : Manifest
+        Of the backup that was just made.
+    """
+    pattern = re.compile(rf"{re.escape(study)}-{_STAMP}\.tar\.gz")
+    made = sorted(
+        (
+            path
+            for path in folder.iterdir()
+            if pattern.fullmatch(path.name)
+            and not path.is_symlink()
+            and path.is_file()
+            and _recorded_origin(path) == newest.origin
+        ),
+        # The name ends in the moment it was made.
+        key=lambda path: path.name,
+        reverse=True,
+    )
+    for path in made[keep:]:
+        path.unlink()
+    return made[keep:]
+
+
+def _recorded_origin(path: Path) -> str | None:
+    try:
+        return read_manifest(path).origin
+    except InputError:
+        return None

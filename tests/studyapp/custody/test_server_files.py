@@ -15,7 +15,7 @@ import psycopg
 import pytest
 
 from motion.errors import InputError
-from studyapp.stages.deploying.deployment import (
+from studyapp.custody.deployment import (
     DATABASES,
     PROXIES,
     DatabaseKind,
@@ -23,8 +23,7 @@ from studyapp.stages.deploying.deployment import (
     Proxy,
     planned_deployment,
 )
-from studyapp.stages.deploying.files import NAMES, deployed_file, deployed_files
-from studyapp.stages.deploying.writing import write_deployment
+from studyapp.custody.server_files import NAMES, deployed_file, deployed_files, write_deployment
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
 HOSTILE = PurePosixPath("/srv/50% {x};# of it/%n/my-study")

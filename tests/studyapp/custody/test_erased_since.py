@@ -9,12 +9,12 @@ import pytest
 from sqlalchemy import select, update
 
 from motion.errors import InputError
+from studyapp.custody.erased_since import ErasedAgain, erase_again, note_restored
+from studyapp.custody.forgetting import forget
 from studyapp.models import AuditLine, Event, Response, ScreenOut, StudySession
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.database_copies import write_copy
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.erased_since import ErasedAgain, erase_again, note_restored
-from studyapp.services.forgetting import forget
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.screening import note_screen_out
 from studyapp.services.served_study import ServedStudy

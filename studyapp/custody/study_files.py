@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from studyapp.custody.archive import BLOCK, OnFile
+from studyapp.custody.manifest import MEDIA, SMALL_FILES, StoredFile
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.backing_up.archive import BLOCK, OnFile
-from studyapp.stages.backing_up.manifest import MEDIA, SMALL_FILES, StoredFile
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +22,7 @@ class FoundFile:
 
 
 def small_files(folder: StudyFolder) -> list[FoundFile]:
-    """Return what is in every backup; see `studyapp.stages.backing_up.manifest.SMALL_FILES`."""
+    """Return what is in every backup; see `studyapp.custody.manifest.SMALL_FILES`."""
     return [
         found_file(folder.root / path, path)
         for path in SMALL_FILES

@@ -13,6 +13,11 @@ from typing import Final
 from motion.errors import InputError
 from motion.listing import listed
 from studyapp.clock import Clock
+from studyapp.custody.archive import OnFile, read_archive
+from studyapp.custody.erased_since import ErasedAgain, erase_again, note_restored
+from studyapp.custody.manifest import DATABASE, MEDIA, Manifest
+from studyapp.custody.study_files import media_amiss
+from studyapp.custody.verification import require_sound
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.lock import held_alone
 from studyapp.definition.stimuli import read_stimuli
@@ -24,12 +29,7 @@ from studyapp.services.database import (
     sqlite_url,
 )
 from studyapp.services.database_copies import compact, fill_from_copy, require_empty
-from studyapp.services.erased_since import ErasedAgain, erase_again, note_restored
 from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.stages.backing_up.archive import OnFile, read_archive
-from studyapp.stages.backing_up.checking import require_sound
-from studyapp.stages.backing_up.manifest import DATABASE, MEDIA, Manifest
-from studyapp.stages.backing_up.study_files import media_amiss
 from studyapp.stages.disk_space import as_text
 
 _UNFINISHED: Final = ".unfinished-restore-"

@@ -14,19 +14,19 @@ import pytest
 from sqlalchemy import select
 
 from motion.errors import InputError
+from studyapp.custody import backup, restoration
+from studyapp.custody.backup import Backup, back_up
+from studyapp.custody.forgetting import forget
+from studyapp.custody.restoration import restore
+from studyapp.custody.verification import check_archive
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import AuditLine, StudySession
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.database_copies import require_empty
-from studyapp.services.forgetting import forget
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
 from studyapp.services.withdrawing import withdraw
-from studyapp.stages.backing_up import backing, restoring
-from studyapp.stages.backing_up.backing import Backup, back_up
-from studyapp.stages.backing_up.checking import check_archive
-from studyapp.stages.backing_up.restoring import restore
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 
@@ -183,7 +183,7 @@ def test_a_restore_that_fails_leaves_nothing_or_all(
     study: Study, new: StudyFolder, step: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made = study.back_up()
-    monkeypatch.setattr(restoring, step, fail)
+    monkeypatch.setattr(restoration, step, fail)
 
     with pytest.raises(OSError, match="No space"):
         restore(made.path, new, study.clock)
@@ -204,7 +204,7 @@ def test_a_restore_that_was_killed_says_what_to_remove(study: Study, new: StudyF
 
 
 def test_a_full_disk_leaves_no_half_backup(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(backing, "write_archive", fail)
+    monkeypatch.setattr(backup, "write_archive", fail)
 
     with pytest.raises(InputError, match="No space left on device"):
         study.back_up()
@@ -222,7 +222,7 @@ def test_a_disk_without_links_takes_backups_too(
     assert check_archive(made.path, lambda _done, _total: None) == made.manifest
     assert list(study.backups.iterdir()) == [made.path]
     with pytest.raises(InputError, match="never overwrite"):
-        backing._name(made.path, made.path)
+        backup._name(made.path, made.path)
 
 
 def test_a_folder_keeps_the_newest_backups_of_this_study_alone(
@@ -355,15 +355,15 @@ def test_a_backup_that_names_files_outside_the_study_is_refused(
 def test_a_backup_whose_database_does_something_by_itself_is_refused(
     study: Study, new: StudyFolder, smuggled: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    copy = backing.write_copy
+    copy = backup.write_copy
 
     def with_more(url: str, file: Path) -> None:
         copy(url, file)
         with closing(sqlite3.connect(file)) as connection:
             connection.execute(smuggled)
 
-    monkeypatch.setattr(backing, "write_copy", with_more)
-    monkeypatch.setattr(backing, "check_archive", lambda *_: None)
+    monkeypatch.setattr(backup, "write_copy", with_more)
+    monkeypatch.setattr(backup, "check_archive", lambda *_: None)
     made = study.back_up()
 
     with pytest.raises(InputError, match="which no study has"):

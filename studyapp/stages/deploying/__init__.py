@@ -1,1 +1,0 @@
-"""Every file that a server needs to serve a study to the world."""
