@@ -9,8 +9,8 @@ import click
 from motion.errors import InputError
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.checking.preflight import check, finished_videos
-from studyapp.stages.checking.report import record, summed_up, told
+from studyapp.preflight.check import check, finished_videos
+from studyapp.preflight.report import record, summed_up, told
 
 
 @click.command("check")

@@ -180,7 +180,7 @@ def command(folder: StudyFolder | None, out: Path | None, processes: int, **opti
     """
     from analysis.planning.table import lines
     from analysis.planning.words import sentences
-    from studyapp.stages.planning import Options, plan_sketch, plan_study
+    from studyapp.planning.plan import Options, plan_sketch, plan_study
 
     sketched = {
         name: options.pop(name) for name in ("protocol", "conditions", "comparisons", "questions")

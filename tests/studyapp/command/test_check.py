@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from studyapp.command.main import group
-from studyapp.stages.checking.report import CheckRecord
+from studyapp.preflight.report import CheckRecord
 
 
 def run(folder: Path, *arguments: str) -> Result:

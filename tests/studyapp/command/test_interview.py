@@ -13,8 +13,8 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.protocols.ranking import RankingStudy
 from studyapp.definition.reading import read_study
-from studyapp.stages.checking.finding import Severity
-from studyapp.stages.checking.preflight import check
+from studyapp.preflight.check import check
+from studyapp.preflight.finding import Severity
 
 
 def init(folder: Path, *arguments: object, answers: list[str] | None = None) -> Result:

@@ -12,9 +12,9 @@ import tomlkit
 from motion.freeze import moving_channels
 from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.checking.finding import Severity
-from studyapp.stages.checking.material import Material
-from studyapp.stages.checking.motion_checks import motion_findings
+from studyapp.preflight.finding import Severity
+from studyapp.preflight.material import Material
+from studyapp.preflight.motion_checks import motion_findings
 from studyapp.stages.generation import generate
 from studyapp.stages.recordings import Take, import_take
 from studyapp.stages.shown_motion import read_motion_shown

@@ -14,9 +14,9 @@ from motion.errors import InputError
 from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
+from studyapp.preflight.check import check
+from studyapp.preflight.finding import Severity
 from studyapp.services.served_study import ServedStudy
-from studyapp.stages.checking.finding import Severity
-from studyapp.stages.checking.preflight import check
 from studyapp.stages.generation import generate
 from studyapp.stages.recordings import Take, import_take
 from studyapp.stages.render_plan import RenderPlan

@@ -16,7 +16,7 @@ from studyapp.stages.shown_body import (
     shown_abilities,
     shown_body,
 )
-from tests.studyapp.stages.checking.test_preflight import change
+from tests.studyapp.preflight.test_preflight import change
 
 
 def _clip(**face: np.ndarray) -> MotionClip:

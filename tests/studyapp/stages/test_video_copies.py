@@ -15,12 +15,12 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.media import Media
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.design.stimulus import Stimulus
+from studyapp.preflight.finding import Severity
+from studyapp.preflight.finished_video_checks import finished_video_findings
+from studyapp.preflight.material import Material
+from studyapp.preflight.shown_video_checks import shown_video_findings
+from studyapp.preflight.sound_checks import sound_findings
 from studyapp.services.served_study import ServedStudy
-from studyapp.stages.checking.finding import Severity
-from studyapp.stages.checking.finished_video_checks import finished_video_findings
-from studyapp.stages.checking.material import Material
-from studyapp.stages.checking.shown_video_checks import shown_video_findings
-from studyapp.stages.checking.sound_checks import sound_findings
 from studyapp.stages.contact_sheet import write_contact_sheet
 from studyapp.stages.rendering import render
 from studyapp.stages.video_copies import copy_videos

@@ -1,0 +1,1 @@
+"""What a study needs before it begins: sample size, power, and what a pilot tells of them."""

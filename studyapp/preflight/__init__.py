@@ -1,0 +1,1 @@
+"""What 'motionjury check' finds before a study is launched."""

@@ -1,0 +1,169 @@
+"""Everything that can go wrong before a study is launched."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from typing import Final
+
+from pydantic import ValidationError
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.reading import parse_text, read_text
+from studyapp.definition.recruitment import Recruitment
+from studyapp.definition.study import Study
+from studyapp.preflight.address_checks import address_findings
+from studyapp.preflight.balance_checks import balance_findings
+from studyapp.preflight.catch_checks import catch_picture_findings
+from studyapp.preflight.design_checks import design_findings
+from studyapp.preflight.expected_time import expected_time
+from studyapp.preflight.finding import Finding, Severity, error
+from studyapp.preflight.finished_video_checks import (
+    finished_video_findings,
+    video_table,
+)
+from studyapp.preflight.material import Material
+from studyapp.preflight.motion_checks import motion_findings
+from studyapp.preflight.page_checks import page_findings
+from studyapp.preflight.page_weight import weight_findings
+from studyapp.preflight.pay_checks import pay_findings
+from studyapp.preflight.recruiting_checks import (
+    code_findings,
+    made_findings,
+    recruiting_findings,
+)
+from studyapp.preflight.serving_checks import probe_findings, serving_findings
+from studyapp.preflight.shown_video_checks import shown_video_findings
+from studyapp.preflight.sound_checks import sound_findings
+from studyapp.preflight.time_checks import (
+    Pace,
+    minutes_needed,
+    pace_of_pilot,
+    pace_of_study,
+    time_findings,
+)
+
+STUDY_FILE: Final = error(
+    "study-file",
+    "study.toml cannot be read: a key is unknown, missing or out of range",
+    "Correct these keys",
+)
+SPEECH_UNREADABLE: Final = error(
+    "speech-unreadable",
+    "the study has no usable speech, so that nothing else can be looked at",
+    "Bring recordings in with 'motionjury import'",
+)
+VIDEO_LIST_UNREADABLE: Final = error(
+    "video-list-unreadable",
+    "stimuli.json is damaged",
+    "Delete it and run 'motionjury render' again",
+)
+
+
+def check(
+    folder: StudyFolder, *, address: str | None = None, pilot: StudyFolder | None = None
+) -> list[Finding]:
+    """Return everything worth knowing before launch, errors first.
+
+    Parameters
+    ----------
+    address : str, optional
+        Where participants will come to; the study is asked for there.
+    pilot : StudyFolder, optional
+        A study that people have taken, whose pace tells how long this one takes.
+
+    Raises
+    ------
+    InputError
+        If the pilot tells nothing.
+    """
+    pace = None if pilot is None else pace_of_pilot(pilot)
+    findings = list(_findings(folder, pace))
+    if address is not None:
+        findings += address_findings(address)
+    order = list(Severity)
+    return sorted(findings, key=lambda finding: order.index(finding.severity))
+
+
+def finished_videos(folder: StudyFolder, *, everything: bool = False) -> list[str]:
+    """Return the `video_table` of a study; nothing where `check` says that it cannot be read."""
+    try:
+        return list(video_table(Material.of(folder, folder.study()), everything=everything))
+    except InputError:
+        return []
+
+
+def _findings(folder: StudyFolder, pace: Pace | None) -> Iterator[Finding]:
+    text = read_text(folder.definition)
+    try:
+        study = parse_text(text, where=folder.definition)
+    except InputError as wrong:
+        yield from _file_findings(text, wrong)
+        return
+    yield from page_findings(study)
+    yield from recruiting_findings(study)
+    yield from made_findings(study, folder.root)
+    try:
+        material = Material.of(folder, study)
+    except InputError as missing:
+        kind = VIDEO_LIST_UNREADABLE if folder.stimuli.name in missing.where else SPEECH_UNREADABLE
+        yield kind.found(
+            missing.what,
+            where=missing.where.removeprefix(f"{folder.root}/"),
+            remedy=missing.remedy or None,
+        )
+        yield from pay_findings(study, None)
+        return
+    yield from _material_findings(material, study, pace)
+
+
+def _material_findings(material: Material, study: Study, pace: Pace | None) -> Iterator[Finding]:
+    """Look at everything; only a study without errors is served on trial."""
+    expected = expected_time(material)
+    findings = [
+        *finished_video_findings(material),
+        *shown_video_findings(material),
+        *sound_findings(material),
+        *weight_findings(material),
+        *motion_findings(material),
+        *catch_picture_findings(material),
+        *design_findings(material),
+        *balance_findings(material),
+        *serving_findings(material),
+    ]
+    if expected is None:
+        findings += pay_findings(study, None)
+    else:
+        seen = pace or _own_pace(material)
+        findings += time_findings(study, expected, seen)
+        findings += pay_findings(study, minutes_needed(expected, seen))
+    yield from findings
+    if not any(found.severity is Severity.ERROR for found in findings):
+        yield from probe_findings(material)
+
+
+def _own_pace(material: Material) -> Pace | None:
+    """Return the pace of who has finished the study; None also where its database is unusable."""
+    try:
+        return pace_of_study(material)
+    except InputError:
+        return None
+
+
+def _file_findings(text: str, wrong: InputError) -> Iterator[Finding]:
+    """Say what is wrong with a study file that cannot be used, its codes by their own names."""
+    codes: list[Finding] = []
+    try:
+        recruitment = Recruitment.model_validate(tomllib.loads(text).get("recruitment", {}))
+    except (tomllib.TOMLDecodeError, ValidationError):
+        recruitment = Recruitment()
+    codes += code_findings(recruitment)
+    yield from codes
+    said = {*recruitment.guessable_codes(), *recruitment.codes_alike()}
+    rest = wrong.what
+    for problem in said:
+        rest = rest.replace(problem, "")
+    for problem in rest.split("; "):
+        if problem.strip("; "):
+            yield STUDY_FILE.found(problem, where="study.toml", remedy=wrong.remedy)

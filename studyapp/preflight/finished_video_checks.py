@@ -1,0 +1,229 @@
+"""What can be wrong with finished videos: whether they are there, whole, and encoded alike."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from motion.segment import Segment
+from studyapp.definition.finished_videos import finished_video, similar_file
+from studyapp.design.stimulus import Content
+from studyapp.preflight.finding import Finding, FindingKind, error, warning
+from studyapp.preflight.material import Material
+from studyapp.services.served_study import described
+from studyapp.stages.media_probe import (
+    DURATION_TOLERANCE,
+    Flaw,
+    FlawKind,
+    VideoFormat,
+    flaw_of,
+    format_of,
+)
+
+VIDEO_MISSING: Final = error(
+    "video-missing",
+    "a video that participants would be shown is not there",
+    "Run 'motionjury render'",
+)
+VIDEO_DAMAGED: Final = error(
+    "video-damaged", "a video cannot be opened or has no picture", "Bring or render it anew"
+)
+SOUND_MISSING: Final = error(
+    "sound-missing",
+    "a video that is to be heard has no sound",
+    "Bring or render it with its speech",
+)
+VIDEO_LENGTH: Final = error(
+    "video-length",
+    "a video is longer or shorter than its segment",
+    f"Bring or render it anew; lengths may differ by {DURATION_TOLERANCE} s",
+)
+VIDEO_UNPLAYABLE: Final = error(
+    "video-unplayable",
+    "a video is encoded so that not every browser plays it",
+    "Encode it as H.264 (yuv420p) and AAC in MP4",
+)
+PICTURE_SIZE_DIFFERS: Final = error(
+    "picture-size-differs",
+    "videos of one speech have pictures of different size, which tells them apart",
+    "Encode all finished videos alike",
+)
+FRAME_RATE_DIFFERS: Final = error(
+    "frame-rate-differs",
+    "videos of one speech have different numbers of frames per second, which tells them apart",
+    "Encode all finished videos alike",
+)
+PICTURE_FORMAT_DIFFERS: Final = error(
+    "picture-format-differs",
+    "the pictures of one speech's videos are encoded in different ways, which tells them apart",
+    "Encode all finished videos alike",
+)
+SOUND_FORMAT_DIFFERS: Final = error(
+    "sound-format-differs",
+    "the sound of one speech's videos is encoded in different ways, which tells them apart",
+    "Encode all finished videos alike",
+)
+PICTURE_SMALL: Final = warning(
+    "picture-small",
+    "pictures are so small that hands and faces can hardly be judged",
+    "Bring larger videos, or set video.size in study.toml to 480 or more and render again",
+)
+FRAME_RATE_LOW: Final = warning(
+    "frame-rate-low",
+    "videos have so few frames per second that all motion looks jerky",
+    "Bring videos of 24 frames per second or more, or set video.frame_rate and render again",
+)
+
+OF_FLAW: Final[Mapping[FlawKind, FindingKind]] = MappingProxyType(
+    {
+        "damaged": VIDEO_DAMAGED,
+        "no picture": VIDEO_DAMAGED,
+        "no sound": SOUND_MISSING,
+        "length": VIDEO_LENGTH,
+    }
+)
+
+_DIFFERS: Final[Mapping[str, FindingKind]] = MappingProxyType(
+    {
+        "size": PICTURE_SIZE_DIFFERS,
+        "frame_rate": FRAME_RATE_DIFFERS,
+        "picture": PICTURE_FORMAT_DIFFERS,
+        "sound": SOUND_FORMAT_DIFFERS,
+    }
+)
+
+MISSING: Final = "MISSING"
+
+SMALLEST: Final = 360
+"""Pixels of the shorter side below which hands of an upper body are some ten pixels wide."""
+
+SLOWEST: Final = 24
+"""Frames per second of films; below, motion is seen as single pictures."""
+
+ENCODE: Final = (
+    "Encode all finished videos alike, as with 'ffmpeg -i IN.mp4 -r {rate:g} -s {width}x{height} "
+    "-c:v libx264 -crf 18 -bf 0 -sc_threshold 0 -pix_fmt yuv420p -c:a aac -ar 48000 -ac 1 OUT.mp4'"
+)
+
+
+def encode_like(example: VideoFormat) -> str:
+    """Return how all videos can be encoded as `example` is."""
+    return ENCODE.format(rate=example.frame_rate, width=example.width, height=example.height)
+
+
+def finished_video_findings(material: Material) -> Iterator[Finding]:
+    """Yield what is missing or broken of the videos that were brought, and how they differ."""
+    for content in material.brought.values():
+        yield from _original_findings(material, content, material.by_name[content[0].segment])
+    yield from _format_findings(material)
+    yield from _look_findings(material)
+
+
+def video_table(material: Material, *, everything: bool = False) -> Iterator[str]:
+    """Yield the lines of a table of segments and conditions: which finished videos are there.
+
+    Parameters
+    ----------
+    everything : bool
+        Whether segments that lack nothing are in it.
+    """
+    cells: defaultdict[str, dict[str, str]] = defaultdict(dict)
+    for file, (shown, *_) in material.brought.items():
+        row = cells[shown.segment]
+        there = row.get(shown.condition) != MISSING and file.is_file()
+        row[shown.condition] = "yes" if there else MISSING
+    conditions = dict.fromkeys(name for row in cells.values() for name in row)
+    chosen = {name: row for name, row in cells.items() if everything or MISSING in row.values()}
+    if not chosen:
+        return
+    first = max(len(name) for name in ("segment", *chosen))
+    widths = [max(len(name), len(MISSING)) for name in conditions]
+    for name, row in (("segment", dict(zip(conditions, conditions, strict=True))), *chosen.items()):
+        said = [
+            row.get(each, "").ljust(width) for each, width in zip(conditions, widths, strict=True)
+        ]
+        yield "  ".join((name.ljust(first), *said)).rstrip()
+    yield ""
+
+
+def flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:
+    """Return what is wrong with the video `name`."""
+    return OF_FLAW[flaw.kind].found(f"{name} {flaw.what}", where=name, remedy=remedy)
+
+
+def _original_findings(material: Material, content: Content, segment: Segment) -> Iterator[Finding]:
+    (shown,) = content
+    file = finished_video(material.folder.videos, shown)
+    name = material.name_of(file)
+    if not file.is_file():
+        similar = similar_file(file, material.brought.keys())
+        yield VIDEO_MISSING.found(
+            f"the video of {described(content)} is missing",
+            where=name,
+            remedy=f"Bring it as {file}, or set allow_gaps = true in study.toml to leave the "
+            "segment out"
+            if similar is None
+            else f"Rename {material.name_of(similar)} if that is the video, or bring it as {file}",
+        )
+        return
+    flaw = flaw_of(file, segment.duration, sound=shown.speech is not None)
+    if flaw is not None:
+        yield flaw_finding(
+            flaw, name, f"Bring it anew; lengths may differ by {DURATION_TOLERANCE} s"
+        )
+
+
+def _format_findings(material: Material) -> Iterator[Finding]:
+    """Say where videos are encoded so that a browser may not play them, or can tell them apart."""
+    study = material.study
+    formats: defaultdict[str, dict[str, VideoFormat]] = defaultdict(dict)
+    for file, content in material.brought.items():
+        found = format_of(file)
+        if found is not None:
+            formats[content[0].segment][material.name_of(file)] = found
+    drawn = any(not study.is_finished(name) for name in study.conditions)
+    wanted = VideoFormat.rendered(study.video.size, study.video.frame_rate) if drawn else None
+    for of_segment in formats.values():
+        remedy = encode_like(wanted or next(iter(of_segment.values())))
+        for name, found in of_segment.items():
+            if (why := found.unplayable) is not None:
+                yield VIDEO_UNPLAYABLE.found(f"{name} {why}", where=name, remedy=remedy)
+        named = {**of_segment, **({"a rendered video": wanted} if wanted else {})}
+        for attribute, words in VideoFormat.WORDS.items():
+            of_value: dict[object, str] = {}
+            for name, found in named.items():
+                of_value.setdefault(getattr(found, attribute), name)
+            if len(of_value) > 1:
+                told = ", ".join(f"{value} in {name}" for value, name in of_value.items())
+                yield _DIFFERS[attribute].found(
+                    f"{words} differs, which tells videos apart: {told}",
+                    where=next(iter(of_segment)),
+                    remedy=remedy,
+                )
+
+
+def _look_findings(material: Material) -> Iterator[Finding]:
+    """Say where videos are too small or too slow to be judged by."""
+    video = material.study.video
+    smallest, slowest, where = float(video.size), float(video.frame_rate), "video"
+    if material.study.only_finished:
+        formats = {file: format_of(file) for file in material.brought}
+        known = {file: found for file, found in formats.items() if found is not None}
+        if not known:
+            return
+        small = min(known, key=lambda file: min(known[file].width, known[file].height))
+        smallest = min(known[small].width, known[small].height)
+        slowest = min(found.frame_rate for found in known.values())
+        where = material.name_of(small)
+    if smallest < SMALLEST:
+        yield PICTURE_SMALL.found(
+            f"pictures are {smallest:g} pixels wide or high, too few to judge hands and faces by",
+            where=where,
+        )
+    if slowest < SLOWEST:
+        yield FRAME_RATE_LOW.found(
+            f"videos have {slowest:g} frames per second, so that all motion looks jerky",
+            where=where,
+        )

@@ -1,0 +1,147 @@
+"""What can be wrong with a study's motion, found before it is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+import numpy as np
+
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_clip
+from motion.freeze import CHANNELS, freeze, moving_channels
+from motion.listing import listed
+from studyapp.definition.study import Study
+from studyapp.preflight.catch_checks import catch_motion_findings
+from studyapp.preflight.finding import Finding, error, warning
+from studyapp.preflight.material import Material
+from studyapp.stages.shown_body import left_out, shown_abilities
+
+MOTION_UNREADABLE: Final = error(
+    "motion-unreadable",
+    "a motion file is damaged or cannot be shown",
+    "Bring it in anew with 'motionjury import', or run 'motionjury generate'",
+)
+BODY_UNUSABLE: Final = error(
+    "body-unusable",
+    "the body or the expression matrix that the study names cannot be used",
+    "Correct video.body or video.expression_matrix in study.toml",
+)
+FREEZE_WITHOUT_EFFECT: Final = warning(
+    "freeze-without-effect",
+    "freeze holds nothing still in finished videos",
+    "Bring videos that hold it still: participants are told that it is",
+)
+MOTION_NOT_SHOWN: Final = warning(
+    "motion-not-shown",
+    "the study's body leaves out a part of the motion",
+    "Choose another body, give an expression matrix, or freeze that channel",
+)
+MOTION_INTERPOLATED: Final = warning(
+    "motion-interpolated",
+    "motion has fewer frames per second than the videos, which makes it look smoother",
+    "Bring in the original at its full rate if there is one",
+)
+CHANNEL_TELLS_APART: Final = warning(
+    "channel-tells-apart",
+    "a channel moves in some conditions only",
+    "Name the channel in freeze in study.toml and render again",
+)
+
+
+def motion_findings(material: Material) -> Iterator[Finding]:
+    """Yield what is broken, what tells conditions apart, and what is not shown of them."""
+    clips, broken = _read_motion(material)
+    yield from broken
+    study = material.study
+    compared = {
+        name: list(made.values()) for name, made in clips.items() if name in study.conditions
+    }
+    yield from _freeze_findings(study)
+    yield from _kind_findings(study, compared)
+    yield from _body_findings(material, compared)
+    yield from catch_motion_findings(study, clips)
+
+
+def _freeze_findings(study: Study) -> Iterator[Finding]:
+    finished = [name for name in study.conditions if study.is_finished(name)]
+    if study.freeze and finished:
+        yield FREEZE_WITHOUT_EFFECT.found(
+            f"freeze holds nothing still in the finished videos of {listed(finished)}",
+            where="freeze",
+        )
+
+
+def _read_motion(
+    material: Material,
+) -> tuple[dict[str, dict[str, MotionClip]], list[Finding]]:
+    """Return the clips of each condition by segment, and a finding for each broken one.
+
+    The catch condition is among them: it is read, and what is broken of it is told, although its
+    motion is meant to look odd.
+    """
+    study, folder = material.study, material.folder
+    caught = (study.catch.condition,) if study.catch.trials else ()
+    clips: dict[str, dict[str, MotionClip]] = {
+        name: {} for name in (*study.conditions, *caught) if not study.is_finished(name)
+    }
+    broken: list[Finding] = []
+    for condition, made in clips.items():
+        for segment in material.segments:
+            path = folder.clip(condition, segment.name)
+            if not path.exists():
+                continue
+            try:
+                made[segment.name] = read_clip(path)
+            except InputError as unusable:
+                broken.append(
+                    MOTION_UNREADABLE.found(
+                        unusable.what, where=material.name_of(path), remedy=unusable.remedy
+                    )
+                )
+    return clips, broken
+
+
+def _body_findings(material: Material, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
+    """Say what of the motion the study's body leaves out."""
+    study = material.study
+    try:
+        body = shown_abilities(material.folder, study)
+    except InputError as unusable:
+        yield BODY_UNUSABLE.found(
+            unusable.what,
+            where=unusable.where.removeprefix(f"{material.folder.root}/"),
+            remedy=unusable.remedy,
+        )
+        return
+    shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
+    for sentence in left_out(shown, body):
+        yield MOTION_NOT_SHOWN.found(sentence.rstrip("."), where="video")
+
+
+def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
+    """Say where a condition's motion is of another kind than the others'."""
+    for condition, made in clips.items():
+        slowest = min((clip.frame_rate for clip in made), default=study.video.frame_rate)
+        if slowest < study.video.frame_rate:
+            yield MOTION_INTERPOLATED.found(
+                f"the motion of {condition!r} has {slowest:g} frames per second and is shown at "
+                f"{study.video.frame_rate}: what lies between is interpolated, so its fast "
+                "movements look smoother than they were",
+                where=f"motion/{condition}",
+            )
+    moving = {
+        condition: frozenset().union(*(moving_channels(clip) for clip in made))
+        for condition, made in clips.items()
+        if any(np.ptp(clip.poses, axis=0).any() for clip in made)
+    }
+    for channel in CHANNELS:
+        still = [condition for condition, channels in moving.items() if channel not in channels]
+        if channel not in study.freeze and 0 < len(still) < len(moving):
+            yield CHANNEL_TELLS_APART.found(
+                f"{channel} never moves in {listed(still)} but does in the other conditions, "
+                "which tells them apart",
+                where="freeze",
+                remedy=f'Add "{channel}" to freeze in study.toml and render again',
+            )

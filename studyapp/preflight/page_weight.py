@@ -1,0 +1,86 @@
+"""How much a participant's browser loads, page by page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from studyapp.design.planned_trial import PlannedTrial
+from studyapp.design.stimulus import Content
+from studyapp.preflight.finding import Finding, error, note
+from studyapp.preflight.material import Material
+
+PAGE_WEIGHT: Final = note("page-weight", "how many megabytes of video participants load")
+PAGE_HEAVY: Final = error(
+    "page-heavy",
+    "a page loads more than watching.megabytes_per_page allows",
+    "Make the videos smaller (video.size, video.frame_rate, or shorter segments) and render again, "
+    "or allow more if all participants have fast connections",
+)
+
+MEGABYTE: Final = 10**6
+
+PLACES: Final = 24
+"""Places of each arm whose trials are planned to find the heaviest page."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Weight:
+    """What is loaded in one study session, in bytes.
+
+    Attributes
+    ----------
+    heaviest : int
+        For the page that loads most: its own videos, and those fetched ahead for the next one.
+    total : int
+        For all pages together; what was fetched ahead is loaded once.
+    """
+
+    heaviest: int
+    total: int
+
+
+def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> Weight:
+    """Return what the trials of a study session load.
+
+    Parameters
+    ----------
+    plan : sequence of PlannedTrial
+        The trials in their order.
+    sizes : mapping of Content to int
+        Bytes of each video; those that are not there count nothing.
+    """
+    pages = [sum(sizes.get(content, 0) for content in _shown(trial)) for trial in plan]
+    with_next = [here + after for here, after in zip(pages, [*pages[1:], 0], strict=False)]
+    return Weight(heaviest=max(with_next, default=0), total=sum(pages))
+
+
+def weight_findings(material: Material) -> Iterator[Finding]:
+    """Say how much participants load, and whether a page loads more than the study allows."""
+    sizes = {content: video.file.stat().st_size for content, video in material.shown.items()}
+    if not sizes:
+        return
+    weights = [weight_of(plan, sizes) for _, plans in material.planned for plan in plans[:PLACES]]
+    heaviest = max(weight.heaviest for weight in weights)
+    total = max(weight.total for weight in weights)
+    yield PAGE_WEIGHT.found(
+        f"a page loads up to {_megabytes(heaviest)} of videos, its own and those of the next one; "
+        f"a participant loads up to {_megabytes(total)} in all"
+    )
+    allowed = material.study.watching.megabytes_per_page
+    if heaviest > allowed * MEGABYTE:
+        yield PAGE_HEAVY.found(
+            f"a page loads up to {_megabytes(heaviest)} of videos, more than the "
+            f"{allowed:g} MB that watching.megabytes_per_page allows",
+            where="watching.megabytes_per_page",
+        )
+
+
+def _shown(trial: PlannedTrial) -> tuple[Content, ...]:
+    """Return the videos of a trial, the reference among them."""
+    return trial.videos if trial.reference is None else ((trial.reference,), *trial.videos)
+
+
+def _megabytes(size: int) -> str:
+    return f"{size / MEGABYTE:.1f} MB"

@@ -1,0 +1,240 @@
+"""Whether the study can be served from here: its database, its disk, its videos piece by piece."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import httpx
+from flask import Flask
+from sqlalchemy import select
+
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.form import Form
+from studyapp.definition.study import Study
+from studyapp.definition.versioning import design_digest
+from studyapp.models import Video
+from studyapp.preflight.finding import Finding, error, note, warning
+from studyapp.preflight.material import Material
+from studyapp.preflight.time_checks import arrivals
+from studyapp.recruitment.prolific_draft import places_of
+from studyapp.services.database import Database, database_url_of, sqlite_url
+from studyapp.services.enrolment import Arrival, enrol
+from studyapp.services.intake import present_intake
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.taking_part import begin
+from studyapp.services.versions import must_be_new_version
+from studyapp.stages.disk_space import as_text
+from studyapp.web.app import create_app
+from studyapp.web.running import running
+
+
+def for_probing(served: ServedStudy) -> ServedStudy:
+    """Return the study with nothing before its first trial, open to whoever comes."""
+    study = served.study
+    page = study.page.model_copy(update={"sound_check": False})
+    return replace(
+        served, study=study.model_copy(update={"open": True, "form": Form(), "page": page})
+    )
+
+
+def token_of_a_video(database: Database, served: ServedStudy, clock: Clock) -> str:
+    """Let somebody begin, and name the first video that they are shown.
+
+    Parameters
+    ----------
+    served : ServedStudy
+        From `for_probing`.
+    """
+    token = enrol(database, served, Arrival(visit=secrets.token_urlsafe()), clock)
+    begin(database, served, token, clock)
+    with database.reading() as session:
+        return session.scalars(select(Video.token).order_by(Video.id).limit(1)).one()
+
+
+DATABASE_UNUSABLE: Final = error(
+    "database-unusable",
+    "the database that answers go to cannot be opened",
+    "Check DATABASE_URL, that its server runs, and that the folder is writable",
+)
+DATABASE_OLDER: Final = note(
+    "database-older",
+    "an older version made the database",
+    "Make a copy; 'motionjury serve' brings it to the newest schema",
+)
+DESIGN_CHANGED: Final = error(
+    "design-changed",
+    "people have taken part in another design than study.toml has",
+    "Undo the change, or serve it with --new-version: earlier answers are kept apart",
+)
+INTAKE_CLOSED: Final = warning(
+    "intake-closed",
+    "researchers have paused or closed the study on its pages, so that nobody is let in",
+    "Resume it on the researchers' pages",
+)
+ANSWERS_THERE: Final = note(
+    "answers-there", "people have taken part already", "Their answers stay and count"
+)
+NOT_REHEARSED: Final = note(
+    "not-rehearsed",
+    "no simulated participant has taken the study yet",
+    "Run 'motionjury rehearse': it tells whether the design can answer the question",
+)
+FOLDER_UNWRITABLE: Final = error(
+    "folder-unwritable",
+    "answers would be written into a folder that may not be written",
+    "Give yourself the right to write there, or set DATABASE_URL",
+)
+DISK_FULL: Final = error(
+    "disk-full",
+    "the disk has no room for the answers",
+    "Make room, or set DATABASE_URL to a database elsewhere",
+)
+DISK_SHORT: Final = warning(
+    "disk-short",
+    "the disk has little room beside the answers that will come",
+    "Make room before participants come",
+)
+CANNOT_BE_SERVED: Final = error(
+    "cannot-be-served", "the study's own server does not start", "Mend what it says"
+)
+NO_BYTE_RANGES: Final = error(
+    "no-byte-ranges",
+    "videos are not sent piece by piece, without which Safari plays none",
+    "Serve the study with 'motionjury serve', and let proxies pass the header Range",
+)
+
+BYTES_PER_PARTICIPANT: Final = 200_000
+"""What a study session may leave in the database. Simulated participants leave 27 kB (30 pairs) to
+39 kB (rankings); people pause and replay, which leaves more evidence of watching."""
+
+SPARE: Final = 10**9
+"""Bytes that should stay free: a full disk loses answers of all that runs on it."""
+
+_PIECE: Final = 100
+_RANGE: Final = f"bytes=0-{_PIECE - 1}"
+_SECONDS: Final = 15.0
+
+
+def serving_findings(material: Material) -> Iterator[Finding]:
+    """Say whether answers can be stored, and where."""
+    yield from _database_findings(material)
+    yield from _room_findings(material.folder, material.study)
+    if not material.folder.rehearsal.exists():
+        yield NOT_REHEARSED.found(NOT_REHEARSED.means)
+
+
+def _database_findings(material: Material) -> Iterator[Finding]:
+    url = database_url_of(material.folder.root)
+    try:
+        database = Database.open_for_reading(url, of_any_age=True)
+    except InputError as unusable:
+        yield DATABASE_UNUSABLE.found(
+            unusable.what, where=unusable.where, remedy=unusable.remedy or None
+        )
+        return
+    if database is None:
+        return
+    try:
+        current = Database.open_for_reading(url)
+    except InputError as older:
+        database.close()
+        yield DATABASE_OLDER.found(older.what, where=older.where)
+        return
+    database.close()
+    if current is None:
+        return
+    try:
+        count = arrivals(current)
+        if count:
+            yield ANSWERS_THERE.found(f"{count} participants have come already")
+        with current.reading() as session:
+            state = present_intake(session).state
+        if state != "open":
+            yield INTAKE_CLOSED.found(f"the study is {state} on the researchers' pages")
+        design = design_digest(material.study, material.segments, material.shown)
+        # A study that lacks videos is told so elsewhere; its design is not known yet.
+        if set(material.contents) <= material.shown.keys() and must_be_new_version(current, design):
+            yield DESIGN_CHANGED.found(DESIGN_CHANGED.means, where="study.toml")
+    finally:
+        current.close()
+
+
+def _room_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
+    """Say whether the folder can be written, and has room for the answers of all places."""
+    if database_url_of(folder.root) != sqlite_url(folder.responses):
+        return
+    if not os.access(folder.root, os.W_OK):
+        yield FOLDER_UNWRITABLE.found(f"{folder.root} may not be written", where=str(folder.root))
+        return
+    needed = places_of(study) * BYTES_PER_PARTICIPANT
+    free = shutil.disk_usage(folder.root).free
+    said = (
+        f"{as_text(free)} are free on this disk, and {places_of(study)} participants' answers may "
+        f"need {as_text(needed)}"
+    )
+    if free < needed:
+        yield DISK_FULL.found(said, where="responses.db")
+    elif free < needed + SPARE:
+        yield DISK_SHORT.found(said, where="responses.db")
+
+
+def probe_findings(material: Material) -> Iterator[Finding]:
+    """Serve the study to one participant on a database that is thrown away, and ask for a video.
+
+    For studies without errors: a server does not start for others.
+    """
+    root = material.folder.root
+    try:
+        served = for_probing(ServedStudy.read(root))
+        with tempfile.TemporaryDirectory() as scratch:
+            app = create_app(
+                root,
+                database_url=sqlite_url(Path(scratch) / "probe.db"),
+                rehearsal_speed=1.0,
+                served=served,
+            )
+            yield from _range_findings(app, served)
+    except InputError as refused:
+        yield CANNOT_BE_SERVED.found(
+            refused.what, where=refused.where, remedy=refused.remedy or None
+        )
+
+
+def _range_findings(app: Flask, served: ServedStudy) -> Iterator[Finding]:
+    with app.app_context():
+        here = running()
+    try:
+        token = token_of_a_video(here.database, served, Clock())
+        response = app.test_client().get(f"/media/{token}.mp4", headers={"Range": _RANGE})
+        with response:
+            status, got = response.status_code, len(response.data)
+            elsewhere = response.location if 300 <= status < 400 else None
+        asked = "the study's server"
+        if elsewhere is not None:
+            asked = "the store that videos come from"
+            status, got = _from_store(elsewhere)
+        if status != 206 or got != _PIECE:
+            yield NO_BYTE_RANGES.found(
+                f"asked for {_PIECE} bytes of a video, {asked} answered {status} with {got}"
+            )
+    except httpx.HTTPError as lost:
+        yield NO_BYTE_RANGES.found(f"the store that videos come from cannot be reached: {lost}")
+    finally:
+        here.database.close()
+
+
+def _from_store(address: str) -> tuple[int, int]:
+    """Ask a store of videos for a piece; return its status, and how many bytes came."""
+    with httpx.stream("GET", address, headers={"Range": _RANGE}, timeout=_SECONDS) as answer:
+        # A store that knows no ranges would send all of it.
+        got = sum(len(piece) for piece, _ in zip(answer.iter_bytes(_PIECE), range(2), strict=False))
+        return answer.status_code, got

@@ -1,0 +1,223 @@
+"""What can be wrong with the files that participants get, or what those tell too much."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+from motion.errors import InputError
+from motion.listing import listed
+from studyapp.definition.finished_videos import finished_video, seconds_of, shows_copy
+from studyapp.definition.media import VideoFile
+from studyapp.design.stimulus import Content
+from studyapp.preflight.finding import Finding, error, warning
+from studyapp.preflight.finished_video_checks import (
+    VIDEO_LENGTH,
+    VIDEO_MISSING,
+    encode_like,
+    flaw_finding,
+)
+from studyapp.preflight.material import Material
+from studyapp.services.served_study import described
+from studyapp.stages.media_probe import (
+    VideoStructure,
+    flaw_of,
+    format_of,
+    plays_at_once,
+    structure_of,
+    written_in,
+)
+from studyapp.stages.video_copies import out_of_date
+
+RENDER: Final = "Run 'motionjury render'"
+
+NOTHING_RENDERED: Final = error("nothing-rendered", "the study has no videos yet", RENDER)
+COPY_OUT_OF_DATE: Final = error(
+    "copy-out-of-date", "a finished video has changed since it was copied for participants", RENDER
+)
+LENGTHS_DIFFER: Final = error(
+    "lengths-differ",
+    "videos that stand beside each other last differently long, which tells them apart",
+    "Delete them and run 'motionjury render'",
+)
+SIZES_DIFFER: Final = error(
+    "sizes-differ", "the size of a file tells which of two videos it is", RENDER
+)
+METADATA_TELLS: Final = error(
+    "metadata-tells",
+    "what is written in a video's file tells it apart, or names a condition",
+    "Delete the file and run 'motionjury render', which leaves all that out",
+)
+LOADS_BEFORE_PLAYING: Final = error(
+    "loads-before-playing",
+    "a video's index comes last (no faststart), so that it plays only once all of it has come",
+    "Delete the file and run 'motionjury render', which puts the index first",
+)
+SOUND_UNWANTED: Final = error(
+    "sound-unwanted",
+    "a video that is to be shown without sound has some",
+    "Delete the file and run 'motionjury render', which leaves the sound out",
+)
+STRUCTURE_TELLS: Final = warning(
+    "structure-tells",
+    "files tell conditions apart to those who take them to pieces",
+    "Encode all finished videos alike",
+)
+
+_OF_SOUND: Final = "handler_name: SoundHandler"
+
+LENGTH_TOLERANCE: Final = 0.05
+"""Seconds by which the files of one speech may differ: less than two frames."""
+
+
+def shown_video_findings(material: Material) -> Iterator[Finding]:
+    """Yield what is missing or broken of what participants get, and what it gives away."""
+    if material.media is None:
+        yield NOTHING_RENDERED.found(NOTHING_RENDERED.means, where="stimuli.json")
+        return
+    for content in material.contents:
+        yield from _shown_findings(material, content)
+    for copy in out_of_date(material.folder):
+        yield COPY_OUT_OF_DATE.found(
+            f"the video of {copy.condition!r} for segment {copy.segment} has changed since it was "
+            "copied for the participants",
+            where=copy.file,
+        )
+    beside = _beside_each_other(material)
+    yield from _size_findings(beside)
+    yield from _written_findings(material, beside)
+    yield from _structure_findings(material)
+
+
+def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
+    """Say what is wrong with the file that participants get."""
+    study, shown = material.study, content[0]
+    copied = shows_copy(study, content)
+    found = material.shown.get(content)
+    if found is None:
+        original = finished_video(material.folder.videos, shown)
+        if study.is_finished(shown.condition) and not original.is_file():
+            return
+        made = "copied for the participants" if copied else "rendered"
+        yield VIDEO_MISSING.found(
+            f"the video of {described(content)} is missing: it was not {made}",
+            where=f"videos of segment {shown.segment}",
+            remedy=RENDER,
+        )
+        return
+    name = material.name_of(found.file)
+    segment = material.by_name[shown.segment]
+    if not copied and abs(found.duration - segment.duration) > 1e-6:
+        yield VIDEO_LENGTH.found(
+            f"{name} lasts {found.duration:g} s, its segment {segment.duration:g} s",
+            where=name,
+            remedy="The segments changed: run 'motionjury generate' and 'motionjury render'",
+        )
+        return
+    flaw = flaw_of(found.file, found.duration, sound=shown.speech is not None)
+    if flaw is not None:
+        yield flaw_finding(flaw, name, "Delete the file and run 'motionjury render'")
+        return
+    if shown.speech is None and (encoded := format_of(found.file)) and encoded.sound:
+        yield SOUND_UNWANTED.found(f"{name} has sound, and is to be shown without", where=name)
+    if plays_at_once(found.file) is False:
+        yield LOADS_BEFORE_PLAYING.found(
+            f"{name} has its index behind its pictures, so that it plays only once all of it has "
+            "come",
+            where=name,
+        )
+
+
+def _beside_each_other(material: Material) -> Mapping[str, Mapping[str, VideoFile]]:
+    """Return the files of each segment that must not be told apart, under their names."""
+    beside: defaultdict[str, dict[str, VideoFile]] = defaultdict(dict)
+    for content, video in material.shown.items():
+        beside[content[0].segment][material.name_of(video.file)] = video
+    return beside
+
+
+def _size_findings(beside: Mapping[str, Mapping[str, VideoFile]]) -> Iterator[Finding]:
+    """Say where a file's size or stated length tells what it shows."""
+    for segment, files in beside.items():
+        sizes = {video.file.stat().st_size for video in files.values()}
+        if len(sizes) > 1:
+            yield SIZES_DIFFER.found(
+                f"the videos of segment {segment} differ in file size, which tells them apart",
+                where=next(iter(files)),
+            )
+        lengths = [lasts for video in files.values() if (lasts := _seconds_of(video.file))]
+        if lengths and max(lengths) - min(lengths) > LENGTH_TOLERANCE:
+            yield LENGTHS_DIFFER.found(
+                f"the videos of segment {segment} last from {min(lengths):.2f} to "
+                f"{max(lengths):.2f} s, which tells them apart",
+                where=next(iter(files)),
+            )
+
+
+def _seconds_of(file: Path) -> float | None:
+    """Return how long a video really lasts; None where it cannot be opened, which is said apart."""
+    try:
+        return seconds_of(file)
+    except InputError:
+        return None
+
+
+def _written_findings(
+    material: Material, beside: Mapping[str, Mapping[str, VideoFile]]
+) -> Iterator[Finding]:
+    """Say where what is written in a file names a condition, or is not in the file beside it."""
+    study = material.study
+    names = {*study.conditions, study.catch.condition}
+    for segment, files in beside.items():
+        # A video without sound has one stream less to say something of.
+        said = {
+            name: [text for text in written_in(video.file) if text != _OF_SOUND]
+            for name, video in files.items()
+        }
+        naming = {name: named for name, texts in said.items() if (named := _named(texts, names))}
+        for name, named in naming.items():
+            yield METADATA_TELLS.found(f"{name} says {named}", where=name)
+        common = set.intersection(*map(set, said.values()))
+        odd = [(name, text) for name, texts in said.items() for text in texts if text not in common]
+        if odd and not naming:
+            name, text = odd[0]
+            yield METADATA_TELLS.found(
+                f"{name} says {text!r}, which other videos of segment {segment} do not", where=name
+            )
+
+
+def _named(texts: Collection[str], names: Collection[str]) -> str:
+    """Return the text that holds one of `names` as a word; empty where none does."""
+    for text in texts:
+        for name in sorted(names):
+            if re.search(rf"(?<![A-Za-z0-9]){re.escape(name)}(?![A-Za-z0-9])", text, re.IGNORECASE):
+                return f"{text!r}, which names the condition {name!r}"
+    return ""
+
+
+def _structure_findings(material: Material) -> Iterator[Finding]:
+    """Say where copies tell how their originals were encoded, to who takes the files apart."""
+    beside: defaultdict[tuple[str, bool], dict[str, VideoFile]] = defaultdict(dict)
+    for content, video in material.shown.items():
+        shown = content[0]
+        if shows_copy(material.study, content):
+            # The same motion with its own and with another speech differs in the sound alone.
+            beside[shown.segment, shown.speech is None].setdefault(shown.condition, video)
+    telling: dict[str, Path] = {}
+    for of_condition in beside.values():
+        files = [video.file for video in of_condition.values()]
+        structures = [found for found in map(structure_of, files) if found is not None]
+        for attribute, words in VideoStructure.WORDS.items():
+            if len({getattr(structure, attribute) for structure in structures}) > 1:
+                telling.setdefault(words, files[0])
+    example = next(filter(None, map(format_of, telling.values())), None)
+    if example is not None:
+        yield STRUCTURE_TELLS.found(
+            "files tell conditions apart to those who take them to pieces, by "
+            f"{listed(list(telling))}",
+            where=material.name_of(next(iter(telling.values()))),
+            remedy=encode_like(example),
+        )

@@ -1,0 +1,178 @@
+"""Whether participants are told how long the study really takes, and whether it is too long."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from statistics import median
+from typing import Final
+
+from sqlalchemy import select
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.models import StudySession
+from studyapp.preflight.expected_time import ExpectedTime, expected_time
+from studyapp.preflight.finding import Finding, note, warning
+from studyapp.preflight.material import Material
+from studyapp.services.database import Database, database_url_of, sqlite_url
+
+
+def finished_seconds(database: Database) -> tuple[float, ...]:
+    """Return the seconds from agreeing to the end, of who finished and did not withdraw.
+
+    Interruptions are in it, as they are in what recruiting sites measure.
+    """
+    with database.reading() as session:
+        rows = session.execute(
+            select(StudySession.consented_at, StudySession.completed_at)
+            .where(StudySession.completed_at.is_not(None), StudySession.withdrawn_at.is_(None))
+            .order_by(StudySession.id)
+        ).all()
+    return tuple((ended - began).total_seconds() for began, ended in rows if ended is not None)
+
+
+def arrivals(database: Database) -> int:
+    """Return how many have begun to take part."""
+    with database.reading() as session:
+        return len(session.scalars(select(StudySession.id)).all())
+
+
+FEWEST: Final = 3
+"""With fewer who have finished, their pace is chance."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pace:
+    """What those tell who have finished.
+
+    Attributes
+    ----------
+    finished : int
+    minutes : float
+        The median of what they took, as recruiting sites reckon.
+    times_expected : float
+        The same by what was expected of the study that they took.
+    source : str
+        Whose it is, in words.
+    """
+
+    finished: int
+    minutes: float
+    times_expected: float
+    source: str
+
+
+def pace_of_study(material: Material) -> Pace | None:
+    """Return the pace of who has finished this study; None where that tells nothing."""
+    return _pace(material, database_url_of(material.folder.root), "this study")
+
+
+def pace_of_pilot(folder: StudyFolder) -> Pace:
+    """Return the pace of who has finished a pilot.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or too few have finished it.
+    """
+    pilot = Material.of(folder, folder.study())
+    found = _pace(pilot, sqlite_url(folder.responses), f"the pilot {folder.root.name}")
+    if found is None:
+        raise InputError(
+            f"fewer than {FEWEST} participants have finished the pilot, so that it tells no pace",
+            where=folder.responses,
+            remedy="Name a study that people have taken, or leave --pilot away",
+        )
+    return found
+
+
+def _pace(material: Material, url: str, source: str) -> Pace | None:
+    expected = expected_time(material)
+    database = Database.open_for_reading(url)
+    if database is None or expected is None:
+        return None
+    try:
+        took = finished_seconds(database)
+    finally:
+        database.close()
+    if len(took) < FEWEST:
+        return None
+    middle = median(took)
+    return Pace(
+        finished=len(took),
+        minutes=middle / 60,
+        times_expected=middle / expected.seconds,
+        source=source,
+    )
+
+
+EXPECTED_DURATION: Final = note(
+    "expected-duration", "how long a participant will need, by videos, questions and texts"
+)
+DURATION_MISSTATED: Final = warning(
+    "duration-misstated",
+    "participants are told another duration than they will need",
+    "Correct page.minutes in study.toml: whoever is told too little is paid too little",
+)
+DURATION_LONG: Final = warning(
+    "duration-long",
+    "the study takes so long that people tire and leave",
+    "Show fewer trials or shorter segments to more participants",
+)
+LEASE_SHORT: Final = warning(
+    "lease-short",
+    "a slow participant's place may be given to somebody else while they work on one page",
+    "Raise lease_minutes in study.toml",
+)
+
+LONG_MINUTES: Final = 60
+
+MINUTES_OFF: Final = 3
+SHARE_OFF: Final = 0.25
+"""What is told may be wrong by so many minutes, and by so much of what is needed."""
+
+SLOW: Final = 3.0
+"""Times as long as expected that a slow participant may stay on a page."""
+
+
+def minutes_needed(expected: ExpectedTime, pace: Pace | None) -> int:
+    """Return how many minutes a participant needs, at the pace that was seen, if any was."""
+    seconds = expected.seconds * (1.0 if pace is None else pace.times_expected)
+    return max(1, round(seconds / 60))
+
+
+def time_findings(study: Study, expected: ExpectedTime, pace: Pace | None) -> Iterator[Finding]:
+    """Say how long the study takes, and what does not fit to that."""
+    needed = minutes_needed(expected, pace)
+    seen = (
+        f"; the {pace.finished} who have finished {pace.source} took {pace.minutes:.0f} (median), "
+        f"{pace.times_expected:.1f} times as long as expected of it"
+        if pace
+        else ""
+    )
+    yield EXPECTED_DURATION.found(
+        f"a participant needs about {needed} minutes: {expected.videos / 60:.1f} of videos watched "
+        f"once, {expected.around / 60:.1f} of reading and answering{seen}",
+        where="page.minutes",
+    )
+    told = study.page.minutes
+    if told is not None and abs(told - needed) > max(MINUTES_OFF, SHARE_OFF * needed):
+        yield DURATION_MISSTATED.found(
+            f"page.minutes says {told}, and participants need about {needed}",
+            where="page.minutes",
+            remedy=f"Set minutes = {needed} under [page] in study.toml, and see what it pays then",
+        )
+    if needed > LONG_MINUTES:
+        yield DURATION_LONG.found(
+            f"about {needed} minutes is longer than the {LONG_MINUTES} after which people tire and "
+            "leave",
+            where="study.toml",
+        )
+    if study.lease_minutes * 60 < SLOW * expected.longest_page:
+        yield LEASE_SHORT.found(
+            f"the longest page takes about {expected.longest_page / 60:.0f} minutes, and after "
+            f"{study.lease_minutes} minutes of silence the place is given to somebody else",
+            where="lease_minutes",
+        )

@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.planning.pilot import read_pilot
+from tests.finished_study import write_finished_study, write_short_video
+from tests.studyapp.answered_study import answer_study
+
+
+@pytest.fixture
+def pairwise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    video = tmp_path / "short.mp4"
+    write_short_video(video)
+    folder = tmp_path / "pilot"
+    folder.mkdir()
+    write_finished_study(folder, "pairwise", video)
+    return folder
+
+
+def test_an_answered_study_tells_spreads_and_who_is_left_out(pairwise: Path) -> None:
+    definition = pairwise / "study.toml"
+    text = definition.read_text("utf-8").replace("participants = 3", "participants = 16")
+    definition.write_text(text, "utf-8")
+    answer_study(pairwise, people=16, stop_after=2)
+
+    found = read_pilot(pairwise, "pairwise")
+
+    assert 0 < found.excluded < 1
+    assert found.opinions.participant_sd >= 0
+    assert 0 < found.opinions.slight <= found.opinions.clear
+    assert "Estimated from" in found.source
+    assert "pilot" in found.source
+    assert "its spreads are rough" in found.notes[0]
+
+
+def test_a_study_that_nobody_answered_tells_nothing(pairwise: Path) -> None:
+    with pytest.raises(InputError, match="nobody has answered the pilot"):
+        read_pilot(pairwise, "pairwise")
+
+
+def test_a_pilot_of_another_protocol_is_refused(pairwise: Path) -> None:
+    with pytest.raises(InputError, match="a pairwise study, and a rating study is planned"):
+        read_pilot(pairwise, "rating")

@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.planning.part import Part
+from motion.errors import InputError
+from studyapp.definition.creation import new_study
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.planning.planned_study import (
+    PlannedStudy,
+    excluded_by_default,
+    has_segments,
+    notes_of,
+    planned_segments,
+    with_items,
+    with_trials,
+)
+from tests.studyapp.made_study import make_segments, make_study
+
+SEGMENTS = make_segments(["anger", "sadness", "fear"] * 4)
+
+
+def template(name: str, folder: Path) -> Study:
+    return new_study(folder / "study.toml", template=name, name="planned")
+
+
+def planned(study: Study, *, excluded: float = 0.0) -> PlannedStudy:
+    return PlannedStudy(study=study, segments=SEGMENTS, test="report", excluded=excluded)
+
+
+def only(study: Study, participants: int = 6, items: int = 12, *, excluded: float = 0.0) -> Part:
+    (part,) = planned(study, excluded=excluded).size(participants, items).parts
+    return part
+
+
+def test_trials_are_those_that_the_study_plans() -> None:
+    study = make_study(trials=5, practice=2)
+    size = planned(study).size(6, 12)
+    (part,) = size.parts
+    arm = study.arms[0]
+    main = [t for t in study.plan(arm, 3, with_items(SEGMENTS, 12)) if t.kind in ("main", "repeat")]
+    names = [segment.name for segment in with_items(SEGMENTS, 12)]
+
+    assert size.recruited == 12
+    assert size.trials == 5
+    own = part.trials.participants == 3
+    assert part.trials.left is not None
+    assert [names[item] for item in part.trials.items[own]] == [t.segment.name for t in main]
+    assert part.trials.left[own].tolist() == [arm.conditions.index(t.conditions[0]) for t in main]
+
+
+def test_every_comparison_and_question_is_a_test() -> None:
+    part = only(make_study(trials=5))
+
+    assert part.blocks == 4
+    assert part.tests == 4
+    assert part.levels == 5
+
+
+def test_all_pairs_are_tested_with_the_same_participants() -> None:
+    study = make_study(comparisons="all_pairs", participants=6, trials=9)
+    part = only(study)
+
+    assert part.trials.conditions == 3
+    assert part.tests == 6
+    counts = [len(part.trials.of_pair(a, b)) for a, b in part.trials.pairs]
+    assert counts == [18, 18, 18]
+
+
+def test_adaptive_pairs_are_planned_as_even_ones_and_it_is_said() -> None:
+    study = make_study(comparisons="adaptive", participants=6, trials=9)
+
+    assert only(study).tests == 6
+    assert "Adaptive pairs" in notes_of(study)[0]
+
+
+def test_excluded_participants_are_missing() -> None:
+    size = planned(make_study(trials=5), excluded=0.1).size(25, 12)
+
+    assert size.analysed == 22
+    assert size.parts[0].trials.analysed == 22
+
+
+def test_who_is_replaced_is_not_missing() -> None:
+    assert excluded_by_default(make_study(replace_excluded=True)) == 0
+    assert excluded_by_default(make_study()) > 0
+
+
+def test_more_segments_are_like_those_there_are() -> None:
+    more = with_items(SEGMENTS, 30)
+    few = with_items(SEGMENTS, 6)
+
+    assert len({segment.name for segment in more}) == 30
+    assert Counter(segment.emotion for segment in more) == {"anger": 10, "sadness": 10, "fear": 10}
+    assert Counter(segment.emotion for segment in few) == {"anger": 2, "sadness": 2, "fear": 2}
+    assert {segment.name for segment in few} < {segment.name for segment in SEGMENTS}
+
+
+def test_trials_can_be_others_than_the_study_says() -> None:
+    study = make_study(trials=5)
+
+    assert only(with_trials(study, 9)).trials.items.size == 6 * 9
+    assert only(with_trials(study, 100)).trials.items.size == 6 * 12
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [("rating", "ratings"), ("ranking", "rankings"), ("mismatch", "pairs")]
+)
+def test_every_protocol_has_parts(name: str, kind: str, tmp_path: Path) -> None:
+    study = template(name, tmp_path)
+    segments = planned_segments(StudyFolder(tmp_path), study, (24,))
+    size = PlannedStudy(study=study, segments=segments, test="report", excluded=0.0).size(6, 24)
+
+    assert tuple(part.name for part in size.parts) == study.parts
+    assert {part.kind for part in size.parts} == {kind}
+    for part in size.parts:
+        asked = sum(question.belongs_to(part.name) for question in study.questions)
+        assert part.blocks % asked == 0
+        assert part.trials.analysed == 6
+        shown = np.stack([part.trials.participants, part.trials.items])
+        assert len(np.unique(shown, axis=1).T) == shown.shape[1]
+
+
+def test_own_and_other_speech_are_told_apart_by_side(tmp_path: Path) -> None:
+    study = template("mismatch", tmp_path)
+    segments = planned_segments(StudyFolder(tmp_path), study, (24,))
+    size = PlannedStudy(study=study, segments=segments, test="report", excluded=0.0).size(6, 24)
+    trials = size.parts[0].trials
+
+    assert trials.left is not None
+    assert trials.right is not None
+    assert (trials.left + trials.right == 1).all()
+    assert 0 < trials.left.mean() < 1
+    assert size.parts[0].levels == 3
+
+
+def test_a_study_without_speech_needs_to_be_told_how_many_segments(tmp_path: Path) -> None:
+    study = template("pairwise", tmp_path)
+    folder = StudyFolder(tmp_path)
+
+    assert not has_segments(folder, study)
+    with pytest.raises(InputError, match="--items"):
+        planned_segments(folder, study, ())
+    assert len(planned_segments(folder, study, (8, 16))) == 16

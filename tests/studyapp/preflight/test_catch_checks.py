@@ -1,0 +1,95 @@
+"""Whether a flaw can be seen is measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.clip import MotionClip
+from motion.skeleton import joint_index
+from studyapp.preflight.catch_checks import catch_motion_findings, difference, pictures_of
+from tests.encoded import Told, write_video
+from tests.studyapp.made_study import make_study
+
+FRAMES = 40
+
+
+def swing(radians: float, shake: float = 0.0) -> MotionClip:
+    """Return arms that swing so far, and shake."""
+    poses = np.zeros((FRAMES, 55, 3))
+    moments = np.linspace(0, 2 * np.pi, FRAMES)
+    for side in ("left", "right"):
+        poses[:, joint_index(f"{side}_shoulder"), 2] = radians * np.sin(moments)
+    poses += np.random.default_rng(1).normal(0, shake, poses.shape)
+    return MotionClip(poses=poses, trans=np.zeros((FRAMES, 3)), frame_rate=20)
+
+
+def found(flawed: MotionClip, **changes: object) -> Mapping[str, str]:
+    study = make_study(**changes)
+    clips = {
+        "rule_based": {"one": swing(0.4)},
+        "mismatched": {"one": swing(-0.4)},
+        "broken": {"one": flawed},
+    }
+    return {each.name: each.what for each in catch_motion_findings(study, clips)}
+
+
+def test_the_same_motion_does_not_differ() -> None:
+    alike = difference(swing(0.5), swing(0.5))
+
+    assert (alike.metres, alike.rougher) == (0.0, 1.0)
+
+
+def test_motion_beside_stillness_is_infinitely_rougher() -> None:
+    assert difference(swing(0.0), swing(0.5)).rougher == math.inf
+
+
+def test_clips_of_other_rates_and_lengths_are_compared_as_far_as_both_last() -> None:
+    short = replace(swing(0.5), poses=swing(0.5).poses[:20], trans=np.zeros((20, 3)))
+
+    assert difference(swing(0.5), short).metres == 0.0
+    assert difference(swing(0.5), replace(swing(0.5), frame_rate=40)).metres > 0.01
+
+
+def test_a_flaw_that_hardly_shows_is_warned_of() -> None:
+    said = found(swing(0.41))["catch-hardly-differs"]
+
+    assert "'broken' and 'rule_based' hardly differ in 1 of 1 segments: in one" in said
+    assert "other pairs" in said
+
+
+def test_a_flaw_that_shows_in_place_or_in_roughness_is_only_told() -> None:
+    assert list(found(swing(2.5))) == ["catch-difference"]
+    assert list(found(swing(0.4, shake=0.05))) == ["catch-difference"]
+
+
+def test_a_flaw_in_what_is_frozen_does_not_show() -> None:
+    moved = swing(0.4)
+    poses = np.array(moved.poses)
+    poses[:, joint_index("pelvis"), 1] = 2.0
+    turned = replace(moved, poses=poses)
+
+    assert "catch-hardly-differs" not in found(turned)
+    assert "catch-hardly-differs" in found(turned, freeze=["root"])
+
+
+def test_without_catch_trials_there_is_nothing_to_measure() -> None:
+    assert found(swing(0.4), catch={"trials": 0}) == {}
+
+
+def test_pictures_of_one_video_are_like_each_other_and_unlike_anothers(tmp_path: Path) -> None:
+    for name, frames in (("one", 30), ("other", 24)):
+        write_video(tmp_path / f"{name}.mp4", Told(frames=frames))
+    write_video(tmp_path / "slow.mp4", Told(frames=30, rate=10))
+    one, other, slow = (pictures_of(tmp_path / f"{n}.mp4") for n in ("one", "other", "slow"))
+
+    assert one is not None and other is not None and slow is not None
+    assert one.unlike(other) == pytest.approx(0, abs=1.0)
+    assert one.unlike(slow) > 5
+    (tmp_path / "no.mp4").write_bytes(b"no video")
+    assert pictures_of(tmp_path / "no.mp4") is None

@@ -1,0 +1,120 @@
+"""Whether answers can be stored, and videos sent piece by piece."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from flask import Response
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import IntakeChange
+from studyapp.preflight import serving_checks
+from studyapp.preflight.material import Material
+from studyapp.preflight.serving_checks import probe_findings, serving_findings
+from studyapp.services.database import Database, sqlite_url
+from studyapp.web import media
+from tests.studyapp.answered_study import answer_study
+
+
+def material(root: Path) -> Material:
+    folder = StudyFolder(root)
+    return Material.of(folder, folder.study())
+
+
+def names(root: Path) -> dict[str, str]:
+    return {found.name: found.what for found in serving_findings(material(root))}
+
+
+@pytest.mark.parametrize("protocol", ["pairwise", "ranking"])
+def test_a_video_is_asked_for_in_pieces_and_nothing_is_left_behind(
+    finished_study: Callable[[str], Path], tmp_path: Path, protocol: str
+) -> None:
+    root = Path(shutil.copytree(finished_study(protocol), tmp_path / "study"))
+    before = sorted(root.rglob("*"))
+
+    assert list(probe_findings(material(root))) == []
+    assert sorted(root.rglob("*")) == before
+
+
+def test_a_server_that_sends_all_at_once_is_told(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(media, "send_video", lambda file: Response(file.read_bytes()))
+
+    (found,) = probe_findings(material(tiny_study))
+
+    assert found.name == "no-byte-ranges"
+    assert "answered 200" in found.what
+
+
+def test_a_study_that_the_server_refuses_is_told(tiny_study: Path) -> None:
+    looked_at = material(tiny_study)
+    next((tiny_study / "videos").rglob("*.mp4")).unlink()
+
+    (found,) = probe_findings(looked_at)
+
+    assert found.name == "cannot-be-served"
+
+
+def test_a_new_study_was_not_rehearsed(tiny_study: Path) -> None:
+    assert set(names(tiny_study)) == {"not-rehearsed"}
+    (tiny_study / "rehearsal.db").touch()
+    assert names(tiny_study) == {}
+
+
+def test_a_database_that_is_none_is_told(tiny_study: Path) -> None:
+    (tiny_study / "responses.db").write_text("no database at all, but long enough to be read" * 9)
+
+    assert "database-unusable" in names(tiny_study)
+
+
+def test_answers_are_counted_and_a_changed_design_is_told(tiny_study: Path) -> None:
+    answer_study(tiny_study, people=2)
+    assert names(tiny_study)["answers-there"] == "2 participants have come already"
+    assert "design-changed" not in names(tiny_study)
+    definition = tiny_study / "study.toml"
+    definition.write_text(definition.read_text().replace("trials = 4", "trials = 3", 1))
+
+    assert "design-changed" in names(tiny_study)
+
+
+def test_a_study_that_was_paused_on_its_pages_is_told(tiny_study: Path) -> None:
+    answer_study(tiny_study, people=1)
+    assert "intake-closed" not in names(tiny_study)
+    database = Database.open(sqlite_url(tiny_study / "responses.db"))
+    with database.writing() as session:
+        session.add(
+            IntakeChange(
+                at=datetime(2026, 5, 4, tzinfo=UTC),
+                state="paused",
+                more_places=0,
+                researcher="anna",
+                reason="",
+            )
+        )
+    database.close()
+
+    assert names(tiny_study)["intake-closed"] == "the study is paused on the researchers' pages"
+
+
+@pytest.mark.parametrize(("free", "name"), [(0, "disk-full"), (10**9, "disk-short")])
+def test_a_disk_without_room_is_told(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch, free: int, name: str
+) -> None:
+    monkeypatch.setattr(serving_checks.shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
+
+    assert name in names(tiny_study)
+
+
+def test_a_folder_that_may_not_be_written_is_told_unless_answers_go_elsewhere(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(serving_checks.os, "access", lambda *_: False)
+    assert "folder-unwritable" in names(tiny_study)
+    monkeypatch.setenv("DATABASE_URL", f"sqlite:///{tiny_study / 'elsewhere.db'}")
+    assert "folder-unwritable" not in names(tiny_study)
