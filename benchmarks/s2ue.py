@@ -122,17 +122,15 @@ def table(corpus: Path, folder: Path, steps: int, seed: int) -> Iterator[str]:
 def _train(
     takes: TakeFolder, cache: Path, out: Path, ablation: str | None, steps: int, seed: int
 ) -> None:
-    def show(done: int, total: int, detail: str) -> None:
-        """Show nothing."""
-
     request = TrainingRequest(
         takes=takes,
+        out=out,
         cache=cache,
         config="tiny",
         changes={"steps": steps, "seed": seed, "validate_every": 50},
         choices={} if ablation is None else {"ablation": ablation},
     )
-    train_s2ue(request, out, out.with_suffix(".run"), show_preparing=show, show_training=show)
+    train_s2ue(request)
 
 
 def _moved(trained: S2ueNetwork, windows: Windows, prepared: PreparedTakes) -> FloatArray:
@@ -140,7 +138,7 @@ def _moved(trained: S2ueNetwork, windows: Windows, prepared: PreparedTakes) -> F
     network, config = trained.network, trained.network.config
     rows = np.arange(len(windows))
     told = {name: torch.from_numpy(one) for name, one in windows.batch(rows).items()}
-    people = [trained.speakers.one_hot(windows.take_of(int(row)).speaker) for row in rows]
+    people = trained.speakers.one_hot([windows.take_of(int(row)).speaker for row in rows])
     noise = torch.randn(
         (len(rows), len(config.modalities), config.speaker_width),
         generator=torch.Generator().manual_seed(1),
@@ -149,7 +147,7 @@ def _moved(trained: S2ueNetwork, windows: Windows, prepared: PreparedTakes) -> F
         values, _ = network.synthesise(
             told["sound"],
             told["words"],
-            torch.from_numpy(np.stack(people)),
+            torch.from_numpy(people),
             noise,
             told["motion"][:, : config.seeds],
         )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from motion.errors import InputError
 
@@ -15,6 +15,11 @@ if TYPE_CHECKING:
 
 Show = Callable[[int, int, str], None]
 """Told how much is done, of how much, and what was last."""
+
+
+def unseen(done: int, total: int, detail: str) -> None:
+    """Show nothing."""
+
 
 Device = Literal["cpu", "cuda"]
 
@@ -82,8 +87,10 @@ class TrainingRequest:
     ----------
     takes : TakeFolder
         The recordings.
+    out : Path
+        File of the network, which the generator takes as its checkpoint.
     cache : Path
-        Folder that keeps what is computed of them.
+        Folder that keeps what is computed of the recordings.
     config : str
         One of `Trainable.configs`.
     changes : mapping
@@ -92,14 +99,29 @@ class TrainingRequest:
         Of the generator's own choices, those that were made.
     device : {'cpu', 'cuda'}
         Where it is computed.
+    show_preparing, show_training : callable
+        Told about progress.
     """
 
     takes: TakeFolder
+    out: Path
     cache: Path
     config: str
     changes: Mapping[str, Any] = field(default_factory=dict)
     choices: Mapping[str, str] = field(default_factory=dict)
     device: Device = "cpu"
+    show_preparing: Show = unseen
+    show_training: Show = unseen
+
+    @property
+    def run(self) -> Path:
+        """Folder of the run."""
+        return run_of(self.out)
+
+
+def run_of(out: Path) -> Path:
+    """Return the folder of the run that makes the network's file `out`."""
+    return out.with_suffix(".run")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,36 +143,9 @@ class TrainedGenerator:
     skipped: tuple[InputError, ...]
 
 
-class TrainGenerator(Protocol):
-    """Trains a generator's network and writes its file."""
+TrainGenerator = Callable[[TrainingRequest], TrainedGenerator]
+"""Trains a generator's network and writes its file, or goes on where an earlier call stopped.
 
-    def __call__(
-        self,
-        request: TrainingRequest,
-        out: Path,
-        run: Path,
-        *,
-        show_preparing: Show,
-        show_training: Show,
-    ) -> TrainedGenerator:
-        """Train, or go on where an earlier call stopped.
-
-        Parameters
-        ----------
-        request : TrainingRequest
-            What is wanted.
-        out : Path
-            File of the network, which the generator takes as its checkpoint.
-        run : Path
-            Folder of the run.
-        show_preparing, show_training : callable
-            Told about progress.
-
-        Raises
-        ------
-        InputError
-            If the recordings do not fit, or the run kept in `run` is another one.
-        training.loop.TrainingStopped
-            After Ctrl-C; the state is saved.
-        """
-        ...
+Raises InputError if the recordings do not fit or the run that is kept is another one, and
+`training.loop.TrainingStopped` after Ctrl-C; the state is saved then.
+"""

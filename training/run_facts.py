@@ -7,7 +7,6 @@ from importlib import metadata
 from typing import Any, Final
 
 from training.config import TrainingConfig
-from training.data.feature_cache import PreparedTakes
 from training.loop import Trained
 
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
@@ -22,7 +21,7 @@ def run_facts(
     config: TrainingConfig,
     trained: Trained[Any],
     kind: str,
-    prepared: PreparedTakes,
+    data_sha256: str,
     packages: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Return how and from what a network was trained, as JSON values.
@@ -35,8 +34,8 @@ def run_facts(
         What came out.
     kind : str
         The recordings' layout.
-    prepared : PreparedTakes
-        The recordings.
+    data_sha256 : str
+        Hash of the recordings.
     packages : sequence of str
         What further was used, whose versions are told.
     """
@@ -44,6 +43,6 @@ def run_facts(
         "config": config.facts(),
         "best_step": trained.best.step,
         "held_out": dict(trained.best.measured),
-        "data": {"kind": kind, "sha256": prepared.sha256},
+        "data": {"kind": kind, "sha256": data_sha256},
         "versions": package_versions(*packages),
     }

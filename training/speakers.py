@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -75,8 +76,8 @@ class Speakers:
         except InputError as error:
             raise InputError(error.what, where=checkpoint, remedy=error.remedy) from error
 
-    def one_hot(self, name: str) -> NDArray[np.float32]:
-        """Return the vector, (width,), of whoever stands in for `name`."""
-        vector = np.zeros(self.width, np.float32)
-        vector[self.stand_in(name) - 1] = 1
-        return vector
+    def one_hot(self, names: Sequence[str]) -> NDArray[np.float32]:
+        """Return the vectors, (names, width), of whoever stands in for each of `names`."""
+        vectors = np.zeros((len(names), self.width), np.float32)
+        vectors[np.arange(len(names)), [self.stand_in(name) - 1 for name in names]] = 1
+        return vectors

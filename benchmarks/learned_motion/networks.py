@@ -36,14 +36,16 @@ def train_network(
     changes: dict[str, object] = {"seed": seed}
     if steps is not None:
         changes["steps"] = steps
-    request = TrainingRequest(takes=takes, cache=cache, config="tiny", changes=changes)
-    trainable_of("diffsheg").load()(
-        request,
-        out,
-        out.with_suffix(".run"),
+    request = TrainingRequest(
+        takes=takes,
+        out=out,
+        cache=cache,
+        config="tiny",
+        changes=changes,
         show_preparing=show,
         show_training=show,
     )
+    trainable_of("diffsheg").load()(request)
 
 
 def write_untrained(trained: Path, out: Path, *, seed: int) -> None:

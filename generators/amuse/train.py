@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import torch
@@ -33,24 +33,21 @@ from generators.amuse.network_file import (
 )
 from generators.amuse.sampling import WindowPlan
 from generators.settings import content
-from generators.trainable import Show, TrainedGenerator, TrainingRequest
+from generators.teaching import learn, prepared_takes
+from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.resample import resample
 from training.batch_order import evenly
 from training.data.feature import Feature
-from training.data.feature_cache import prepare
 from training.data.take import Take
 from training.data.windows import Windows
-from training.device import check_device
 from training.diffusion import SCALED_LINEAR
 from training.launching import is_leader
-from training.loop import train
 from training.passes import Pass
-from training.run_facts import run_facts
-from training.run_folder import RunFolder
 from training.spaces.smplx_6d import smplx_6d_values
+from training.window_task import WindowTask
 
 HELD_OUT: Final = 128
 """At most so many windows tell how well held-out takes are known."""
@@ -68,7 +65,7 @@ _VERSION: Final = "1"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class MotionTask:
+class MotionTask(WindowTask):
     """Learning the latent of motion, and to find it from the speech.
 
     Attributes
@@ -79,26 +76,10 @@ class MotionTask:
         What counts how much.
     training, held_out : Windows
         Of the features ``motion`` and ``latents``.
-    settings : mapping
-        What else makes this training another one than the next, as JSON values.
-    data_sha256 : str
-        Hash of all takes and features.
-    device : str
-        ``cpu`` or ``cuda``.
     """
 
     config: MotionConfig
     weights: LossWeights
-    training: Windows
-    held_out: Windows
-    settings: Mapping[str, Any]
-    data_sha256: str
-    device: str = "cpu"
-
-    @property
-    def examples(self) -> int:
-        """Windows to learn from."""
-        return len(self.training)
 
     def network(self) -> MotionModel:
         """Return fresh networks, whose prior sets out from what the motion is like."""
@@ -176,16 +157,8 @@ def speech_latents(speech: SpeechNetwork, identity: str, frames: int, stride: in
     return Feature(name="latents", version=f"2 {identity} {frames} {stride}", compute=compute)
 
 
-def train_amuse(
-    request: TrainingRequest,
-    out: Path,
-    run: Path,
-    *,
-    show_preparing: Show,
-    show_training: Show,
-) -> TrainedGenerator:
+def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     """Train AMUSE's motion networks; see `generators.trainable.TrainGenerator`."""
-    check_device(request.device)
     ablation = request.choices.get("ablation")
     preset = MOTION_PRESETS[request.config]
     speech, identity = _speech_of(request)
@@ -198,23 +171,14 @@ def train_amuse(
         longest = max(config.longest, config.frames + 1 + config.conditions)
         config = replace(config, prior=False, longest=longest)
     features = (whole_body(), speech_latents(speech, identity, config.frames, preset.stride))
-    prepared = prepare(
-        request.takes, features, request.cache, frame_rate=FRAME_RATE, show=show_preparing
-    )
+    prepared = prepared_takes(request, features, FRAME_RATE)
     weights = COUNTED.get(str(ablation), LossWeights())
     task = MotionTask(
         config=config,
         weights=weights,
         training=Windows(prepared, split="train", frames=config.frames, stride=preset.stride),
         held_out=Windows(prepared, split="validation", frames=config.frames, stride=preset.stride),
-        settings={
-            **{f"network {name}": value for name, value in asdict(config).items()},
-            **{f"loss {name}": value for name, value in asdict(weights).items()},
-            "speech model": identity,
-            "stride": preset.stride,
-            "device": request.device,
-        },
-        data_sha256=prepared.sha256,
+        further={"speech model": identity, "stride": preset.stride},
         device=request.device,
     )
     training = preset.training.changed(
@@ -229,16 +193,12 @@ def train_amuse(
                 Pass(name="denoiser", parts=("denoiser",), first=half),
             ),
         )
-    trained = train(task, training, RunFolder(run), show=show_training)
+    trained, facts = learn(request, task, training, ("transformers",))
     model = trained.network.cpu()
-    facts = {
-        **run_facts(training, trained, request.takes.kind, prepared, ("transformers",)),
-        "speech_model": identity,
-        "ablation": ablation,
-    }
+    facts |= {"speech_model": identity}
     if is_leader():
         networks = MotionNetworks(prior=model.prior, denoiser=model.denoiser, training=facts)
-        write_motion_networks(out, networks)
+        write_motion_networks(request.out, networks)
     found = trained.best.measured
     return TrainedGenerator(
         sentences=(

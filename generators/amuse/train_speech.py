@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import torch
@@ -31,23 +31,20 @@ from generators.amuse.speech_losses import (
     speech_losses,
 )
 from generators.settings import content
-from generators.trainable import Show, TrainedGenerator, TrainingRequest
+from generators.teaching import learn, prepared_takes
+from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.listing import listed
 from training.batch_order import evenly
 from training.corpus.description import DESCRIPTION, read_request
 from training.data.feature import Feature
-from training.data.feature_cache import prepare
 from training.data.take import Take, TakeFolder
 from training.data.windows import Windows
-from training.device import check_device
 from training.hearing.filterbank import ROWS_PER_SECOND, check_speech, filterbank
 from training.hearing.speech_frames import at_speech_rate
 from training.launching import is_leader
-from training.loop import train
-from training.run_facts import run_facts
-from training.run_folder import RunFolder
+from training.window_task import WindowTask
 
 MOST: Final = 20_000
 """Quadruples that are learned from, at most."""
@@ -65,14 +62,14 @@ _AT_ONCE: Final = 16
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SpeechTask:
+class SpeechTask(WindowTask):
     """Learning to take speech apart, and to put it together again.
 
     Attributes
     ----------
     config : SpeechConfig
         The network.
-    counted : SpeechLosses
+    weights : SpeechLosses
         What is learned by.
     training, held_out : Windows
         Of the feature ``filterbank``.
@@ -80,26 +77,15 @@ class SpeechTask:
         Rows of `training`.
     emotions, speakers : tuple of str
         The classes.
-    settings : mapping
-        What else makes this training another one than the next, as JSON values.
-    data_sha256 : str
-        Hash of all takes and features.
-    device : str
-        ``cpu`` or ``cuda``.
     encoder_weights : mapping of str to Tensor
         What each encoder's transformer sets out from; empty where that is chance.
     """
 
     config: SpeechConfig
-    counted: SpeechLosses
-    training: Windows
-    held_out: Windows
+    weights: SpeechLosses
     fours: NDArray[np.int64]
     emotions: tuple[str, ...]
     speakers: tuple[str, ...]
-    settings: Mapping[str, Any]
-    data_sha256: str
-    device: str = "cpu"
     encoder_weights: Mapping[str, Tensor] = field(default_factory=dict)
 
     @property
@@ -127,7 +113,7 @@ class SpeechTask:
         heard, target = augmented(self._filterbanks(self.training, chosen))
         emotions, styles = (one.view(len(rows), 4) for one in self._classes(self.training, chosen))
         return speech_losses(
-            network, heard.view(shape), target.view(shape), emotions, styles, self.counted
+            network, heard.view(shape), target.view(shape), emotions, styles, self.weights
         )
 
     def validation(self, network: AnySpeechModel) -> Mapping[str, float]:
@@ -178,7 +164,7 @@ class SpeechTask:
             filterbanks = self._filterbanks(self.held_out, four)
             heard = network(filterbanks)
             latents = (heard.content, heard.emotion, heard.style)
-            missed = reconstruction_errors(network.decoder, latents, filterbanks, self.counted)
+            missed = reconstruction_errors(network.decoder, latents, filterbanks, self.weights)
             for name, error in missed.items():
                 key = SELF if name == "self" else name
                 errors[key] = errors.get(key, 0.0) + float(error) / len(self.held_out_fours)
@@ -251,27 +237,14 @@ def speech_filterbank(bands: int) -> Feature:
     return Feature(name="filterbank", version=f"1 {bands}", compute=compute)
 
 
-def train_amuse_speech(
-    request: TrainingRequest,
-    out: Path,
-    run: Path,
-    *,
-    show_preparing: Show,
-    show_training: Show,
-) -> TrainedGenerator:
+def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     """Train AMUSE's speech model; see `generators.trainable.TrainGenerator`."""
-    check_device(request.device)
     _check_texts(request.takes)
     preset = SPEECH_PRESETS[request.config]
     ablation = request.choices.get("ablation")
     weights, origin = _encoder_weights(request.choices, preset.network)
-    prepared = prepare(
-        request.takes,
-        (speech_filterbank(preset.network.bands),),
-        request.cache,
-        frame_rate=ROWS_PER_SECOND,
-        show=show_preparing,
-    )
+    heard = speech_filterbank(preset.network.bands)
+    prepared = prepared_takes(request, (heard,), ROWS_PER_SECOND)
     frames = preset.seconds * ROWS_PER_SECOND
     training = Windows(prepared, split="train", frames=frames, stride=frames)
     learned = [training.take_of(row) for row in range(len(training))]
@@ -287,21 +260,13 @@ def train_amuse_speech(
     counted = SpeechLosses(emotion=ablation != "style_only", style=ablation != "emotion_only")
     task = SpeechTask(
         config=config,
-        counted=counted,
+        weights=counted,
         training=training,
         held_out=held_out,
         fours=quadruples(training, most=MOST, seed=preset.training.seed),
         emotions=emotions,
         speakers=speakers,
-        settings={
-            **{f"network {name}": value for name, value in asdict(config).items()},
-            **{f"counts {name}": value for name, value in asdict(counted).items()},
-            "emotions": list(emotions),
-            "speakers": list(speakers),
-            "device": request.device,
-            **origin,
-        },
-        data_sha256=prepared.sha256,
+        further={"emotions": list(emotions), "speakers": list(speakers), **origin},
         device=request.device,
         encoder_weights=weights,
     )
@@ -313,21 +278,15 @@ def train_amuse_speech(
     training_config = preset.training.changed(
         request.changes, epochs=preset.epochs, examples=task.examples
     )
-    trained = train(task, training_config, RunFolder(run), show=show_training)
+    trained, facts = learn(request, task, training_config, ("transformers",))
     found = trained.best.measured
     if is_leader():
         network = SpeechNetwork(
             model=trained.network,
             latents=task.mean_latents(trained.network),
-            training={
-                **run_facts(
-                    training_config, trained, request.takes.kind, prepared, ("transformers",)
-                ),
-                "ablation": ablation,
-                **origin,
-            },
+            training={**facts, **origin},
         )
-        write_speech_network(out, network)
+        write_speech_network(request.out, network)
     return TrainedGenerator(
         sentences=_said(task, found, trained.best.step, trained.steps),
         warnings=(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
@@ -18,14 +18,14 @@ from generators.diffsheg.config import ABLATIONS, STRIDE, DenoiserConfig, Traini
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.network_file import MotionNetwork, write_network
-from generators.trainable import Show, TrainedGenerator, TrainingRequest
+from generators.teaching import learn, prepared_takes
+from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from training.batch_order import evenly
 from training.data.feature import Feature
-from training.data.feature_cache import PreparedTakes, prepare
+from training.data.feature_cache import PreparedTakes
 from training.data.take import TakeFolder
 from training.data.windows import Windows
-from training.device import check_device
 from training.diffusion import LINEAR
 from training.features import (
     beat_expression,
@@ -38,11 +38,10 @@ from training.features import (
 )
 from training.hearing.hubert import Hubert, load_hubert, stand_in
 from training.launching import is_leader
-from training.loop import Trained, train
-from training.run_facts import run_facts
-from training.run_folder import RunFolder
+from training.loop import Trained
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
+from training.window_task import WindowTask
 
 HELD_OUT: Final = 1024
 """So many windows tell how well held-out takes are known, each several times where there are
@@ -62,7 +61,7 @@ _SEED: Final = 24
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DiffShegTask:
+class DiffShegTask(WindowTask):
     """Learning which noise is in windows of motion, told the speech.
 
     Attributes
@@ -78,28 +77,12 @@ class DiffShegTask:
         Of the takes in `training`.
     speakers : Speakers
         Whom it learns from.
-    settings : mapping
-        What else makes this training another one than the next, as JSON values.
-    data_sha256 : str
-        Hash of all takes and features.
-    device : str
-        ``cpu`` or ``cuda``.
     """
 
     config: DenoiserConfig
     weights: LossWeights
-    training: Windows
-    held_out: Windows
     normalisation: Normalisation
     speakers: Speakers
-    settings: Mapping[str, Any]
-    data_sha256: str
-    device: str = "cpu"
-
-    @property
-    def examples(self) -> int:
-        """Windows to learn from."""
-        return len(self.training)
 
     def network(self) -> Denoiser:
         """Return a fresh network, which knows the covariance of the motion where it has a skip."""
@@ -161,13 +144,13 @@ class DiffShegTask:
         values = windows.batch(rows)
         motion = np.concatenate([values["gesture"], values["expression"]], axis=-1)
         normalised = self.normalisation.normalised(motion.astype(np.float64))
-        people = [self.speakers.one_hot(windows.take_of(int(row)).speaker) for row in rows]
+        people = self.speakers.one_hot([windows.take_of(int(row)).speaker for row in rows])
         semantic = values.get("semantic") if self.weights.semantic else None
         return _Batch(
             motion=torch.from_numpy(normalised.astype(np.float32)).to(self.device),
             mel=torch.from_numpy(values["mel"]).to(self.device),
             hubert=torch.from_numpy(values["hubert"]).to(self.device),
-            person=torch.from_numpy(np.stack(people)).to(self.device),
+            person=torch.from_numpy(people).to(self.device),
             semantic=None if semantic is None else torch.from_numpy(semantic).to(self.device),
         )
 
@@ -195,14 +178,6 @@ def _unguided(network: Denoiser) -> Iterator[None]:
     finally:
         for branch, guidance in zip(branches, before, strict=True):
             branch.guidance = guidance
-
-
-def training_settings(config: DenoiserConfig, weights: LossWeights) -> dict[str, Any]:
-    """Return what a run's files say of network and losses."""
-    return {
-        **{f"network {name}": value for name, value in asdict(config).items()},
-        **{f"loss {name}": value for name, value in asdict(weights).items()},
-    }
 
 
 _DATASETS: Final[Mapping[str, str]] = {"beat": "beat", "beat2": "show", "show": "show"}
@@ -240,32 +215,18 @@ def features_of(dataset: str, hubert: Hubert, frame_rate: float) -> tuple[Featur
     raise InputError(f"motion is not told as that of {dataset!r}", remedy="Use 'beat' or 'show'")
 
 
-def train_diffsheg(
-    request: TrainingRequest,
-    out: Path,
-    run: Path,
-    *,
-    show_preparing: Show,
-    show_training: Show,
-) -> TrainedGenerator:
+def train_diffsheg(request: TrainingRequest) -> TrainedGenerator:
     """Train DiffSHEG; see `generators.trainable.TrainGenerator`."""
-    check_device(request.device)
     dataset = _dataset_of(request.takes)
     preset = _preset_of(request, dataset)
     folder = request.choices.get("hubert")
     hubert = stand_in() if folder is None else load_hubert(Path(folder))
-    prepared = prepare(
-        request.takes,
-        features_of(dataset, hubert, preset.network.frame_rate),
-        request.cache,
-        frame_rate=preset.network.frame_rate,
-        show=show_preparing,
-    )
+    frame_rate = preset.network.frame_rate
+    prepared = prepared_takes(request, features_of(dataset, hubert, frame_rate), frame_rate)
     task = _task(request, preset, prepared, hubert)
     config = preset.trained_on(task.examples, request.changes)
-    trained = train(task, config, RunFolder(run), show=show_training)
+    trained, facts = learn(request, task, config, ("transformers",))
     untrained = _untrained(task, config.seed)
-    facts = run_facts(config, trained, request.takes.kind, prepared, ("transformers",))
     facts |= {
         "losses": preset.losses,
         "last_loss": trained.last_loss,
@@ -286,7 +247,7 @@ def train_diffsheg(
         training=facts,
     )
     if is_leader():
-        write_network(out, network)
+        write_network(request.out, network)
     return _said(task, prepared, trained, untrained, hubert)
 
 
@@ -328,14 +289,11 @@ def _task(
         held_out=held_out,
         normalisation=normalisation_of(prepared),
         speakers=Speakers(names, network.speakers),
-        settings={
-            **training_settings(network, weights),
+        further={
             "hubert": hubert.identity,
             "speakers": list(names),
-            "device": request.device,
             "weights chosen by": f"{CHOSEN_BY} of {HELD_OUT} windows",
         },
-        data_sha256=prepared.sha256,
         device=request.device,
     )
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import torch
@@ -17,26 +16,24 @@ from generators.s2ue.config import ABLATIONS, PRESETS, LossWeights, NetworkConfi
 from generators.s2ue.losses import diversity_loss, phoneme_loss, reconstruction_losses
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
-from generators.trainable import Show, TrainedGenerator, TrainingRequest
+from generators.teaching import learn, prepared_takes
+from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from training.adversarial import discriminator_loss, generator_loss
 from training.batch_order import evenly
-from training.data.feature_cache import PreparedTakes, prepare
+from training.data.feature_cache import PreparedTakes
 from training.data.windows import Windows
-from training.device import check_device
 from training.hearing.word_vectors import StandIn, WordVectors, vectors_of
 from training.launching import is_leader
-from training.loop import train
 from training.point_features import features_of
-from training.run_facts import run_facts
-from training.run_folder import RunFolder
 from training.spaces.anatomy import components_of, lips_of
 from training.spaces.bone_tensors import split_motion
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
 from training.spaces.normalisation import mean_and_deviation, spread
 from training.speaker_latent import latent_loss
 from training.speakers import Speakers
+from training.window_task import WindowTask
 
 STRIDE: Final = 10
 """Frames from one window of a take to the next, as the TED Gesture data is cut."""
@@ -60,7 +57,7 @@ class _Batch:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class S2ueTask:
+class S2ueTask(WindowTask):
     """Learning to move as somebody does who says something, from how they began.
 
     Attributes
@@ -77,29 +74,13 @@ class S2ueTask:
         Whom it learns from.
     rest : ndarray, shape (values,)
         The mean first frame of the takes to learn from.
-    settings : mapping
-        What else makes this training another one than the next, as JSON values.
-    data_sha256 : str
-        Hash of all takes and features.
-    device : str
-        ``cpu`` or ``cuda``.
     """
 
     config: NetworkConfig
     weights: LossWeights
     face: FaceLandmarks
-    training: Windows
-    held_out: Windows
     speakers: Speakers
     rest: NDArray[np.float32]
-    settings: Mapping[str, Any]
-    data_sha256: str
-    device: str = "cpu"
-
-    @property
-    def examples(self) -> int:
-        """Windows to learn from."""
-        return len(self.training)
 
     def network(self) -> Network:
         """Return fresh networks, which know how the values of the recordings spread."""
@@ -179,9 +160,9 @@ class S2ueTask:
 
     def _batch(self, windows: Windows, rows: NDArray[np.int64]) -> _Batch:
         values = windows.batch(rows)
-        people = [self.speakers.one_hot(windows.take_of(int(row)).speaker) for row in rows]
+        people = self.speakers.one_hot([windows.take_of(int(row)).speaker for row in rows])
         told = {name: torch.from_numpy(one).to(self.device) for name, one in values.items()}
-        return _Batch(person=torch.from_numpy(np.stack(people)).to(self.device), **told)
+        return _Batch(person=torch.from_numpy(people).to(self.device), **told)
 
     @cached_property
     def _spreads(self) -> dict[str, NDArray[np.float32]]:
@@ -204,16 +185,8 @@ class S2ueTask:
         return {name: one.astype(np.float32) for name, one in found.items()}
 
 
-def train_s2ue(
-    request: TrainingRequest,
-    out: Path,
-    run: Path,
-    *,
-    show_preparing: Show,
-    show_training: Show,
-) -> TrainedGenerator:
+def train_s2ue(request: TrainingRequest) -> TrainedGenerator:
     """Train Speech2UnifiedExpressions; see `generators.trainable.TrainGenerator`."""
-    check_device(request.device)
     preset = PRESETS[request.config]
     ablation = request.choices.get("ablation")
     vectors = vectors_of(request.choices.get("vectors"))
@@ -224,13 +197,9 @@ def train_s2ue(
             "recordings of the layout 'ted' have no face",
             remedy="Train with --ablation without_face, or give recordings with faces",
         )
-    prepared = prepare(
-        request.takes,
-        features_of(request.takes.kind, face, vectors, config.frame_rate, faces=config.faces),
-        request.cache,
-        frame_rate=config.frame_rate,
-        show=show_preparing,
-    )
+    kind, rate = request.takes.kind, config.frame_rate
+    features = features_of(kind, face, vectors, rate, faces=config.faces)
+    prepared = prepared_takes(request, features, rate)
     names = prepared.taught(request.takes.speakers)
     config = replace(config, speakers=len(names))
     task = S2ueTask(
@@ -241,14 +210,7 @@ def train_s2ue(
         held_out=Windows(prepared, split="validation", frames=config.frames, stride=config.frames),
         speakers=Speakers(names, len(names)),
         rest=prepared.mean_first("motion"),
-        settings={
-            **{f"network {name}": _plain(value) for name, value in asdict(config).items()},
-            **{f"loss {name}": value for name, value in asdict(weights).items()},
-            "speakers": list(names),
-            "vectors": vectors.description,
-            "device": request.device,
-        },
-        data_sha256=prepared.sha256,
+        further={"speakers": list(names), "vectors": vectors.description},
         device=request.device,
     )
     training = preset.training.changed(
@@ -257,15 +219,11 @@ def train_s2ue(
     used = {"generator": True, "discriminator": weights.adversarial, "phonemes": config.faces}
     passes = tuple(one for one in training.passes if used[one.name])
     training = replace(training, passes=passes)
-    trained = train(task, training, RunFolder(run), show=show_training)
-    facts = {
-        **run_facts(training, trained, request.takes.kind, prepared),
-        "losses": asdict(weights),
-        "ablation": ablation,
-    }
+    trained, facts = learn(request, task, training)
+    facts |= {"losses": asdict(weights)}
     if is_leader():
         write_network(
-            out,
+            request.out,
             S2ueNetwork(
                 network=trained.network.cpu(),
                 speakers=task.speakers,
@@ -291,11 +249,6 @@ def _chosen(
     of_losses = {name: value for name, value in changes.items() if hasattr(LossWeights, name)}
     of_network = {name: value for name, value in changes.items() if name not in of_losses}
     return replace(config, **of_network), replace(LossWeights(), **of_losses)
-
-
-def _plain(value: object) -> object:
-    """Return a value as JSON holds it."""
-    return [_plain(one) for one in value] if isinstance(value, tuple) else value
 
 
 def _said(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, get_args
 
 import click
 
 from generators.registry import trainable_of
-from generators.trainable import Device, Trainable, TrainingChoice, TrainingRequest
+from generators.trainable import Device, Trainable, TrainingChoice, TrainingRequest, run_of
 from motion.errors import InputError
 from studyapp.command.progress import progress
 from training.data.take import KINDS
@@ -129,10 +130,9 @@ def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
     from training.launching import group_size, is_leader, run_in_processes
 
     out: Path = given["out"]
-    run = out.with_suffix(".run")
     if given["processes"] > 1 and group_size() == 1:
         sys.exit(run_in_processes(given["processes"], [sys.executable, *sys.orig_argv[1:]]))
-    if out.exists() and not (run / "checkpoint.safetensors").exists():
+    if out.exists() and not (run_of(out) / "checkpoint.safetensors").exists():
         raise InputError(
             "there is a file already, and not the run that would go on to make it",
             where=out,
@@ -144,6 +144,7 @@ def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
             click.echo(note)
     request = TrainingRequest(
         takes=takes,
+        out=out,
         cache=given["cache"] or out.parent / "features",
         config=given["config"],
         changes={
@@ -157,28 +158,25 @@ def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
         },
         device=given["device"],
     )
-    trained = _trained(trainable, request, out, run)
+    trained = _trained(trainable, request)
     if is_leader():
         _tell(trained)
         click.echo(f"Wrote {out}; '{trainable.taken_by.format(out=out)}' takes it.")
 
 
-def _trained(
-    trainable: Trainable, request: TrainingRequest, out: Path, run: Path
-) -> TrainedGenerator:
+def _trained(trainable: Trainable, request: TrainingRequest) -> TrainedGenerator:
     """Train the network; an interruption says what was saved."""
     from training.launching import is_leader
     from training.loop import TrainingStopped
 
     with progress("prepare", "take") as take, progress("train", "step") as step:
         try:
-            return trainable.load()(request, out, run, show_preparing=take, show_training=step)
+            shown = replace(request, show_preparing=take, show_training=step)
+            return trainable.load()(shown)
         except TrainingStopped as stopped:
             if is_leader():
-                click.echo(
-                    f"\nStopped after step {stopped.step} of {stopped.steps}; saved in {run}",
-                    err=True,
-                )
+                steps = f"step {stopped.step} of {stopped.steps}"
+                click.echo(f"\nStopped after {steps}; saved in {request.run}", err=True)
             raise
 
 

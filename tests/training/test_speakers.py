@@ -31,8 +31,8 @@ def test_a_known_speaker_stands_in_for_nobody() -> None:
     assert [KNOWN.stand_in(name) for name in KNOWN.names] == [1, 2, 3]
 
 
-def test_the_vector_has_the_networks_width() -> None:
-    np.testing.assert_array_equal(KNOWN.one_hot("4"), [0, 1, 0, 0, 0])
+def test_vectors_have_the_networks_width() -> None:
+    np.testing.assert_array_equal(KNOWN.one_hot(["4"]), [[0, 1, 0, 0, 0]])
 
 
 def test_more_speakers_than_places_are_an_error() -> None:

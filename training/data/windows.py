@@ -47,6 +47,7 @@ class Windows:
         self.frames = frames
         self.stride = stride
         self.frame_rate = prepared.frame_rate
+        self.sha256 = prepared.sha256
         self._prepared = prepared
         chosen = [
             index

@@ -16,7 +16,7 @@ from scipy.ndimage import gaussian_filter1d
 from generators.amuse.config import MOTION_PRESETS
 from generators.amuse.network_file import load_motion_networks, load_speech_network
 from generators.amuse.train import speech_latents, train_amuse
-from generators.trainable import TrainedGenerator, TrainingRequest
+from generators.trainable import TrainedGenerator, TrainingRequest, unseen
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, written_networks
@@ -27,10 +27,6 @@ from training.loop import TrainingStopped
 Learn = Callable[..., TrainedGenerator]
 
 FRAMES = 12
-
-
-def _unseen(done: int, total: int, detail: str) -> None:
-    """Show nothing."""
 
 
 @pytest.fixture(scope="module", name="takes")
@@ -71,25 +67,24 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     )
     monkeypatch.setattr("generators.amuse.train.MOTION_PRESETS", {"tiny": tiny})
     monkeypatch.setattr("generators.amuse.losses.STEPS", 5)
-    monkeypatch.setattr("generators.amuse.train.prepare", lambda *given, **options: takes)
+    monkeypatch.setattr("generators.teaching.prepare", lambda *given, **options: takes)
 
     def train(
         steps: int,
         out: Path,
-        show: Callable[[int, int, str], None] = _unseen,
+        show: Callable[[int, int, str], None] = unseen,
         **choices: str | None,
     ) -> TrainedGenerator:
         named = {"speech_model": str(settings.speech_model), **choices}
         request = TrainingRequest(
             takes=TakeFolder(kind="beat", takes=takes.takes, speakers=("1",)),
+            out=out,
             cache=tmp_path,
             config="tiny",
             changes={"steps": steps, "batch_size": 16, "learning_rate": 3e-3},
             choices={key: value for key, value in named.items() if value is not None},
         )
-        return train_amuse(
-            request, out, out.with_suffix(".run"), show_preparing=_unseen, show_training=show
-        )
+        return train_amuse(replace(request, show_training=show))
 
     return train
 

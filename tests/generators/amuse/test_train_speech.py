@@ -26,10 +26,6 @@ from training.data.take import Take, TakeFolder
 Learn = Callable[..., TrainedGenerator]
 
 
-def _unseen(done: int, total: int, detail: str) -> None:
-    """Show nothing."""
-
-
 @pytest.fixture(name="learn")
 def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
     prepared = toy_speech()
@@ -37,7 +33,7 @@ def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
         SPEECH_PRESETS["tiny"], network=replace(SMALL, frames=100, patch_stride=16), seconds=1
     )
     monkeypatch.setattr("generators.amuse.train_speech.SPEECH_PRESETS", {"tiny": small})
-    monkeypatch.setattr("generators.amuse.train_speech.prepare", lambda *given, **options: prepared)
+    monkeypatch.setattr("generators.teaching.prepare", lambda *given, **options: prepared)
 
     def train(
         steps: int, out: Path, folder: Path = tmp_path, rate: float = 3e-3, **choices: str
@@ -45,14 +41,13 @@ def _learn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
         takes = tuple(replace(take, speech=folder / take.speech) for take in prepared.takes)
         request = TrainingRequest(
             takes=TakeFolder(kind="beat", takes=takes, speakers=("ann", "bob")),
+            out=out,
             cache=tmp_path,
             config="tiny",
             changes={"steps": steps, "batch_size": 2, "learning_rate": rate, "validate_every": 5},
             choices=choices,
         )
-        return train_amuse_speech(
-            request, out, out.with_suffix(".run"), show_preparing=_unseen, show_training=_unseen
-        )
+        return train_amuse_speech(request)
 
     return train
 
@@ -76,7 +71,7 @@ def test_it_learns_to_tell_emotions_and_speakers_of_texts_it_never_heard(
 
 def _hold_out_two_texts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "generators.amuse.train_speech.prepare", lambda *given, **options: toy_speech(held_out=2)
+        "generators.teaching.prepare", lambda *given, **options: toy_speech(held_out=2)
     )
 
 
@@ -157,7 +152,7 @@ def test_recordings_without_a_known_speaker_for_validation_are_refused(
         for take in prepared.takes
     )
     monkeypatch.setattr(
-        "generators.amuse.train_speech.prepare",
+        "generators.teaching.prepare",
         lambda *given, **options: replace(prepared, takes=strangers),
     )
     with pytest.raises(InputError, match="no recording for validation is by a speaker"):

@@ -23,7 +23,7 @@ from generators.diffsheg.train import (
     normalisation_of,
     train_diffsheg,
 )
-from generators.trainable import TrainedGenerator, TrainingRequest
+from generators.trainable import TrainedGenerator, TrainingRequest, unseen
 from motion.errors import InputError
 from tests.training.toy_takes import SKIPPED, toy_folder, toy_takes
 from training.data.feature_cache import PreparedTakes
@@ -49,27 +49,22 @@ def learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     tiny = PRESETS["tiny", "beat"]
     small = replace(tiny, network=SMALL)
     monkeypatch.setattr("generators.diffsheg.config.PRESETS", {**PRESETS, ("tiny", "beat"): small})
-    monkeypatch.setattr("generators.diffsheg.train.prepare", lambda *given, **options: takes)
+    monkeypatch.setattr("generators.teaching.prepare", lambda *given, **options: takes)
 
     def train(
-        steps: int, out: Path, show: Callable[[int, int, str], None] = _unseen, **changes: Any
+        steps: int, out: Path, show: Callable[[int, int, str], None] = unseen, **changes: Any
     ) -> TrainedGenerator:
         request = TrainingRequest(
             takes=toy_folder(takes),
+            out=out,
             cache=tmp_path,
             config="tiny",
             changes={"steps": steps, "batch_size": 16, "learning_rate": 1e-2},
             **changes,
         )
-        return train_diffsheg(
-            request, out, out.with_suffix(".run"), show_preparing=_unseen, show_training=show
-        )
+        return train_diffsheg(replace(request, show_training=show))
 
     return train
-
-
-def _unseen(done: int, total: int, detail: str) -> None:
-    """Show nothing."""
 
 
 def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
@@ -80,8 +75,6 @@ def task_of(takes: PreparedTakes, **changes: Any) -> DiffShegTask:
         held_out=Windows(takes, split="validation", frames=34, stride=34),
         normalisation=normalisation_of(takes),
         speakers=Speakers(("1", "2"), SMALL.speakers),
-        settings={},
-        data_sha256=takes.sha256,
     )
     return replace(made, **changes)
 
@@ -247,8 +240,6 @@ def test_a_config_of_the_other_data_set_is_refused(dataset: str) -> None:
 
 def test_recordings_without_a_face_are_refused(tmp_path: Path) -> None:
     ted = TakeFolder(kind="ted", takes=(), speakers=())
-    request = TrainingRequest(takes=ted, cache=tmp_path, config="tiny")
+    request = TrainingRequest(takes=ted, out=tmp_path / "n", cache=tmp_path, config="tiny")
     with pytest.raises(InputError, match="no face"):
-        train_diffsheg(
-            request, tmp_path / "n", tmp_path / "r", show_preparing=_unseen, show_training=_unseen
-        )
+        train_diffsheg(request)

@@ -26,10 +26,6 @@ from training.weights_file import read_weights
 Learn = Callable[..., TrainedGenerator]
 
 
-def _unseen(done: int, total: int, detail: str) -> None:
-    """Show nothing."""
-
-
 @pytest.fixture(scope="module", name="takes")
 def _takes() -> PreparedTakes:
     """Takes of two speakers whose motion is one curve, which is heard."""
@@ -70,18 +66,18 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch) -> Learn:
     sizes = {name: getattr(SMALL, name) for name in ("hidden", "node_width", "part_width", "reach")}
     tiny = replace(PRESETS["tiny"], sizes=sizes)
     monkeypatch.setattr("generators.s2ue.train.PRESETS", {"tiny": tiny})
-    monkeypatch.setattr("generators.s2ue.train.prepare", lambda *given, **options: takes)
+    monkeypatch.setattr("generators.teaching.prepare", lambda *given, **options: takes)
 
     def train(steps: int, out: Path, kind: Kind = "beat", **choices: str) -> TrainedGenerator:
         request = TrainingRequest(
             takes=TakeFolder(kind=kind, takes=takes.takes, speakers=("a", "b")),
+            out=out,
             cache=out.parent,
             config="tiny",
             changes={"steps": steps, "batch_size": 8, "checkpoint_every": 100},
             choices=choices,
         )
-        run = out.with_suffix(".run")
-        return train_s2ue(request, out, run, show_preparing=_unseen, show_training=_unseen)
+        return train_s2ue(request)
 
     return train
 
@@ -95,8 +91,6 @@ def task(takes: PreparedTakes, **weights: float) -> S2ueTask:
         held_out=Windows(takes, split="validation", frames=34, stride=34),
         speakers=Speakers(("a", "b"), 2),
         rest=standing(),
-        settings={},
-        data_sha256="",
     )
 
 

@@ -1,0 +1,64 @@
+"""What trainers of generators do alike, before the steps of a training and behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeVar
+
+from torch import nn
+
+from generators.trainable import TrainingRequest
+from training.config import TrainingConfig
+from training.data.feature import Feature
+from training.data.feature_cache import PreparedTakes, prepare
+from training.device import check_device
+from training.loop import Trained, train
+from training.run_facts import run_facts
+from training.run_folder import RunFolder
+from training.task import Task
+
+Network = TypeVar("Network", bound=nn.Module)
+
+
+def prepared_takes(
+    request: TrainingRequest, features: Sequence[Feature], frame_rate: float
+) -> PreparedTakes:
+    """Return the request's recordings with their features.
+
+    Raises
+    ------
+    InputError
+        If the device is not usable, or no recording.
+    """
+    check_device(request.device)
+    return prepare(
+        request.takes,
+        features,
+        request.cache,
+        frame_rate=frame_rate,
+        show=request.show_preparing,
+    )
+
+
+def learn(
+    request: TrainingRequest,
+    task: Task[Network],
+    config: TrainingConfig,
+    packages: Sequence[str] = (),
+) -> tuple[Trained[Network], dict[str, Any]]:
+    """Return what came out of a training, and what the network's file says of it.
+
+    Parameters
+    ----------
+    request : TrainingRequest
+        Where it is kept, and whom to tell how it goes.
+    task : Task
+        What is learned.
+    config : TrainingConfig
+        How.
+    packages : sequence of str
+        What further was used, whose versions are told.
+    """
+    trained = train(task, config, RunFolder(request.run), show=request.show_training)
+    facts = run_facts(config, trained, request.takes.kind, task.data_sha256, packages)
+    return trained, {**facts, "ablation": request.choices.get("ablation")}

@@ -1,0 +1,63 @@
+"""What tasks share that learn from windows of takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from training.data.windows import Windows
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WindowTask:
+    """What a `training.task.Task` of windows says of itself.
+
+    Attributes
+    ----------
+    config : dataclass
+        The network's sizes.
+    weights : dataclass
+        What counts how much.
+    training, held_out : Windows
+        Of the features that the network is told and learns to give.
+    further : mapping
+        What else makes this training another one than the next, as JSON values.
+    device : str
+        ``cpu`` or ``cuda``.
+    """
+
+    config: DataclassInstance
+    weights: DataclassInstance
+    training: Windows
+    held_out: Windows
+    further: Mapping[str, Any] = field(default_factory=dict)
+    device: str = "cpu"
+
+    @property
+    def examples(self) -> int:
+        """Windows to learn from."""
+        return len(self.training)
+
+    @property
+    def data_sha256(self) -> str:
+        """Hash of all takes and features."""
+        return self.training.sha256
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What makes this training another one than the next, as JSON values."""
+        return {
+            **{f"network {name}": _plain(value) for name, value in asdict(self.config).items()},
+            **{f"loss {name}": _plain(value) for name, value in asdict(self.weights).items()},
+            **self.further,
+            "device": self.device,
+        }
+
+
+def _plain(value: object) -> object:
+    """Return a value as JSON holds it."""
+    return [_plain(one) for one in value] if isinstance(value, tuple) else value
