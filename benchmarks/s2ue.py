@@ -41,7 +41,6 @@ from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.hearing.word_vectors import StandIn
 from training.point_features import features_of
-from training.spaces.anatomy import components_of, lips_of
 from training.spaces.bones_and_landmarks import BONE_LENGTHS, BONE_VALUES, directions_of, joints_of
 from training.speakers import Speakers
 from training.threads import torch_threads
@@ -58,14 +57,8 @@ COLUMNS: Final = ("MALE", "MAJE", "MAcE-LM", "MAcE-P", "FLD", "FGD", "synchrony"
 def speed(rounds: int) -> None:
     """Print how many frames a second the tiny network makes on one thread."""
     face = FaceLandmarks.of_default_body()
-    config = NetworkConfig(
-        components=components_of(face.actions),
-        lips=lips_of(face.actions),
-        speakers=4,
-        **PRESETS["tiny"].sizes,
-    )
     torch.manual_seed(1)
-    network = Network(config, face.neutral)
+    network = Network(NetworkConfig(speakers=4, **PRESETS["tiny"].sizes), face)
     standing = np.zeros(BONE_VALUES + 3 * face.count, np.float32)
     rest = REST_JOINTS[[joint_index(name) for name in JOINT_NAMES]][None]
     standing[:BONE_VALUES] = directions_of(rest).ravel()
@@ -138,9 +131,9 @@ def _moved(trained: S2ueNetwork, windows: Windows, prepared: PreparedTakes) -> F
     network, config = trained.network, trained.network.config
     rows = np.arange(len(windows))
     told = {name: torch.from_numpy(one) for name, one in windows.batch(rows).items()}
-    people = trained.speakers.one_hot([windows.take_of(int(row)).speaker for row in rows])
+    people = trained.speakers.one_hot(windows.speakers(rows))
     noise = torch.randn(
-        (len(rows), len(config.modalities), config.speaker_width),
+        (len(rows), *config.latents),
         generator=torch.Generator().manual_seed(1),
     )
     with torch.inference_mode():
@@ -151,7 +144,7 @@ def _moved(trained: S2ueNetwork, windows: Windows, prepared: PreparedTakes) -> F
             noise,
             told["motion"][:, : config.seeds],
         )
-        values = network.with_lips(values, network.lips(told["spectrum"]))
+        values = network.with_lips(values, told["spectrum"])
     return values.numpy().astype(np.float64)
 
 

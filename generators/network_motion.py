@@ -1,16 +1,78 @@
-"""Motion that a network tells part by part, and what its clips say of it."""
+"""What generators have in common whose motion a network tells, and what their clips say of it."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import ClassVar, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from generators.interface import OnPart
+from generators.clip_length import with_length
+from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
 from generators.settings import ModelSettings
+from motion.clip import MotionClip, check_frame_rate
 from motion.errors import InputError
+from motion.resample import resample
+from training.device import check_device
+
+Given = TypeVar("Given", bound=ModelSettings)
+
+
+class NetworkGenerator(ABC, Generic[Given]):
+    """A generator whose motion a network tells at a frame rate of its own.
+
+    Parameters
+    ----------
+    settings : ModelSettings
+        Checkpoint and what belongs to it. Networks are read when the first clip is made.
+    device : {'cpu', 'cuda'}
+        Where they run.
+
+    Raises
+    ------
+    InputError
+        If the device is not usable.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[str]
+    needs_source: Final = False
+
+    def __init__(self, settings: Given, device: str = "cpu") -> None:
+        check_device(device)
+        self._settings = settings
+        self._device = device
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+
+        It is made at the network's frame rate and resampled; its provenance further holds what
+        `made` says.
+        """
+        seeded_stream(seed)
+        count = speech.frame_count(frame_rate)
+        check_frame_rate(frame_rate)
+        clip, facts = self.made(speech, seed, on_part)
+        return with_length(resample(clip, frame_rate), count).with_provenance(
+            generator=self.name, seed=str(seed), segment=speech.segment.name, **facts
+        )
+
+    @abstractmethod
+    def made(
+        self, speech: SpeechSegment, seed: int, on_part: OnPart
+    ) -> tuple[MotionClip, dict[str, str]]:
+        """Return motion at the network's frame rate, and what its provenance further holds."""
 
 
 def check_finite(motion: NDArray[np.float64], checkpoint: Path) -> None:

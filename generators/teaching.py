@@ -11,10 +11,12 @@ from generators.trainable import TrainingRequest
 from training.config import TrainingConfig
 from training.data.feature import Feature
 from training.data.feature_cache import PreparedTakes, prepare
+from training.data.windows import Windows
 from training.device import check_device
 from training.loop import Trained, train
 from training.run_facts import run_facts
 from training.run_folder import RunFolder
+from training.speakers import Speakers
 from training.task import Task
 
 Network = TypeVar("Network", bound=nn.Module)
@@ -37,6 +39,15 @@ def prepared_takes(
         request.cache,
         frame_rate=frame_rate,
         show=request.show_preparing,
+    )
+
+
+def learned_from(windows: Windows, speakers: Speakers) -> str:
+    """Say how much somebody learned from, and from whom."""
+    takes = sum(take.split == "train" for take in windows.prepared.takes)
+    return (
+        f"Learned from {len(windows)} windows of {takes} takes by {len(speakers.names)} speakers "
+        f"({', '.join(speakers.names)})."
     )
 
 

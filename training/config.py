@@ -159,6 +159,26 @@ class TrainingConfig:
         return cls(**known | told)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Preset:
+    """How a network is trained by default.
+
+    Attributes
+    ----------
+    training : TrainingConfig
+        Its steps are those of one epoch where `epochs` are told.
+    epochs : int or None
+        How often all examples are gone through, in place of a number of steps.
+    """
+
+    training: TrainingConfig
+    epochs: int | None = None
+
+    def trained_on(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
+        """Return how it is trained on so many examples, with some settings changed."""
+        return self.training.changed(changes, epochs=self.epochs, examples=examples)
+
+
 def _check(name: str, value: object, fits: bool, wanted: str) -> None:
     if not fits:
         raise InputError(f"{name} of the training is {value!r}", remedy=f"Give {wanted}")

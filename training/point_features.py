@@ -49,7 +49,17 @@ def features_of(
         Frames per second of all of them.
     faces : bool
         Whether faces are learned; else landmarks are still.
+
+    Raises
+    ------
+    InputError
+        If faces are to be learned from a layout that has none.
     """
+    if kind == "ted" and faces:
+        raise InputError(
+            "recordings of the layout 'ted' have no face",
+            remedy="Train with --ablation without_face, or give recordings with faces",
+        )
 
     def motion(take: Take) -> FloatArray:
         if kind == "ted":

@@ -6,6 +6,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
 from training.data.windows import Windows
 
 if TYPE_CHECKING:
@@ -45,7 +50,7 @@ class WindowTask:
     @property
     def data_sha256(self) -> str:
         """Hash of all takes and features."""
-        return self.training.sha256
+        return self.training.prepared.sha256
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -56,6 +61,11 @@ class WindowTask:
             **self.further,
             "device": self.device,
         }
+
+    def tensors(self, windows: Windows, rows: NDArray[np.int64]) -> dict[str, Tensor]:
+        """Return windows by feature, each (len(rows), frames, channels), on the device."""
+        found = windows.batch(rows)
+        return {name: torch.from_numpy(one).to(self.device) for name, one in found.items()}
 
 
 def _plain(value: object) -> object:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from generators.trainable import Trainable, TrainingChoice
-from training.config import Decay, TrainingConfig
+from training.config import Decay, Preset, TrainingConfig
 
 Part = Literal["content", "emotion", "style"]
 PARTS: Final[tuple[Part, ...]] = ("content", "emotion", "style")
@@ -118,7 +118,7 @@ SPEECH: Final = SpeechConfig()
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotionPreset:
+class MotionPreset(Preset):
     """Sizes and training of prior and denoiser.
 
     Attributes
@@ -127,16 +127,10 @@ class MotionPreset:
         Their sizes; conditions are as wide as the speech model's latents.
     stride : int
         Frames from one window to the next.
-    training : TrainingConfig
-        How; its steps are those of one epoch where `epochs` are told.
-    epochs : int or None
-        How often all windows are gone through, in place of a number of steps.
     """
 
     network: MotionConfig
     stride: int
-    training: TrainingConfig
-    epochs: int | None = None
 
 
 MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
@@ -180,7 +174,7 @@ MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpeechPreset:
+class SpeechPreset(Preset):
     """Sizes and training of the speech model.
 
     Attributes
@@ -189,16 +183,10 @@ class SpeechPreset:
         Its sizes; emotions and styles are those of the recordings.
     seconds : int
         Length of a window.
-    training : TrainingConfig
-        How; its steps are those of one epoch where `epochs` are told.
-    epochs : int or None
-        How often all quadruples are gone through, in place of a number of steps.
     """
 
     network: SpeechConfig
     seconds: int
-    training: TrainingConfig
-    epochs: int | None = None
 
 
 SPEECH_PRESETS: Final[Mapping[str, SpeechPreset]] = MappingProxyType(

@@ -26,15 +26,12 @@ from generators.amuse.sampling import (
     sample_windows,
 )
 from generators.amuse.settings import AmuseSettings
-from generators.clip_length import with_length
-from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
-from generators.network_motion import check_finite, network_facts
+from generators.interface import OnPart, SpeechSegment, seeded_stream
+from generators.network_motion import NetworkGenerator, check_finite, network_facts
 from generators.settings import content
 from motion.audio import SPEECH_RATE, Audio, read_audio
-from motion.clip import MotionClip, check_frame_rate
+from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.resample import resample
-from training.device import check_device
 from training.hearing.filterbank import check_speech, filterbank
 from training.hearing.speech_frames import at_speech_rate
 from training.packing import pack
@@ -45,52 +42,23 @@ FADE: Final = 30
 """Frames in which a window takes over from the one before."""
 
 
-class Amuse:
-    """Moves as the speech's content, emotion and style say (Chhatre et al. 2024).
+class Amuse(NetworkGenerator[AmuseSettings]):
+    """Moves as the speech's content, emotion and style say (Chhatre et al. 2024)."""
 
-    Parameters
-    ----------
-    settings : AmuseSettings
-        Weights, and recordings for the parts that are swapped. Networks are read when the first
-        clip is made.
-    device : {'cpu', 'cuda'}
-        Where they run.
+    name = "amuse"
+    version = "1"
 
-    Raises
-    ------
-    InputError
-        If the device is not usable.
-    """
+    def made(
+        self, speech: SpeechSegment, seed: int, on_part: OnPart
+    ) -> tuple[MotionClip, dict[str, str]]:
+        """Return motion and its facts.
 
-    name: Final = "amuse"
-    version: Final = "1"
-    needs_source: Final = False
-
-    def __init__(self, settings: AmuseSettings, device: str) -> None:
-        check_device(device)
-        self._settings = settings
-        self._device = device
-
-    def generate(
-        self,
-        speech: SpeechSegment,
-        *,
-        seed: int,
-        frame_rate: float,
-        source: StudyClips | None = None,
-        on_part: OnPart = unheard,
-    ) -> MotionClip:
-        """Return motion to `speech`; see `generators.interface.Generator.generate`.
-
-        Its provenance further holds which recordings stood in for which parts, hashes of the
-        weights, the device, and where windows of motion begin.
+        They are which recordings stood in for which parts, hashes of the weights, the device, and
+        where windows of motion begin.
         """
-        entropy = seeded_stream(seed)
-        count = speech.frame_count(frame_rate)
-        check_frame_rate(frame_rate)
         plan = self._plan(speech.audio)
         latents = self._latents(speech.audio, plan, on_part)
-        random = np.random.default_rng(entropy)
+        random = np.random.default_rng(seeded_stream(seed))
         noise = random.standard_normal((plan.count, *self._networks.prior.latent_shape))
         windows = sample_windows(
             self._networks.prior,
@@ -101,12 +69,8 @@ class Amuse:
         motion = join_windows(windows, plan).cpu().numpy().astype(np.float64)
         check_finite(motion, self._settings.checkpoint)
         wanted = max(1, round(speech.audio.duration * FRAME_RATE))
-        clip = resample(smplx_6d_clip(motion[:wanted], FRAME_RATE), frame_rate)
-        return with_length(clip, count).with_provenance(
-            generator=self.name,
-            seed=str(seed),
-            segment=speech.segment.name,
-            sampling=f"{STEPS} steps",
+        return smplx_6d_clip(motion[:wanted], FRAME_RATE), {
+            "sampling": f"{STEPS} steps",
             **network_facts(
                 self._settings,
                 self._device,
@@ -114,11 +78,11 @@ class Amuse:
                 overlap=FADE,
                 frame_rate=FRAME_RATE,
             ),
-            speech_model=self._settings.speech_model.name,
-            strength=f"{self._settings.strength:g}",
+            "speech_model": self._settings.speech_model.name,
+            "strength": f"{self._settings.strength:g}",
             **{part: Path(named).name for part, named in self._swapped.items()},
             **{f"from_{part}": Path(named).name for part, named in self._left.items()},
-        )
+        }
 
     @cached_property
     def _networks(self) -> MotionNetworks:

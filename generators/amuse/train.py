@@ -116,10 +116,10 @@ class MotionTask(WindowTask):
         rows: NDArray[np.int64],
         weights: LossWeights,
     ) -> Mapping[str, Tensor]:
-        values = windows.batch(rows)
-        motion = torch.from_numpy(values["motion"]).to(self.device)
+        values = self.tensors(windows, rows)
+        motion = values["motion"]
         # All frames of a window are told the same of its speech.
-        told = torch.from_numpy(values["latents"][:, :1]).to(self.device)
+        told = values["latents"][:, :1]
         noise = torch.randn(3, len(rows), *network.prior.latent_shape).to(self.device)
         timestep = torch.randint(0, SCALED_LINEAR.steps, (len(rows),)).to(self.device)
         latents = torch.chunk(told, self.config.conditions, dim=-1)
@@ -181,9 +181,7 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         further={"speech model": identity, "stride": preset.stride},
         device=request.device,
     )
-    training = preset.training.changed(
-        request.changes, epochs=preset.epochs, examples=task.examples
-    )
+    training = preset.trained_on(task.examples, request.changes)
     if ablation == "disjoint":
         half = max(1, training.steps // 2)
         training = replace(

@@ -275,9 +275,7 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
             "no recording for validation is by a speaker and in an emotion that is learned",
             remedy="Give a split list (--split) with such recordings for validation",
         )
-    training_config = preset.training.changed(
-        request.changes, epochs=preset.epochs, examples=task.examples
-    )
+    training_config = preset.trained_on(task.examples, request.changes)
     trained, facts = learn(request, task, training_config, ("transformers",))
     found = trained.best.measured
     if is_leader():

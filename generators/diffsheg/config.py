@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 
 from generators.trainable import Trainable, TrainingChoice
 from motion.errors import InputError
-from training.config import TrainingConfig
+from training.config import Preset, TrainingConfig
 
 Flow = Literal["expression_to_gesture", "gesture_to_expression", "none", "joint"]
 """What is told to what: see `DenoiserConfig.flow`."""
@@ -189,7 +189,7 @@ STRIDE: Final = 10
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrainingPreset:
+class TrainingPreset(Preset):
     """Sizes and training of one network.
 
     Attributes
@@ -198,20 +198,10 @@ class TrainingPreset:
         Its sizes; speakers are those of the takes.
     losses : str
         One of `generators.diffsheg.losses.LOSSES`.
-    training : TrainingConfig
-        How; its steps are those of one epoch where `epochs` are told.
-    epochs : int or None
-        How often all windows are gone through, in place of a number of steps.
     """
 
     network: DenoiserConfig
     losses: str
-    training: TrainingConfig
-    epochs: int | None = None
-
-    def trained_on(self, examples: int, changes: Mapping[str, Any]) -> TrainingConfig:
-        """Return how it is trained on so many examples, with some settings changed."""
-        return self.training.changed(changes, epochs=self.epochs, examples=examples)
 
 
 _TINY_TRAINING: Final = TrainingConfig(

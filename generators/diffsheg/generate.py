@@ -11,18 +11,15 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from generators.clip_length import with_length
 from generators.diffsheg.network_file import MotionNetwork, load_network
 from generators.diffsheg.sampling import WindowSampler, stream
 from generators.diffsheg.settings import DiffShegSettings
 from generators.diffsheg.walk import Sampling
-from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
-from generators.network_motion import check_finite, joined, network_facts
-from motion.clip import MotionClip, check_frame_rate
+from generators.interface import OnPart, SpeechSegment, seeded_stream
+from generators.network_motion import NetworkGenerator, check_finite, joined, network_facts
+from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.forearm_twist import ForearmTwists
-from motion.resample import resample
-from training.device import check_device
 from training.hearing.hubert import Hubert, check_hubert, load_hubert, stand_in
 from training.hearing.speech_frames import (
     HearingWindow,
@@ -38,66 +35,43 @@ RELEASED_OVERLAP: Final = {"beat": 4, "show": 10}
 """Frames that the windows of the released networks share."""
 
 
-class DiffSheg:
+class DiffSheg(NetworkGenerator[DiffShegSettings]):
     """Moves as a trained network tells (Chen et al. 2024), window after window by FOPPAS.
-
-    Parameters
-    ----------
-    settings : DiffShegSettings
-        Checkpoint and what belongs to it. Networks are read when the first clip is made.
-    device : {'cpu', 'cuda'}
-        Where they run.
 
     Raises
     ------
     InputError
-        If HuBERT's folder or the device is not usable.
+        If HuBERT's folder is not usable.
     """
 
-    name: Final = "diffsheg"
-    version: Final = "1"
-    needs_source: Final = False
+    name = "diffsheg"
+    version = "1"
 
     def __init__(self, settings: DiffShegSettings, device: str = "cpu") -> None:
+        super().__init__(settings, device)
         if settings.hubert is not None:
             check_hubert(settings.hubert)
-        check_device(device)
-        self._settings = settings
-        self._device = device
         self._sampler: tuple[int, WindowSampler] | None = None
 
-    def generate(
-        self,
-        speech: SpeechSegment,
-        *,
-        seed: int,
-        frame_rate: float,
-        source: StudyClips | None = None,
-        on_part: OnPart = unheard,
-    ) -> MotionClip:
-        """Return motion to `speech`; see `generators.interface.Generator.generate`.
+    def made(
+        self, speech: SpeechSegment, seed: int, on_part: OnPart
+    ) -> tuple[MotionClip, dict[str, str]]:
+        """Return motion and its facts.
 
-        It is made at the network's frame rate and resampled. Its provenance further holds data
-        set, speaker, sampling, device, the checkpoint's hash, which HuBERT heard the speech and
-        how, how many frames windows have and share and at which rate, and under ``stand_ins`` what
-        took the place of something real.
+        They are data set, speaker, sampling, device, the checkpoint's hash, which HuBERT heard the
+        speech and how, how many frames windows have and share and at which rate, and under
+        ``stand_ins`` what took the place of something real.
         """
-        seeded_stream(seed)
-        count = speech.frame_count(frame_rate)
-        check_frame_rate(frame_rate)
         config = self._network.denoiser.config
         speaker = self._speaker(speech.segment.speaker)
         frames = max(1, round(speech.audio.duration * config.frame_rate))
         heard = hear(speech.audio, config.frame_rate, self._hubert)
         clip = self._clip(joined(self._moved(heard, seed, speaker), frames, on_part))
         window = hearing_of(speech.audio)
-        return with_length(resample(clip, frame_rate), count).with_provenance(
-            generator=self.name,
-            seed=str(seed),
-            segment=speech.segment.name,
-            heard="as a whole" if window is None else str(window),
+        return clip, {
+            "heard": "as a whole" if window is None else str(window),
             **self._facts(speaker, speech.segment.speaker),
-        )
+        }
 
     def stream(
         self,

@@ -18,7 +18,7 @@ from generators.diffsheg.config import ABLATIONS, STRIDE, DenoiserConfig, Traini
 from generators.diffsheg.losses import LOSSES, LossWeights, motion_losses
 from generators.diffsheg.model import Branch, Denoiser
 from generators.diffsheg.network_file import MotionNetwork, write_network
-from generators.teaching import learn, prepared_takes
+from generators.teaching import learn, learned_from, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
 from training.batch_order import evenly
@@ -144,7 +144,7 @@ class DiffShegTask(WindowTask):
         values = windows.batch(rows)
         motion = np.concatenate([values["gesture"], values["expression"]], axis=-1)
         normalised = self.normalisation.normalised(motion.astype(np.float64))
-        people = self.speakers.one_hot([windows.take_of(int(row)).speaker for row in rows])
+        people = self.speakers.one_hot(windows.speakers(rows))
         semantic = values.get("semantic") if self.weights.semantic else None
         return _Batch(
             motion=torch.from_numpy(normalised.astype(np.float32)).to(self.device),
@@ -329,10 +329,8 @@ def _said(
 ) -> TrainedGenerator:
     """Say what was learned, and from what."""
     found = trained.best.measured
-    takes = sum(take.split == "train" for take in prepared.takes)
     sentences = [
-        f"Learned from {len(task.training)} windows of {takes} takes by "
-        f"{len(task.speakers.names)} speakers ({', '.join(task.speakers.names)}).",
+        learned_from(task.training, task.speakers),
         f"Noise that it does not find in {len(task.held_out)} held-out windows: "
         f"{found['noise']:.3f} of 1, and {untrained['noise']:.3f} untrained; loss "
         f"{found['loss']:.4g}, and {untrained['loss']:.4g} untrained.",

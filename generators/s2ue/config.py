@@ -13,9 +13,8 @@ from typing import Any, Final
 
 from generators.trainable import Trainable, TrainingChoice
 from motion.errors import InputError
-from training.config import Decay, TrainingConfig
+from training.config import Decay, Preset, TrainingConfig
 from training.passes import Pass
-from training.spaces.anatomy import Parts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,10 +23,6 @@ class NetworkConfig:
 
     Attributes
     ----------
-    components : tuple of tuple of int
-        Landmarks of the eyes, the nose, the lips and the lower jaw.
-    lips : tuple of int
-        Landmarks that the phoneme predictor tells: of the lips all but their corners.
     speakers : int
         Length of the one-hot vector, the paper's K.
     words : int
@@ -61,8 +56,6 @@ class NetworkConfig:
         Whether both are told from one embedding; two networks are 'w/o Synchronous Synthesis'.
     """
 
-    components: Parts
-    lips: tuple[int, ...]
     speakers: int
     words: int = 300
     sound: int = 84
@@ -97,17 +90,17 @@ class NetworkConfig:
             )
 
     @property
-    def landmarks(self) -> int:
-        """How many landmarks the face has, the paper's L."""
-        return sum(len(component) for component in self.components)
-
-    @property
     def modalities(self) -> tuple[tuple[str, ...], ...]:
         """What is told together: of each network the modalities."""
         told = tuple(
             name for name, wanted in (("face", self.faces), ("pose", self.poses)) if wanted
         )
         return (told,) if self.synchronous else tuple((name,) for name in told)
+
+    @property
+    def latents(self) -> tuple[int, int]:
+        """Shape of what is drawn of a speaker: for each network one latent."""
+        return len(self.modalities), self.speaker_width
 
     def width_of(self, modalities: tuple[str, ...]) -> int:
         """Return how wide the latents of some modalities are together."""
@@ -160,59 +153,53 @@ ABLATIONS: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Preset:
+class S2uePreset(Preset):
     """Sizes and training.
 
     Attributes
     ----------
     sizes : mapping
         What of `NetworkConfig` differs.
-    training : TrainingConfig
-        How; its steps are those of one epoch where `epochs` are told.
-    epochs : int or None
-        How often all windows are gone through, in place of a number of steps.
     """
 
     sizes: Mapping[str, Any]
-    training: TrainingConfig
-    epochs: int | None = None
 
 
-def _passes(*, discriminator: float, phonemes: float) -> tuple[Pass, ...]:
-    return (
-        Pass(name="generator", parts=("generator",)),
-        Pass(name="discriminator", parts=("discriminator",), learning_rate=discriminator),
-        Pass(name="phonemes", parts=("phonemes",), learning_rate=phonemes),
+def _training(
+    *, generator: float, discriminator: float, phonemes: float, **others: Any
+) -> TrainingConfig:
+    """Return a training in three passes at these rates, with the decays of section 5.3."""
+    return TrainingConfig(
+        learning_rate=generator,
+        optimizer="adam",
+        betas=(0.5, 0.999),
+        passes=(
+            Pass(name="generator", parts=("generator",)),
+            Pass(name="discriminator", parts=("discriminator",), learning_rate=discriminator),
+            Pass(name="phonemes", parts=("phonemes",), learning_rate=phonemes),
+        ),
+        **others,
     )
 
 
-PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
+PRESETS: Final[Mapping[str, S2uePreset]] = MappingProxyType(
     {
-        "tiny": Preset(
+        "tiny": S2uePreset(
             sizes={"node_width": 8, "reach": 5},
-            training=TrainingConfig(
-                steps=600,
-                batch_size=32,
-                learning_rate=1e-3,
-                optimizer="adam",
-                betas=(0.5, 0.999),
-                validate_every=100,
-                checkpoint_every=200,
-                passes=_passes(discriminator=2e-4, phonemes=1e-3),
+            training=_training(
+                generator=1e-3, discriminator=2e-4, phonemes=1e-3, steps=600, batch_size=32
             ),
         ),
-        "full": Preset(
+        "full": S2uePreset(
             sizes={"hidden": 256, "face_width": 32, "pose_width": 32},
-            training=TrainingConfig(
+            training=_training(
+                generator=1e-4,
+                discriminator=5e-5,
+                phonemes=1e-3,
                 steps=1,
                 batch_size=256,
-                learning_rate=1e-4,
                 decay=Decay(factor=0.999),
-                optimizer="adam",
-                betas=(0.5, 0.999),
                 validate_every=500,
-                checkpoint_every=500,
-                passes=_passes(discriminator=5e-5, phonemes=1e-3),
             ),
             epochs=1_000,
         ),
@@ -241,9 +228,7 @@ TRAINABLE: Final = Trainable(
             file=True,
         ),
         TrainingChoice(
-            name="ablation",
-            help="Train a variant of the paper's Table 1.",
-            values=tuple(ABLATIONS),
+            name="ablation", help="Train a variant of Table 1.", values=tuple(ABLATIONS)
         ),
     ),
     taken_by="motionjury generate --generator s2ue --checkpoint {out}",

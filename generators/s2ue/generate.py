@@ -12,86 +12,47 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from generators.clip_length import with_length
-from generators.interface import OnPart, SpeechSegment, StudyClips, seeded_stream, unheard
-from generators.network_motion import check_finite, joined, network_facts
+from generators.interface import OnPart, SpeechSegment, seeded_stream
+from generators.network_motion import NetworkGenerator, check_finite, joined, network_facts
+from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, load_network
-from generators.s2ue.sampling import move
 from generators.s2ue.settings import ANYBODY, S2ueSettings
-from motion.clip import MotionClip, check_frame_rate
-from motion.errors import InputError
+from motion.clip import MotionClip
 from motion.face_landmarks import FaceLandmarks
-from motion.formats.ted_npz import JOINT_NAMES
-from motion.formats.transcript import Word, find_transcript, spread_words
-from motion.points.clip_from_points import clip_from_points
-from motion.resample import resample
-from training.device import check_device
+from motion.formats.transcript import Word, find_transcript
 from training.hearing.speech_frames import at_speech_rate
-from training.hearing.speech_windows import hear_windows
-from training.hearing.word_vectors import StandIn, WordVectors, vectors_of, word_rows
-from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
+from training.hearing.speech_windows import HeardWindow, hear_windows
+from training.hearing.word_vectors import StandIn, WordVectors, same_vectors, word_rows, words_in
+from training.spaces.bone_tensors import with_units
+from training.spaces.bones_and_landmarks import values_clip
 
-_AT_ONCE: Final = 1 << 16
-"""Samples that are heard at once of a recording."""
+FADES: Final = 0.4
+"""Of a window's new frames, over which it comes to where it would be without the one before."""
 
 
-class S2ue:
-    """Moves face and upper body as a trained network tells (Bhattacharya et al. 2024).
+class S2ue(NetworkGenerator[S2ueSettings]):
+    """Moves face and upper body as a trained network tells (Bhattacharya et al. 2024)."""
 
-    Parameters
-    ----------
-    settings : S2ueSettings
-        Checkpoint and what belongs to it. Networks are read when the first clip is made.
-    device : {'cpu', 'cuda'}
-        Where they run.
+    name = "s2ue"
+    version = "1"
 
-    Raises
-    ------
-    InputError
-        If the device is not usable.
-    """
+    def made(
+        self, speech: SpeechSegment, seed: int, on_part: OnPart
+    ) -> tuple[MotionClip, dict[str, str]]:
+        """Return motion and its facts.
 
-    name: Final = "s2ue"
-    version: Final = "1"
-    needs_source: Final = False
-
-    def __init__(self, settings: S2ueSettings, device: str = "cpu") -> None:
-        check_device(device)
-        self._settings = settings
-        self._device = device
-
-    def generate(
-        self,
-        speech: SpeechSegment,
-        *,
-        seed: int,
-        frame_rate: float,
-        source: StudyClips | None = None,
-        on_part: OnPart = unheard,
-    ) -> MotionClip:
-        """Return motion to `speech`; see `generators.interface.Generator.generate`.
-
-        Its provenance further holds the speaker, the device, the checkpoint's hash, whose vectors
-        words had, where words come from, how windows lie, and under ``stand_ins`` what took the
-        place of something real.
+        They are the speaker, the device, the checkpoint's hash, whose vectors words had, how
+        windows lie, and under ``stand_ins`` what took the place of something real.
         """
-        seeded_stream(seed)
-        count = speech.frame_count(frame_rate)
-        check_frame_rate(frame_rate)
-        config = self._network.network.config
-        frames = max(1, round(speech.audio.duration * config.frame_rate))
-        said = self._said(speech)
-        words = word_rows(said, self._vectors, frames, config.frame_rate) if said else None
+        rate = self._network.network.config.frame_rate
+        frames = max(1, round(speech.audio.duration * rate))
+        segment, folder = speech.segment, self._settings.transcripts
+        said = find_transcript(folder, segment.name, segment.transcript, speech.audio)
+        words = word_rows(said, self._vectors, frames, rate) if said else None
         sound = at_speech_rate(speech.audio)
-        pieces = (sound[at : at + _AT_ONCE] for at in range(0, len(sound), _AT_ONCE))
-        moved = self._moved(pieces, words, seed, speech.segment.speaker)
-        clip = resample(self.clip_of(joined(moved, frames, on_part)), frame_rate)
-        return with_length(clip, count).with_provenance(
-            generator=self.name,
-            seed=str(seed),
-            segment=speech.segment.name,
-            **self._facts(speech.segment.speaker, said),
-        )
+        moved = self.stream([sound], seed=seed, words=words, speaking=segment.speaker)
+        facts = self._facts(segment.speaker, said)
+        return self.clip_of(joined(moved, frames, on_part)), facts
 
     def stream(
         self,
@@ -99,6 +60,7 @@ class S2ue:
         *,
         seed: int,
         words: NDArray[np.float32] | None = None,
+        speaking: str | None = None,
     ) -> Iterator[NDArray[np.float64]]:
         """Yield motion while somebody still speaks, as soon as it is settled.
 
@@ -113,68 +75,42 @@ class S2ue:
             Not negative.
         words : ndarray, shape (frames, width), optional
             See `training.hearing.word_vectors.word_rows`; by default nobody knows what is said.
+        speaking : str, optional
+            Who speaks, and so moves unless the settings say who does.
 
         Yields
         ------
         ndarray, shape (some frames, values)
             15 a second; `clip_of` makes clips of them.
         """
-        seeded_stream(seed)
-        return self._moved(pieces, words, seed, None)
+        network, speakers = self._network.network, self._network.speakers
+        config = network.config
+        chance = np.random.default_rng(seeded_stream(seed))
+        noise = self._settings.variation * chance.standard_normal(config.latents)
+        name = self._name(speaking)
+        person = (
+            speakers.one_hot([name])[0]
+            if name in speakers.names
+            else chance.dirichlet(np.ones(len(speakers.names)))
+        )
+        heard = hear_windows(pieces, config.frame_rate, config.frames, config.seeds)
+        told = (torch.from_numpy(one.astype(np.float32)) for one in (person, noise))
+        return move(heard, words, network, *(one.to(self._device) for one in told))
 
     def clip_of(self, values: NDArray[np.float64]) -> MotionClip:
         """Return the clip of values of motion, (T, 27 + 3 L)."""
         check_finite(values, self._settings.checkpoint)
-        joints = joints_of(values[:, :BONE_VALUES].reshape(len(values), -1, 3))
-        shifts = values[:, BONE_VALUES:].reshape(len(values), -1, 3)
-        return clip_from_points(
-            joints.astype(np.float32),
-            JOINT_NAMES,
-            self._network.network.config.frame_rate,
-            body=self._face.body,
-            landmarks=shifts.astype(np.float32),
-        )
+        return values_clip(values, self._network.network.config.frame_rate, self._face)
 
-    def _moved(
-        self,
-        pieces: Iterable[NDArray[np.float32]],
-        words: NDArray[np.float32] | None,
-        seed: int,
-        speaking: str | None,
-    ) -> Iterator[NDArray[np.float64]]:
-        network = self._network.network
-        config = network.config
-        chance = np.random.default_rng(seeded_stream(seed))
-        shape = (len(config.modalities), config.speaker_width)
-        noise = self._settings.variation * chance.standard_normal(shape)
-        person, _ = self._person(chance, speaking)
-        return move(
-            hear_windows(pieces, config.frame_rate, config.frames, config.seeds),
-            words,
-            network,
-            person.to(self._device),
-            torch.from_numpy(noise.astype(np.float32)).to(self._device),
-        )
-
-    def _person(self, chance: np.random.Generator, speaking: str | None) -> tuple[Tensor, str]:
-        """Return whom it moves as, as shares of speakers and in words."""
+    def _name(self, speaking: str | None) -> str:
+        """Return whom it moves as: one whom it learned from, or somebody between all of them."""
         speakers, wanted = self._network.speakers, self._settings.speaker
-        if wanted == ANYBODY and ANYBODY not in speakers.names:
-            shares = chance.dirichlet(np.ones(len(speakers.names)))
-            return torch.from_numpy(shares.astype(np.float32)), ANYBODY
-        number = speakers.chosen(wanted, speaking, self._settings.checkpoint)
-        return torch.eye(speakers.width)[number - 1], speakers.names[number - 1]
-
-    def _said(self, speech: SpeechSegment) -> tuple[Word, ...]:
-        """Return the words of the speech with their times; none where nobody knows them."""
-        segment, folder = speech.segment, self._settings.transcripts
-        if folder is None:
-            return spread_words(segment.transcript, speech.audio)
-        return find_transcript(folder, segment.name, segment.transcript, speech.audio)
+        if wanted == ANYBODY:
+            return ANYBODY
+        return speakers.names[speakers.chosen(wanted, speaking, self._settings.checkpoint) - 1]
 
     def _facts(self, speaking: str, said: tuple[Word, ...]) -> dict[str, str]:
-        config = self._network.network.config
-        _, name = self._person(np.random.default_rng(0), speaking)
+        config, name = self._network.network.config, self._name(speaking)
         stand_ins = ["silence for the words, which nobody told"] if not said else []
         if said and isinstance(self._vectors, StandIn):
             stand_ins.append(self._vectors.description)
@@ -205,14 +141,62 @@ class S2ue:
 
     @cached_property
     def _vectors(self) -> WordVectors:
-        named, network = self._settings.vectors, self._network
-        vectors = vectors_of(named)
-        if (vectors.description, vectors.width) != (network.vectors, network.network.config.words):
-            raise InputError(
-                f"the network learned words by {network.vectors} of "
-                f"{network.network.config.words} numbers, and these are {vectors.description} of "
-                f"{vectors.width}",
-                where=named or self._settings.checkpoint,
-                remedy="Name the same vectors, or none where a stand-in was learned from",
+        learned, named = self._network, self._settings.vectors
+        return same_vectors(
+            named, learned.vectors, learned.network.config.words, self._settings.checkpoint
+        )
+
+
+def move(
+    windows: Iterable[HeardWindow],
+    words: NDArray[np.float32] | None,
+    network: Network,
+    person: Tensor,
+    noise: Tensor,
+) -> Iterator[NDArray[np.float64]]:
+    """Yield values of motion (some frames, 27 + 3 L), as soon as they are settled.
+
+    Of each window the first frames are what the one before ended with; there one goes over into
+    the other, and by how much they are apart on the average fades while the window goes on.
+    The first one begins at rest, as recordings do.
+
+    Parameters
+    ----------
+    windows : iterable of HeardWindow
+        What is heard.
+    words : ndarray, shape (frames, width), optional
+        The vector of the word in each frame of the speech; None where nobody knows the words.
+    network : Network
+        In evaluation mode.
+    person, noise : Tensor
+        See `generators.s2ue.model.Network.synthesise`, for a single window.
+    """
+    config = network.config
+    seeds, new = config.seeds, config.frames - config.seeds
+    told = network.rest.expand(seeds, -1)
+    share = torch.linspace(0, 1, seeds + 2, device=told.device)[1:-1, None]
+    away = _fading(seeds, new).to(told.device)
+    for window in windows:
+        said = words_in(words, window.first, config.frames, config.words)
+        with torch.inference_mode():
+            found, _ = network.synthesise(
+                window.sound[None].to(told.device),
+                torch.from_numpy(said)[None].to(told.device),
+                person[None],
+                noise[None],
+                told[None],
             )
-        return vectors
+            values = network.with_lips(found, window.spectrum[None].to(told.device))[0]
+            values = values + away * (told - values[:seeds]).mean(dim=0)
+            values[:seeds] = torch.lerp(told, values[:seeds], share)
+            values = with_units(values)
+        whole = window.count == config.frames
+        told = values[new:]
+        yield values[: new if whole else window.count].cpu().numpy().astype(np.float64)
+
+
+def _fading(seeds: int, new: int) -> Tensor:
+    """Return a window's shares of how far it begins from the one before, (T, 1)."""
+    lasts = round(FADES * new)
+    falling = 0.5 + 0.5 * torch.cos(torch.pi * torch.arange(1, lasts + 1) / (lasts + 1))
+    return torch.cat([torch.ones(seeds), falling, torch.zeros(new - lasts)])[:, None]

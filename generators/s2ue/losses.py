@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import torch
 from torch import Tensor
 from torch.nn import functional
@@ -26,24 +24,20 @@ def reconstruction_losses(
     Landmarks are the neutral face and their shifts (equation 1), so that places of landmarks and
     shifts are equally far apart. What the network does not tell does not count.
     """
-    config = network.config
     one, two = split_motion(found), split_motion(true)
-    face, direction, joint = network.spread
-    places, motions, steps = [], [], []
-    if config.faces:
-        places.append(_distance(one["face"], two["face"], face))
-        motions.append(places[-1])
-        steps.append(_distance(_steps(one["face"]), _steps(two["face"]), face))
-    if config.poses:
-        places.append(_distance(joints_of(one["pose"]), joints_of(two["pose"]), joint))
-        motions.append(_distance(one["pose"], two["pose"], direction))
-        steps.append(_distance(_steps(one["pose"]), _steps(two["pose"]), direction))
-    parts = {"place": _sum(places), "velocity": _sum(motions), "acceleration": _sum(steps)}
-    total = (
-        parts["place"]
-        + weights.velocity * parts["velocity"]
-        + weights.acceleration * parts["acceleration"]
-    )
+    spread = dict(zip(("face", "pose", "joints"), network.spread, strict=True))
+    parts = dict.fromkeys(("place", "velocity", "acceleration"), found.new_zeros(()))
+    for name in (told for together in network.config.modalities for told in together):
+        motion = _distance(one[name], two[name], spread[name])
+        steps = _distance(_steps(one[name]), _steps(two[name]), spread[name])
+        joints = (joints_of(one[name]), joints_of(two[name])) if name == "pose" else None
+        parts["place"] = parts["place"] + (
+            _distance(*joints, spread["joints"]) if joints else motion
+        )
+        parts["velocity"] = parts["velocity"] + motion
+        parts["acceleration"] = parts["acceleration"] + steps
+    counted = {"place": 1.0, "velocity": weights.velocity, "acceleration": weights.acceleration}
+    total = torch.stack([weight * parts[name] for name, weight in counted.items()]).sum()
     return {"reconstruction": total, **parts}
 
 
@@ -60,11 +54,6 @@ def diversity_loss(
         for one in (own, other)
     ]
     return functional.relu(far[0] - far[1] + margin).mean()
-
-
-def _sum(losses: Sequence[Tensor]) -> Tensor:
-    """Return their sum."""
-    return torch.stack(list(losses)).sum()
 
 
 def _distance(found: Tensor, true: Tensor, spread: Tensor) -> Tensor:

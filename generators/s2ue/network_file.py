@@ -11,7 +11,6 @@ import torch
 
 from generators.s2ue.config import NetworkConfig
 from generators.s2ue.model import Network
-from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from training.speakers import Speakers
 from training.weights_file import holding, read_weights, tensors_of, write_weights
@@ -62,23 +61,15 @@ def load_network(path: Path, face: FaceLandmarks) -> S2ueNetwork:
         If the file holds another network, or one of other landmarks than `face` has.
     """
     file = read_weights(path)
-    wanted = "a Speech2UnifiedExpressions network"
+    wanted = "a Speech2UnifiedExpressions network of the default body's face"
     with holding(path, wanted, "Give one that 'motionjury train s2ue' wrote"):
-        given = file.config(_NETWORK)
-        given["components"] = tuple(tuple(part) for part in given["components"])
-        config = NetworkConfig(**given | {"lips": tuple(given["lips"])})
-        neutral = file.tensors["network.neutral"]
-        loaded = S2ueNetwork(
-            network=file.loaded(Network(config, neutral.numpy()), "network"),
+        config = NetworkConfig(**file.config(_NETWORK))
+        neutral, ours = file.tensors["network.neutral"], torch.from_numpy(face.neutral)
+        if neutral.shape != ours.shape or not torch.allclose(neutral, ours, atol=1e-5):
+            raise ValueError("landmarks of another face")
+        return S2ueNetwork(
+            network=file.loaded(Network(config, face), "network"),
             speakers=Speakers(tuple(file.facts["speakers"]), config.speakers),
             vectors=str(file.facts["vectors"]),
             training=file.facts["training"],
         )
-    ours = torch.from_numpy(face.neutral)
-    if neutral.shape != ours.shape or not torch.allclose(neutral, ours, atol=1e-5):
-        raise InputError(
-            "the network tells landmarks of another face than the default body's",
-            where=path,
-            remedy="Train it again with this version",
-        )
-    return loaded

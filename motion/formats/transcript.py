@@ -70,13 +70,13 @@ def read_transcript(path: Path, audio: Audio) -> tuple[Word, ...]:
     return words
 
 
-def find_transcript(folder: Path, name: str, known: str, audio: Audio) -> tuple[Word, ...]:
+def find_transcript(folder: Path | None, name: str, known: str, audio: Audio) -> tuple[Word, ...]:
     """Return what is said in `audio`, by the transcript `name` in `folder`.
 
     Parameters
     ----------
-    folder : Path
-        Transcripts as `read_transcript` takes them.
+    folder : Path or None
+        Transcripts as `read_transcript` takes them; None spreads what is known over the speech.
     name : str
         The file's, without its ending.
     known : str
@@ -90,6 +90,8 @@ def find_transcript(folder: Path, name: str, known: str, audio: Audio) -> tuple[
         If there is no such transcript, it cannot be read, or it has less than half of the words
         that are known.
     """
+    if folder is None:
+        return spread_words(known, audio)
     paths = (folder / f"{name}{ending}" for ending in _FOUND)
     path = next((path for path in paths if path.is_file()), None)
     if path is None:

@@ -47,8 +47,7 @@ class Windows:
         self.frames = frames
         self.stride = stride
         self.frame_rate = prepared.frame_rate
-        self.sha256 = prepared.sha256
-        self._prepared = prepared
+        self.prepared = prepared
         chosen = [
             index
             for index, take in enumerate(prepared.takes)
@@ -78,12 +77,16 @@ class Windows:
         places = [self._place(int(row)) for row in rows]
         return {
             name: np.stack([arrays[take][start : start + self.frames] for take, start in places])
-            for name, arrays in self._prepared.arrays.items()
+            for name, arrays in self.prepared.arrays.items()
         }
 
     def take_of(self, row: int) -> Take:
         """Return the take that window `row` is cut from."""
-        return self._prepared.takes[self._place(row)[0]]
+        return self.prepared.takes[self._place(row)[0]]
+
+    def speakers(self, rows: NDArray[np.int64]) -> list[str]:
+        """Return who speaks in the windows of `rows`."""
+        return [self.take_of(int(row)).speaker for row in rows]
 
     def start_of(self, row: int) -> int:
         """Return the first frame of window `row` within its take."""

@@ -195,3 +195,33 @@ def words_in(rows: FloatArray | None, first: int, frames: int, width: int) -> Fl
 def vectors_of(named: Path | str | None) -> WordVectors:
     """Return the vectors of a file, or a stand-in where none is named."""
     return StandIn() if named is None else read_word_vectors(Path(named))
+
+
+def same_vectors(named: Path | None, learned: str, width: int, network: Path) -> WordVectors:
+    """Return `vectors_of` a file, if they are those that a network learned words by.
+
+    Parameters
+    ----------
+    named : Path or None
+        Their file; None for a stand-in.
+    learned : str
+        The description of what the network learned from.
+    width : int
+        Numbers of each of its words.
+    network : Path
+        The network's file.
+
+    Raises
+    ------
+    InputError
+        If they are others, or the file cannot be read.
+    """
+    vectors = vectors_of(named)
+    if (vectors.description, vectors.width) != (learned, width):
+        raise InputError(
+            f"the network learned words by {learned} of {width} numbers, and these are "
+            f"{vectors.description} of {vectors.width}",
+            where=named or network,
+            remedy="Name the same vectors, or none where a stand-in was learned from",
+        )
+    return vectors

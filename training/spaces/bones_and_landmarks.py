@@ -17,6 +17,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from motion.formats.ted_npz import BONES, JOINT_NAMES, chain_bones
+from motion.points.clip_from_points import clip_from_points
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import forward_kinematics, joint_index
 
@@ -45,6 +46,18 @@ def values_of(clip: MotionClip, face: FaceLandmarks | None) -> FloatArray:
     shifts = np.zeros((len(clip), 0)) if face is None else face.shifts(clip)
     return np.concatenate(
         [directions.reshape(len(clip), -1), shifts.reshape(len(clip), -1)], axis=1
+    )
+
+
+def values_clip(values: FloatArray, frame_rate: float, face: FaceLandmarks) -> MotionClip:
+    """Return the clip of values (T, 27 + 3 L) on the landmarks' body; see `clip_from_points`."""
+    directions, shifts = np.split(values, [BONE_VALUES], axis=1)
+    return clip_from_points(
+        joints_of(directions.reshape(len(values), -1, 3)).astype(np.float32),
+        JOINT_NAMES,
+        frame_rate,
+        body=face.body,
+        landmarks=shifts.reshape(len(values), -1, 3).astype(np.float32),
     )
 
 

@@ -16,14 +16,11 @@ from motion.clip import MotionClip
 from motion.face_landmarks import FaceLandmarks
 from motion.skeleton import JOINT_COUNT, joint_index
 from training.hearing.word_vectors import StandIn
-from training.spaces.anatomy import components_of, lips_of
 from training.spaces.bones_and_landmarks import values_of
 from training.speakers import Speakers
 
 FACE: Final = FaceLandmarks.of_default_body()
 SMALL: Final = NetworkConfig(
-    components=components_of(FACE.actions),
-    lips=lips_of(FACE.actions),
     speakers=2,
     audio_width=6,
     text_width=5,
@@ -54,7 +51,7 @@ def standing() -> np.ndarray:
 def small_network(**changes: Any) -> Network:
     """Return a network in evaluation mode that moves a little about somebody who stands."""
     torch.manual_seed(5)
-    network = Network(replace(SMALL, **changes), FACE.neutral).eval().requires_grad_(False)
+    network = Network(replace(SMALL, **changes), FACE).eval().requires_grad_(False)
     deviation = torch.full_like(network.deviation, 0.15)
     deviation[27:] = 1e-3
     for name, values in (("mean", standing()), ("rest", standing())):

@@ -16,9 +16,16 @@ from generators.s2ue.model import Network
 from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, small_network
 from training.graph_convolution import ComponentEncoder
-from training.spaces.anatomy import BODY_PARTS, bone_graph, component_graph, face_graph
+from training.spaces.anatomy import (
+    BODY_PARTS,
+    bone_graph,
+    component_graph,
+    components_of,
+    face_graph,
+)
 
 VALUES = 27 + 3 * FACE.count
+COMPONENTS = components_of(FACE.actions)
 
 
 def told(network: Network, seed: int = 1, person: int = 0, **changed: Tensor) -> Tensor:
@@ -35,10 +42,10 @@ def told(network: Network, seed: int = 1, person: int = 0, **changed: Tensor) ->
 
 
 def test_landmarks_lie_in_four_components_of_which_the_lips_are_the_phonemes() -> None:
-    eyes, nose, lips, jaw = SMALL.components
+    eyes, nose, lips, jaw = COMPONENTS
     assert sorted((*eyes, *nose, *lips, *jaw)) == list(range(FACE.count))
     assert all(FACE.actions[one].startswith(("brow", "eye")) for one in eyes)
-    corners = set(lips) - set(SMALL.lips)
+    corners = set(lips) - set(small_network().lips)
     assert {FACE.actions[one][:9] for one in corners} >= {"mouthSmil", "mouthFrow"}
 
 
@@ -50,9 +57,9 @@ def test_graphs_join_what_the_paper_says() -> None:
     assert components[0, 1] == components[0, 2] == 1
     assert components[1, 2] == 0
     assert component_graph(4, pose=False).sum() == 12
-    face = face_graph(SMALL.components, FACE.neutral)
+    face = face_graph(COMPONENTS, FACE.neutral)
     np.testing.assert_array_equal(face, face.T)
-    eyes, _, lips, _ = SMALL.components
+    eyes, _, lips, _ = COMPONENTS
     assert face[eyes[0], eyes[1]] == 1
     assert face[np.ix_(eyes, lips)].sum() == 1
 
@@ -76,7 +83,7 @@ def test_one_embedding_tells_face_and_pose_unless_they_are_apart() -> None:
         seeds[..., 27:] += 1e-3
         pose = (told(network, seeds=seeds) - before)[..., :27]
         assert bool(pose.abs().max() > 1e-6) == synchronous
-    assert len(network.generator.networks) == len(network.discriminator.classes) == 2
+    assert len(network.generator) == len(network.discriminator) == 2
 
 
 @pytest.mark.parametrize(("left_out", "still"), [("faces", slice(27, None)), ("poses", slice(27))])
@@ -90,7 +97,7 @@ def test_what_is_not_told_is_still(left_out: str, still: slice) -> None:
 @pytest.mark.parametrize("modality", ["face", "pose"])
 def test_the_higher_graph_can_be_left_out(modality: str) -> None:
     network = small_network(**{f"{modality}_graph": False})
-    encoders = dict(network.generator.networks[0].seeds.items())
+    encoders = dict(network.generator[0].seeds.items())
     assert isinstance(encoders[modality], ComponentEncoder)
     assert {name: one.parts is None for name, one in encoders.items()} == {
         name: name == modality for name in encoders
@@ -107,18 +114,18 @@ def test_the_seven_ablations_change_settings_that_there_are() -> None:
 def test_lips_are_the_phoneme_predictors_and_their_corners_are_not() -> None:
     network = small_network()
     values = told(network)
-    lips = network.lips(torch.randn(2, 34, 128))
-    assert lips.shape == (2, 34, len(SMALL.lips), 3)
-    whole = network.with_lips(values, lips)
+    heard = torch.randn(2, 34, 128)
+    assert network.lips_heard(heard).shape == (2, 34, len(network.lips), 3)
+    whole = network.with_lips(values, heard)
     changed = (whole - values).abs().amax(dim=(0, 1))[27:].reshape(-1, 3).amax(dim=1) > 0
-    assert changed.nonzero().ravel().tolist() == list(SMALL.lips)
+    assert changed.nonzero().ravel().tolist() == network.lips
 
 
 def test_every_weight_learns_from_some_loss() -> None:
     network = small_network().train().requires_grad_(True)
     found = told(network)
     loss = found.square().sum() + network.judged(found).sum()
-    (loss + network.lips(torch.randn(2, 34, 128)).square().sum()).backward()
+    (loss + network.lips_heard(torch.randn(2, 34, 128)).square().sum()).backward()
     idle = [name for name, one in network.named_parameters() if one.grad is None]
     assert idle == []
 

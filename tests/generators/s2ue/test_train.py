@@ -90,7 +90,6 @@ def task(takes: PreparedTakes, **weights: float) -> S2ueTask:
         training=Windows(takes, split="train", frames=34, stride=10),
         held_out=Windows(takes, split="validation", frames=34, stride=34),
         speakers=Speakers(("a", "b"), 2),
-        rest=standing(),
     )
 
 
@@ -165,7 +164,7 @@ def test_the_network_knows_how_recordings_spread(takes: PreparedTakes) -> None:
     np.testing.assert_allclose(
         network.spread[0], np.sqrt(motion[:, 27:].var(axis=0).mean()), rtol=1e-3
     )
-    np.testing.assert_array_equal(network.rest.numpy(), standing())
+    np.testing.assert_array_equal(network.rest.numpy(), takes.mean_first("motion"))
 
 
 def test_recordings_without_faces_need_the_ablation(learn: Learn, tmp_path: Path) -> None:
