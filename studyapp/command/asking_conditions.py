@@ -62,7 +62,7 @@ def ask_conditions(template: str, before: WantedStudy, folder: Path) -> Compared
     Parameters
     ----------
     template : str
-        The protocol.
+        The template that was chosen.
     before : WantedStudy
         First answers.
     folder : Path
@@ -75,7 +75,7 @@ def ask_conditions(template: str, before: WantedStudy, folder: Path) -> Compared
         {
             "own": "name them one after the other",
             STAND_INS: "the template's: rule-based and mismatched motion; of ratings and rankings, "
-            "still and flawed motion too",
+            "still and flawed motion too; of three-systems, the three networks too",
         },
         default="own" if before.conditions else STAND_INS,
     )

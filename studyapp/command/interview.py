@@ -22,10 +22,11 @@ from studyapp.command.init_options import (
 from studyapp.definition.creation import template_participants
 from studyapp.definition.page import Language, reaches_somebody
 from studyapp.definition.pay import Pay
+from studyapp.definition.reading import ALIASES
 from studyapp.definition.recruitment import Channel
 from studyapp.definition.wanted_study import WantedStudy
 
-PROTOCOLS: Final[Mapping[str, str]] = MappingProxyType(
+_TEMPLATES: Final[Mapping[str, str]] = MappingProxyType(
     {
         "pairwise": "two motions of the same speech side by side: which one is preferred? As in "
         "AMUSE; for few conditions and small differences",
@@ -35,6 +36,8 @@ PROTOCOLS: Final[Mapping[str, str]] = MappingProxyType(
         "DiffSHEG; for many conditions that plainly differ",
         "mismatch": "one motion with its own and with another speech: which fits? As in GENEA; "
         "whether motion follows speech at all",
+        "three-systems": "AMUSE, DiffSHEG and Speech2UnifiedExpressions beside rules, mismatched "
+        "motion and the recording, in pairs; for networks that you have",
     }
 )
 
@@ -69,8 +72,8 @@ def interview(before: WantedStudy, folder: Path) -> WantedStudy:
     template = choose(
         "Protocol",
         "What do participants do? Everything else follows from it.",
-        PROTOCOLS,
-        default=before.template if before.template in PROTOCOLS else "pairwise",
+        _TEMPLATES,
+        default=ALIASES.get(before.template, before.template),
     )
     compared = ask_conditions(template, before, folder)
     language = choose(

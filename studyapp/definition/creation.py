@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
 from typing import Any, Final
@@ -26,14 +27,14 @@ from studyapp.definition.study import Study
 from studyapp.definition.template_language import put_into_language, templates
 from studyapp.definition.wanted_study import WantedStudy
 
-TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES)
-"""The protocols, and the papers whose studies they follow."""
+TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES, "three-systems")
+"""The protocols, the papers whose studies they follow, and all three papers' systems together."""
 
 _EMPTY_LINES: Final = re.compile(r"\n{3,}")
 _AFTER_COMMENT: Final = re.compile(r"(\n#[^\n]*\n)\n(\[\[(?:sets|blocks)\]\])")
 
-_PARTICIPANTS: Final = {"pairwise": "participants_per_comparison"}
-"""Protocols that say in another key than 'participants' how many there are."""
+_PARTICIPANTS: Final = ("participants_per_comparison", "participants")
+"""Keys that say how many there are; a template has one of them."""
 
 
 def new_study(path: Path, **wanted: Any) -> Study:
@@ -59,9 +60,16 @@ def new_study(path: Path, **wanted: Any) -> Study:
 
 def template_participants(template: str) -> int:
     """Return how many participants a template has; of pairwise studies, for each comparison."""
-    protocol = ALIASES.get(template, template)
-    text = templates().joinpath(f"{protocol}.toml").read_text("utf-8")
-    return int(tomllib.loads(text)[_PARTICIPANTS.get(protocol, "participants")])
+    said = tomllib.loads(templates().joinpath(_file_of(template)).read_text("utf-8"))
+    return int(said[_participants(said)])
+
+
+def _file_of(template: str) -> str:
+    return f"{ALIASES.get(template, template)}.toml"
+
+
+def _participants(said: Mapping[str, Any]) -> str:
+    return next(key for key in _PARTICIPANTS if key in said)
 
 
 def refuse_existing(path: Path) -> None:
@@ -95,9 +103,9 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         raise InputError(
             f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
         )
-    protocol = ALIASES.get(template, template)
-    file = f"{protocol}.toml"
+    file = _file_of(template)
     text = _with_recruiting(templates().joinpath(file).read_text("utf-8"), wanted)
+    protocol = str(tomllib.loads(text)["protocol"])
     if wanted.conditions:
         keys = keys_for(
             protocol,
@@ -117,7 +125,7 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         ("title", wanted.title),
         ("reference", own),
         ("trials", wanted.trials),
-        (_PARTICIPANTS.get(protocol, "participants"), wanted.participants),
+        (_participants(document), wanted.participants),
     ):
         if value is None:
             continue

@@ -74,6 +74,9 @@ def put_conditions_into(
         # Nothing in a finished video can be held still.
         document["freeze"] = []
     _catch(document, conditions, catch_videos=catch_videos)
+    strengths: Any = document["rehearsal"].get("strength", {})
+    for unknown in [name for name in strengths if name not in conditions]:
+        del strengths[unknown]
 
 
 def _replace(document: tomlkit.TOMLDocument, conditions: Mapping[str, Condition]) -> None:

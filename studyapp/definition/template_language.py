@@ -65,19 +65,23 @@ def _listed(said: list[Any]) -> tomlkit.items.Array:
 
 
 def still_english(study: Study) -> tuple[str, ...]:
-    """Return the keys that still say what the English template says, though the pages do not.
+    """Return the keys that still say what an English template says, though the pages do not.
 
     Nothing can be said of texts that a researcher has written.
     """
     if study.page.language == TEMPLATES_IN:
         return ()
-    source = tomllib.loads(templates().joinpath(f"{study.protocol}.toml").read_text("utf-8"))
-    texts = {question["name"]: question["text"] for question in source["questions"]}
+    sources = [
+        tomllib.loads(file.read_text("utf-8"))
+        for file in templates().iterdir()
+        if file.name.endswith(".toml")
+    ]
+    asked = {question["text"] for source in sources for question in source["questions"]}
     same = {
-        "title": study.title == source["title"],
-        "page.consent": study.page.consent == source["page"]["consent"],
+        "title": study.title in {source["title"] for source in sources},
+        "page.consent": study.page.consent in {source["page"]["consent"] for source in sources},
         **{
-            f"the question {question.name!r}": question.text == texts.get(question.name)
+            f"the question {question.name!r}": question.text in asked
             for question in study.questions
         },
     }

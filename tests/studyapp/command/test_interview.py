@@ -236,7 +236,7 @@ def test_options_that_make_no_study_are_refused_and_nothing_is_written(
     assert not (tmp_path / "s" / "study.toml").exists()
 
 
-@pytest.mark.parametrize("template", ["pairwise", "rating", "ranking", "mismatch"])
+@pytest.mark.parametrize("template", ["pairwise", "rating", "ranking", "mismatch", "three-systems"])
 @pytest.mark.parametrize("channel", ["link", "prolific", "mturk", "invitations"])
 def test_check_asks_a_new_study_for_media_alone(
     tmp_path: Path, template: str, channel: str

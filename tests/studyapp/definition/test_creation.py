@@ -7,6 +7,7 @@ import pytest
 from motion.errors import InputError
 from studyapp.definition.conditions import Condition
 from studyapp.definition.creation import TEMPLATES, add_condition, new_study
+from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.protocols.ranking import RankingStudy
 from studyapp.definition.reading import read_study
 
@@ -75,6 +76,53 @@ def test_a_template_goes_by_the_name_of_the_paper_too(
 
     assert study.protocol == protocol
     assert study.page.sound_check
+
+
+def test_all_three_systems_stand_in_one_study_beside_what_they_are_compared_with(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "study.toml"
+    study = new_study(path, template="three-systems", name="s", trials=15, participants=10)
+    assert isinstance(study, PairwiseStudy)
+    assert list(study.conditions) == [
+        "ground_truth", "amuse", "diffsheg", "s2ue", "rule_based", "mismatched",
+    ]  # fmt: skip
+    assert study.has_recording and study.conditions["mismatched"].source == "ground_truth"
+    assert [question.name for question in study.questions] == ["gestures", "face", "realism"]
+    assert len(study.pairs) == 2 * (15 + 1)
+    assert (study.trials, study.participants) == (15, 10)
+
+
+def test_a_network_takes_its_place_in_the_study_of_three_systems_by_one_line(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, template="three-systems", name="s")
+    files = {
+        f"networks/{name}.safetensors": f"released/{name}.pt"
+        for name in ("amuse", "amuse-speech", "diffsheg", "s2ue")
+    }
+    lines = path.read_text().splitlines()
+    for old, new in files.items():
+        (line,) = (number for number, text in enumerate(lines) if f'"{old}"' in text)
+        lines[line] = lines[line].replace(old, new)
+    path.write_text("\n".join(lines))
+    settings = [condition.settings for condition in read_study(path).conditions.values()]
+    told = {
+        str(value)
+        for one in settings
+        for key, value in one.model_dump(exclude_none=True).items()
+        if key in ("checkpoint", "speech_model")
+    }
+    assert told == set(files.values())
+
+
+def test_own_conditions_take_what_is_said_of_the_templates_with_them(tmp_path: Path) -> None:
+    conditions = {"amuse": Condition(generator="static"), "b": Condition(generator="rule_based")}
+    study = new_study(
+        tmp_path / "study.toml", template="three-systems", name="s", conditions=conditions
+    )
+    assert list(study.rehearsal.strength) == ["amuse"]
 
 
 def test_a_network_is_ranked_in_every_block_in_place_of_the_last_stand_in(tmp_path: Path) -> None:

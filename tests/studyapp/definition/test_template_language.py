@@ -12,11 +12,11 @@ from studyapp.definition.reading import read_study
 from studyapp.definition.study import Study
 from studyapp.definition.template_language import still_english, templates
 
-PROTOCOLS = ("pairwise", "rating", "ranking", "mismatch")
+TEMPLATES = ("pairwise", "rating", "ranking", "mismatch", "three-systems")
 
 
-def made(path: Path, protocol: str, language: Any) -> tuple[Study, str]:
-    study = new_study(path, template=protocol, language=language, name="study")
+def made(path: Path, template: str, language: Any) -> tuple[Study, str]:
+    study = new_study(path, template=template, language=language, name="study")
     assert read_study(path) == study
     return study, path.read_text("utf-8")
 
@@ -38,12 +38,12 @@ def read_by_participants(text: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("language", ["de", "ja"])
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("template", TEMPLATES)
 def test_a_template_says_everything_in_its_language_and_changes_nothing_else(
-    tmp_path: Path, protocol: str, language: str
+    tmp_path: Path, template: str, language: str
 ) -> None:
-    english, source = made(tmp_path / "en.toml", protocol, "en")
-    study, text = made(tmp_path / "study.toml", protocol, language)
+    english, source = made(tmp_path / "en.toml", template, "en")
+    study, text = made(tmp_path / "study.toml", template, language)
 
     before, after = read_by_participants(source), read_by_participants(text)
     assert before.keys() == after.keys()
@@ -58,13 +58,13 @@ def test_a_template_says_everything_in_its_language_and_changes_nothing_else(
 
 
 @pytest.mark.parametrize("language", ["de", "ja"])
-@pytest.mark.parametrize("protocol", PROTOCOLS)
+@pytest.mark.parametrize("template", TEMPLATES)
 def test_texts_of_a_language_name_the_questions_of_the_template(
-    protocol: str, language: str
+    template: str, language: str
 ) -> None:
     source, texts = (
         tomllib.loads(templates().joinpath(*parts).read_text("utf-8"))
-        for parts in ((f"{protocol}.toml",), (language, f"{protocol}.toml"))
+        for parts in ((f"{template}.toml",), (language, f"{template}.toml"))
     )
 
     names = [[question["name"] for question in each["questions"]] for each in (source, texts)]
@@ -77,10 +77,10 @@ def test_a_title_that_is_given_stays(tmp_path: Path) -> None:
     assert new_study(path, name="s", language="ja", title="Mine").title == "Mine"
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_texts_left_from_the_english_template_are_named(tmp_path: Path, protocol: str) -> None:
-    english, source = made(tmp_path / "en.toml", protocol, "en")
-    german, _ = made(tmp_path / "de.toml", protocol, "de")
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_texts_left_from_the_english_template_are_named(tmp_path: Path, template: str) -> None:
+    english, source = made(tmp_path / "en.toml", template, "en")
+    german, _ = made(tmp_path / "de.toml", template, "de")
     mixed = tmp_path / "mixed.toml"
     mixed.write_text(source.replace('language = "en"', 'language = "de"'), "utf-8")
 
