@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import InputError
+from motion.files import write_text
 
 _FEWEST_COLUMNS: Final = 5
 
@@ -62,6 +64,31 @@ def read_semantic_scores(path: Path) -> tuple[SemanticSpan, ...]:
         _span(row, f"{path}, line {line}")
         for line, row in enumerate(rows, start=1)
         if any(cell.strip() for cell in row)
+    )
+
+
+def write_semantic_scores(path: Path, spans: Iterable[SemanticSpan]) -> None:
+    """Write annotated gestures as BEAT has them, under the name of a beat."""
+    write_text(
+        path,
+        "".join(
+            f"beat\t{span.start:.3f}\t{span.end:.3f}\t{span.end - span.start:.3f}"
+            f"\t{span.score:.3f}\t\n"
+            for span in spans
+        ),
+    )
+
+
+def cut_semantic_scores(
+    spans: Iterable[SemanticSpan], start: float, end: float
+) -> tuple[SemanticSpan, ...]:
+    """Return what lies between `start` and `end`, in seconds from `start`."""
+    inside = (span for span in spans if span.start < end and span.end > start)
+    return tuple(
+        SemanticSpan(
+            start=max(span.start, start) - start, end=min(span.end, end) - start, score=span.score
+        )
+        for span in inside
     )
 
 

@@ -109,6 +109,10 @@ class StudyFolder:
         """Return the motion clip of `condition` for `segment`."""
         return self.root / "motion" / condition / f"{segment}.npz"
 
+    def semantics(self, segment: str) -> Path:
+        """Return the semantic scores of a recording's gestures, as BEAT annotates them."""
+        return self.speech / f"{segment}.txt"
+
     def study(self) -> Study:
         """Read and validate the study file."""
         return read_study(self.definition)

@@ -89,6 +89,11 @@ def measure_study(
         },
         frozen=study.freeze,
         recorded=clips.get(GROUND_TRUTH),
+        semantics={
+            segment.name: folder.semantics(segment.name)
+            for segment in segments
+            if folder.semantics(segment.name).is_file()
+        },
         emotions={segment.name: segment.emotion for segment in segments},
         evaluators=(*study_evaluators(folder, study), *evaluators),
         face=_face_of(folder, presets) if GROUND_TRUTH in clips else None,

@@ -15,6 +15,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion, write_clip
 from motion.formats.joint_maps import JointMap
+from motion.formats.semantic_txt import write_semantic_scores
 from motion.placement import place
 from motion.resample import cut
 from motion.segment import Segment, check_name
@@ -23,6 +24,7 @@ from studyapp.definition.creation import add_condition
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.stages.recorded_face import with_face_beside
+from studyapp.stages.recorded_words import semantics_beside, with_words_beside
 from studyapp.stages.shown_body import licensed_hands
 
 SEGMENT_TOLERANCE: Final = 0.1
@@ -104,6 +106,9 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
         notes.append(
             f"{take.speech.name}: the last {rest:.1f} s make no whole segment and are left out"
         )
+    segments, word_notes = with_words_beside(segments, take.motion, audio)
+    semantics, semantic_notes = semantics_beside(segments, take.motion)
+    notes += [*word_notes, *semantic_notes]
     known = _known_segments(folder)
     _check_no_clash(known, segments, folder)
     _check_same_speech(folder.speech / segments[0].wav, audio)
@@ -113,6 +118,12 @@ def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[st
     write_wav(folder.speech / segments[0].wav, replace(audio, notes=()))
     for name, piece in clips.items():
         write_clip(folder.clip(take.condition, name), piece)
+    for name, spans in semantics.items():
+        write_semantic_scores(folder.semantics(name), spans)
+    told = {segment.name: segment.transcript for segment in known}
+    segments = [
+        replace(one, transcript=one.transcript or told.get(one.name, "")) for one in segments
+    ]
     merged = {segment.name: segment for segment in (*known, *segments)}
     write_segments(folder.speech, tuple(merged.values()))
     return segments, notes + _add_if_new(folder, study, take.condition)

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 
 from analysis.metrics.conditions import StudyMetrics
-from analysis.metrics.presets import REPORT
+from analysis.metrics.presets import PRESETS, REPORT
 from analysis.report.metric_section import PAPER_OF
 from analysis.report.subject import Excerpt, Origin, Subject
 from motion.segment import Segment
@@ -94,4 +94,14 @@ def _metrics(folder: StudyFolder, study: Study, segments: Sequence[Segment]) -> 
     )
     if not has_motion:
         return None
-    return measure_study(folder, presets=(REPORT, PAPER_OF[study.protocol]), processes=1)
+    return measure_study(folder, presets=report_presets(study), processes=1)
+
+
+def report_presets(study: Study) -> tuple[str, ...]:
+    """Return what a report measures: the usual, and what the papers report that the study follows.
+
+    These are the protocol's paper and those whose systems move in it.
+    """
+    systems = (condition.generator for condition in study.conditions.values())
+    papers = (PAPER_OF[study.protocol], *(name for name in systems if name in PRESETS))
+    return tuple(dict.fromkeys((REPORT, *(name for name in papers if name is not None))))

@@ -55,6 +55,8 @@ def _material(folder: StudyFolder, study: Study) -> Iterator[Path]:
         yield table
         segments = folder.segments()
         yield from (folder.speech / wav for wav in dict.fromkeys(s.wav for s in segments))
+        annotated = (folder.semantics(segment.name) for segment in segments)
+        yield from (file for file in annotated if file.is_file())
         for condition in dict.fromkeys((*study.conditions, study.catch.condition)):
             clips = (folder.clip(condition, segment.name) for segment in segments)
             yield from (clip for clip in clips if clip.is_file())
