@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page worked-examples clean
+.PHONY: help rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page three-systems worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
@@ -120,6 +120,9 @@ guide: setup-browser  ## Run docs/guide.md and the commands' examples in a fresh
 
 deploy-page: $(VENV)/.installed  ## Bring the files that docs/deploy.md shows up to date.
 	$(BIN)/python -m tools.handbook.deploy_page
+
+three-systems: setup  ## Make the study of all three learned systems on the synthetic corpus, and docs/three-systems.md.
+	$(BIN)/python -m tools.three_systems --write docs/three-systems.md
 
 worked-examples: $(VENV)/.installed  ## Compute the worked examples in docs/ anew from published numbers.
 	$(BIN)/python -m tools.worked_examples.page docs/worked-examples.md

@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from motion.errors import InputError
+from motion.segment import Segment
+from motion.segments_table import write_segments
+from studyapp.definition.creation import new_study
+from studyapp.definition.folder import StudyFolder
+from tools.three_systems.line import Took
+from tools.three_systems.page import BEGIN, END, measured, with_measured
+
+PAGE = Path(__file__).parents[3] / "docs" / "three-systems.md"
+
+
+def results_of(conditions: list[str], questions: list[str]) -> dict[str, Any]:
+    values = {name: float(place) for place, name in enumerate(conditions)}
+    metric = "mean absolute error (MALE, s2ue)"
+    return {
+        "participants": {"recruited": 60, "attentive": 51},
+        "questions": questions,
+        "conditions_shown": conditions,
+        "bradley_terry": {
+            question: {"strengths": values, "low": values, "high": values} for question in questions
+        },
+        "metrics": {
+            "conditions": [
+                {
+                    "condition": name,
+                    "metric": metric,
+                    "value": None if name == "amuse" else 4.25,
+                    "unit": "mm",
+                    "better": "lower",
+                    "reason": "the clip tells no face" if name == "amuse" else "",
+                    "remark": "",
+                }
+                for name in conditions
+            ]
+        },
+        "metrics_against_people": {
+            question: {"metrics": [{"metric": metric, "kendall": {"estimate": -0.6}}]}
+            for question in questions
+        },
+    }
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> StudyFolder:
+    folder = StudyFolder(tmp_path)
+    made = new_study(folder.definition, template="three-systems", name="study")
+    folder.speech.mkdir()
+    (folder.speech / "one.wav").touch()
+    write_segments(
+        folder.speech,
+        [Segment(name="one", wav="one.wav", start=0, end=1, speaker="ada", emotion="anger")],
+    )
+    folder.report.mkdir()
+    results = results_of(list(made.conditions), [question.name for question in made.questions])
+    (folder.report / "results.json").write_text(json.dumps(results))
+    return folder
+
+
+def test_the_page_shows_what_the_report_found(study: StudyFolder) -> None:
+    text = measured(study, {"motionjury render study": Took(seconds=9, processor=240)}, [])
+    assert "60 simulated participants took the study over HTTP, of whom 51 are analysed" in text
+    assert "| `amuse` | 0.50 | 1.00 [1.00, 1.00] | -0.50 | 1.00 [1.00, 1.00] |" in text
+    assert "| MALE, mm | ↓ | 4.25 | – | 4.25 | 4.25 | 4.25 | 4.25 | -0.60 | -0.60 | -0.60 |" in text
+    assert "- MALE of `amuse`: the clip tells no face." in text
+    assert "| `motionjury render study` | 4 min |" in text
+
+
+def test_the_words_around_what_was_measured_stay() -> None:
+    page = PAGE.read_text("utf-8")
+    before, after = page.split(BEGIN)[0], page.split(END)[1]
+    assert with_measured(page, "new") == f"{before}{BEGIN}\nnew\n{END}{after}"
+    with pytest.raises(InputError, match="no place"):
+        with_measured("another page", "new")

@@ -1,0 +1,134 @@
+"""Make the study of three systems, and its page: ``python -m tools.three_systems``.
+
+Everything lies in one folder. A run that was interrupted goes on from there, and a network that is
+exchanged makes anew what depends on it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import tomlkit
+
+from motion.files import write_text
+from studyapp.definition.folder import StudyFolder
+from tools.three_systems.line import Line, places
+from tools.three_systems.networks import STEPS, Network, digest, evaluators, networks
+from tools.three_systems.page import measured, with_measured
+from tools.three_systems.pictures import shown_segment, write_picture
+from tools.three_systems.takes import bring, learned_takes, shown_takes
+from training.data.any_folder import read_takes
+
+STUDY: Final = "study"
+RECORDINGS: Final = "recordings"
+TEMPLATE: Final = "three-systems"
+
+CORPUS: Final = (
+    *("--shared-passages", "--takes", "1", "--sentences", "40"),
+    *("--speakers", "7", "--held-out-speakers", "1"),
+)
+LEARNED_FROM: Final = 12
+"""Takes of each emotion that feature networks learn from."""
+
+SIZE: Final = 360
+FRAME_RATE: Final = 15
+"""Of the videos: small, and as many frames as two of the three systems make."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run what is missing, and write the page and its pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--folder", type=Path, default=Path("build/three-systems"))
+    parser.add_argument(
+        "--write",
+        type=Path,
+        help="the page whose measured part is written anew; printed where left out",
+    )
+    parser.add_argument("--corpus", type=Path, help="one that is there, in place of making one")
+    for name in STEPS:
+        parser.add_argument(f"--{name}", type=Path, help="its network, in place of training one")
+    parser.add_argument("--steps", type=int, help="of each network, in place of the usual")
+    parser.add_argument("--evaluator-steps", type=int, help="of each feature network")
+    parser.add_argument("--segments", type=int, default=2, help="of each emotion")
+    parser.add_argument("--participants", type=int, default=60, help="simulated ones")
+    parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
+    given = parser.parse_args(arguments)
+    line, made = make(given)
+    study = StudyFolder(line.folder / STUDY)
+    text = measured(study, line.took(), made)
+    if given.write is None:
+        print(text)
+        return
+    write_text(given.write, with_measured(given.write.read_text("utf-8"), text))
+    for kind in ("bodies", "faces"):
+        picture = given.write.with_name(f"{given.write.stem}-{kind}.png")
+        write_picture(line.folder / f"{kind}.png", picture)
+
+
+def make(given: argparse.Namespace) -> tuple[Line, list[Network]]:
+    """Make what the folder lacks of the study, from the corpus to the report."""
+    root: Path = given.folder.resolve()
+    root.mkdir(parents=True, exist_ok=True)
+    line = Line(root)
+    corpus = root / "corpus" if given.corpus is None else given.corpus.resolve()
+    if given.corpus is None:
+        line.run("corpus", *places([corpus], root), *CORPUS)
+    wanted: dict[str, Path | None] = {
+        name: getattr(given, name.replace("-", "_")) for name in STEPS
+    }
+    made = networks(line, corpus, wanted, given.steps)
+    takes = read_takes(corpus).takes
+    study, recordings = StudyFolder(root / STUDY), StudyFolder(root / RECORDINGS)
+    for folder, chosen in (
+        (recordings, learned_takes(takes, LEARNED_FROM)),
+        (study, shown_takes(takes, given.segments)),
+    ):
+        if not folder.definition.exists():
+            line.run("init", *places([folder.root], root), "--template", TEMPLATE)
+        _set(folder, given.participants)
+        with line.step(f"import of {len(chosen)} recordings") as is_due:
+            if is_due:
+                bring(folder, chosen)
+    evaluators(line, RECORDINGS, study.evaluators, given.evaluator_steps)
+    depends = digest(network.file for network in made)
+    _place(study, made)
+    processes = ("--processes", str(given.processes))
+    line.run("generate", STUDY, of=depends)
+    line.run("render", STUDY, *processes, of=depends)
+    line.run("check", STUDY, of=depends)
+    line.run("rehearse", STUDY, of=depends)
+    line.run("metrics", STUDY, *processes, of=depends)
+    line.run("report", STUDY, of=depends)
+    segment = shown_segment(study)
+    strip = ("figure", "strip", STUDY, "--segment", segment, "--moments", "5", "--inches", "3.3")
+    line.run(*strip, "--output", "bodies.png", of=depends)
+    line.run(*strip, "--closeup", "--no-wave", "--output", "faces.png", of=depends)
+    return line, made
+
+
+def _set(folder: StudyFolder, participants: int) -> None:
+    """State what differs from the template: few and small frames, and what checks ask for."""
+    document: Any = tomlkit.parse(folder.definition.read_text("utf-8"))
+    document["title"] = "Which speaker moves better?"
+    document["participants"] = participants
+    document["layout"] = "players"
+    document["video"]["size"] = SIZE
+    document["video"]["frame_rate"] = FRAME_RATE
+    write_text(folder.definition, tomlkit.dumps(document))
+
+
+def _place(study: StudyFolder, made: Sequence[Network]) -> None:
+    """Put the networks where the template names them."""
+    folder = study.root / "networks"
+    folder.mkdir(exist_ok=True)
+    for network in made:
+        shutil.copyfile(network.file, folder / f"{network.name}.safetensors")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,126 @@
+"""Running commands one after the other, each once, and keeping what each took."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from motion.errors import InputError
+from motion.files import write_text
+
+_KEPT: Final = "times.json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Took:
+    """What a step took, over all its runs.
+
+    Attributes
+    ----------
+    seconds : float
+        By the clock.
+    processor : float
+        Of all its processes.
+    """
+
+    seconds: float
+    processor: float
+
+
+@dataclass(frozen=True)
+class Line:
+    """Steps in a folder.
+
+    Attributes
+    ----------
+    folder : Path
+        Where they are run, and what they took is kept.
+    """
+
+    folder: Path
+
+    def run(self, *words: str, of: str = "") -> None:
+        """Run ``motionjury`` with `words`, unless it has been run so.
+
+        Parameters
+        ----------
+        *words : str
+            The command and its arguments.
+        of : str
+            What it depends on besides its words; it is run again where that has changed.
+
+        Raises
+        ------
+        InputError
+            If it fails.
+        """
+        command = [str(Path(sys.executable).with_name("motionjury")), *words]
+        with self.step(" ".join(["motionjury", *words]), of=of) as is_due:
+            if not is_due:
+                return
+            done = subprocess.run(command, cwd=self.folder, check=False)  # noqa: S603
+            if done.returncode:
+                raise InputError(
+                    f"'motionjury {' '.join(words)}' failed",
+                    where=self.folder,
+                    remedy="Mend what it names above, and run this again: it goes on from there",
+                )
+
+    @contextmanager
+    def step(self, name: str, *, of: str = "") -> Iterator[bool]:
+        """Tell whether a step is still to be done, and keep what it takes; see `run`."""
+        kept = self._kept()
+        known = kept.get(name, {})
+        is_due = known.get("done_of") != of
+        if not is_due:
+            yield False
+            return
+        print(f"— {name}", flush=True)
+        clock, processor = time.perf_counter(), _processor_seconds()
+        done_of = None
+        try:
+            yield True
+            done_of = of
+        finally:
+            same = known.get("of") == of
+            kept = self._kept()
+            kept[name] = {
+                "of": of,
+                "done_of": done_of,
+                "seconds": time.perf_counter() - clock + (known["seconds"] if same else 0),
+                "processor": _processor_seconds() - processor + (known["processor"] if same else 0),
+            }
+            write_text(self.folder / _KEPT, json.dumps(kept, indent=1) + "\n")
+
+    def took(self) -> dict[str, Took]:
+        """Return what each step took, in the order in which they were first run."""
+        return {
+            name: Took(seconds=one["seconds"], processor=one["processor"])
+            for name, one in self._kept().items()
+        }
+
+    def _kept(self) -> dict[str, Any]:
+        path = self.folder / _KEPT
+        kept: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.exists() else {}
+        return kept
+
+
+def _processor_seconds() -> float:
+    """Return the processor time of this process and of those that it has waited for."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
+
+
+def places(paths: Sequence[Path], folder: Path) -> list[str]:
+    """Return paths as they are named from `folder`, where they lie in it."""
+    return [
+        str(path.relative_to(folder) if path.is_relative_to(folder) else path) for path in paths
+    ]

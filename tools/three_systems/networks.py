@@ -1,0 +1,95 @@
+"""The networks of the three systems, and those that metrics look through: given, or trained."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final
+
+from tools.three_systems.line import Line, places
+from training.weights_file import read_weights
+
+STEPS: Final[Mapping[str, int]] = MappingProxyType(
+    {"amuse-speech": 1200, "amuse": 1000, "diffsheg": 2500, "s2ue": 300}
+)
+"""Updates of each network where nothing else is said; ten minutes of a processor at most. AMUSE's
+motion is learned with its speech model, which therefore comes first."""
+
+EVALUATORS: Final[Mapping[str, Sequence[str]]] = MappingProxyType(
+    {
+        "emotion": ("emotion",),
+        "gesture": ("motion", "--channels", "gesture"),
+        "expression": ("motion", "--channels", "expression"),
+        "both": ("motion", "--channels", "both"),
+        "face": ("face",),
+    }
+)
+"""Feature networks of all metrics of the three papers, and how they are asked for."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Network:
+    """One network of a system.
+
+    Attributes
+    ----------
+    name : str
+        As `motionjury train` calls it.
+    file : Path
+        Its weights.
+    is_given : bool
+        Whether it was brought, rather than trained by this page's command.
+    """
+
+    name: str
+    file: Path
+    is_given: bool
+
+    @property
+    def training(self) -> Mapping[str, Any]:
+        """What its file says of its training."""
+        facts: Mapping[str, Any] = read_weights(self.file).facts["training"]
+        return facts
+
+
+def networks(
+    line: Line, corpus: Path, given: Mapping[str, Path | None], steps: int | None
+) -> list[Network]:
+    """Return the four networks of the three systems; those that are not given are trained."""
+    made: dict[str, Network] = {}
+    for name, usual in STEPS.items():
+        file = given.get(name)
+        if file is not None:
+            made[name] = Network(name=name, file=file.resolve(), is_given=True)
+            continue
+        out = line.folder / "networks" / f"{name}.safetensors"
+        words = ["train", name, "--data", *places([corpus], line.folder)]
+        if name == "amuse":
+            words += ["--speech-model", *places([made["amuse-speech"].file], line.folder)]
+        words += ["--steps", str(steps or usual), "--out", *places([out], line.folder)]
+        line.run(*words, of=digest(one.file for one in made.values()) if name == "amuse" else "")
+        made[name] = Network(name=name, file=out, is_given=False)
+    return list(made.values())
+
+
+def evaluators(line: Line, recordings: str, into: Path, steps: int | None) -> None:
+    """Train the feature networks on a study's recordings, and put them into the folder `into`."""
+    into.mkdir(parents=True, exist_ok=True)
+    for name, kind in EVALUATORS.items():
+        out = f"evaluators/{name}.safetensors"
+        more = [] if steps is None else ["--steps", str(steps)]
+        words = [*kind, "--data", recordings, "--config", "tiny", "--out", out, *more]
+        line.run("train", "evaluator", *words)
+        shutil.copyfile(line.folder / out, into / f"{name}.safetensors")
+
+
+def digest(files: Any) -> str:
+    """Return a hash of the contents of files."""
+    found = hashlib.sha256()
+    for file in files:
+        found.update(file.read_bytes())
+    return found.hexdigest()[:16]

@@ -1,0 +1,230 @@
+"""What the page of the study of three systems shows of its report, in Markdown."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from analysis.metrics.paper_tables import PAPER_TABLES, TableColumn
+from analysis.report.metric_section import TITLES
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.rehearsal.population import default_population
+from tools.three_systems.line import Took
+from tools.three_systems.networks import Network
+
+PAPERS: Final = ("amuse", "diffsheg", "s2ue")
+
+_ARROWS: Final[Mapping[str, str]] = {"lower": "↓", "higher": "↑", "near the reference": "→ gt"}
+_SYSTEMS: Final[Mapping[str, str]] = {
+    "amuse-speech": "AMUSE's speech model",
+    "amuse": "AMUSE's motion",
+    "diffsheg": "DiffSHEG",
+    "s2ue": "Speech2UnifiedExpressions",
+}
+
+
+BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+
+
+def with_measured(page: str, measured: str) -> str:
+    """Return the page with what was measured between its marks."""
+    before, _, rest = page.partition(BEGIN)
+    _, mark, after = rest.partition(END)
+    if not mark:
+        raise InputError("the page has no place for what is measured", remedy=f"Put {BEGIN} {END}")
+    return f"{before}{BEGIN}\n{measured}\n{END}{after}"
+
+
+def measured(study: StudyFolder, took: Mapping[str, Took], networks: Sequence[Network]) -> str:
+    """Return what is measured: pictures and tables.
+
+    Parameters
+    ----------
+    study : StudyFolder
+        A study with its rehearsal and its report.
+    took : mapping of step to Took
+        In their order.
+    networks : sequence of Network
+        Which ones moved.
+    """
+    results = json.loads((study.report / "results.json").read_text("utf-8"))
+    said = study.study()
+    metrics = _Metrics.of(results)
+    segments = study.segments()
+    people = results["participants"]
+    return "\n".join(
+        [
+            "## What they do",
+            "",
+            f"![Six conditions at five moments of one speech]({_PICTURE}-bodies.png)",
+            "",
+            f"![The faces at the same moments]({_PICTURE}-faces.png)",
+            "",
+            "## What simulated participants prefer",
+            "",
+            f"{people['recruited']} simulated participants took the study over HTTP, of whom "
+            f"{people['attentive']} are analysed, with {len(segments)} segments. Strengths of "
+            "Bradley and Terry (logits, adding up to zero) with 95 % intervals over participants "
+            "and segments, behind what the raters were given to prefer, which is on another scale "
+            "and from another zero: the order counts.",
+            "",
+            *_preferences(results, said),
+            "",
+            "## Beside every metric of the three papers",
+            "",
+            "Scores are those of the report (`my-study/report/results.json`), which measures what "
+            "the papers of a study's systems report, computed as there ([metrics.md](metrics.md)). "
+            "Arrows say which way each paper calls better; → gt is near the recording. τ is "
+            "Kendall's correlation of the metric with the strengths above, signed so that above "
+            "zero they agree: of six conditions it may come out anyhow, and here it tells nothing "
+            "of metrics, since the raters saw no motion.",
+            "",
+            *_metric_tables(metrics),
+            *(f"- {reason}" for reason in metrics.reasons()),
+            "",
+            "## What it took",
+            "",
+            *_times(took),
+            "",
+            "## Whose networks these are",
+            "",
+            *_table(("network", "updates", "kept", "from"), map(_network, networks)),
+            "",
+        ]
+    )
+
+
+_PICTURE: Final = "three-systems"
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Metrics:
+    """What a report says of metrics.
+
+    Attributes
+    ----------
+    scores : mapping of (condition, metric) to mapping
+        As `results.json` has them.
+    taus : mapping of (metric, question) to mapping
+        Kendall's τ with people.
+    conditions, questions : tuple of str
+        In the order of `study.toml`.
+    """
+
+    scores: Mapping[tuple[str, str], Mapping[str, Any]]
+    taus: Mapping[tuple[str, str], Mapping[str, Any]]
+    conditions: tuple[str, ...]
+    questions: tuple[str, ...]
+
+    @classmethod
+    def of(cls, results: Mapping[str, Any]) -> _Metrics:
+        """Return those of `results.json`."""
+        return cls(
+            scores={
+                (one["condition"], one["metric"]): one for one in results["metrics"]["conditions"]
+            },
+            taus={
+                (one["metric"], question): one["kendall"]
+                for question, found in results["metrics_against_people"].items()
+                for one in found["metrics"]
+            },
+            conditions=tuple(results["conditions_shown"]),
+            questions=tuple(results["questions"]),
+        )
+
+    def row(self, column: TableColumn) -> list[str]:
+        """Return a metric's scores of all conditions and its agreement with each question."""
+        name = column.metric
+        scores = [self.scores.get((one, name), {}) for one in self.conditions]
+        unit = next((one["unit"] for one in scores if one.get("unit")), "")
+        taus = [self.taus.get((name, question), {}) for question in self.questions]
+        return [
+            f"{column.block} {column.label}".strip() + (f", {unit}" if unit else ""),
+            _ARROWS.get(column.better, ""),
+            *(_number(one.get("value")) for one in scores),
+            *(_number(one.get("estimate"), ".2f") for one in taus),
+        ]
+
+    def reasons(self) -> list[str]:
+        """Return why scores are missing, and what is to be known of them, each once."""
+        about: dict[str, dict[str, None]] = {}
+        for column in (column for paper in PAPERS for column in PAPER_TABLES[paper]):
+            for condition in self.conditions:
+                one = self.scores.get((condition, column.metric), {})
+                for why in (one.get("reason"), one.get("remark")):
+                    if why:
+                        whom = about.setdefault(why, {})
+                        whom[f"{column.label} of `{condition}`"] = None
+        return [f"{', '.join(whom)}: {why.rstrip('.')}." for why, whom in about.items()]
+
+
+def _preferences(results: Mapping[str, Any], said: Any) -> Iterator[str]:
+    given = default_population(said).quality
+    questions = results["questions"]
+    rows = []
+    for condition in results["conditions_shown"]:
+        row = [f"`{condition}`"]
+        for question in questions:
+            found = results["bradley_terry"][question]
+            strength, low, high = (
+                _number(found[key][condition], ".2f") for key in ("strengths", "low", "high")
+            )
+            row += [f"{given[condition][question]:.2f}", f"{strength} [{low}, {high}]"]
+        rows.append(row)
+    heads = [
+        head for question in questions for head in (f"{question}, given", f"{question}, found")
+    ]
+    yield from _table(("condition", *heads), rows)
+
+
+def _metric_tables(metrics: _Metrics) -> Iterator[str]:
+    for paper in PAPERS:
+        yield f"**{TITLES[paper]}**"
+        yield ""
+        head = ("metric", "better", *(f"`{one}`" for one in metrics.conditions))
+        taus = (f"τ, {question}" for question in metrics.questions)
+        yield from _table((*head, *taus), (metrics.row(one) for one in PAPER_TABLES[paper]))
+        yield ""
+
+
+def _times(took: Mapping[str, Took]) -> Iterator[str]:
+    rows = [
+        [f"`{name}`" if name.startswith("motionjury") else name, _duration(one.processor)]
+        for name, one in took.items()
+    ]
+    rows.append(["all of it", _duration(sum(one.processor for one in took.values()))])
+    yield from _table(("step", "processor time"), rows)
+
+
+def _network(network: Network) -> list[str]:
+    facts = network.training
+    steps = facts.get("config", {}).get("steps", "–")
+    return [
+        _SYSTEMS[network.name],
+        str(steps),
+        f"step {facts.get('best_step', steps)}",
+        "a longer training, given by path" if network.is_given else "this page's command",
+    ]
+
+
+def _table(head: Sequence[str], rows: Any) -> list[str]:
+    return [
+        f"| {' | '.join(head)} |",
+        f"|{'---|' * len(head)}",
+        *(f"| {' | '.join(row)} |" for row in rows),
+    ]
+
+
+def _number(value: float | None, form: str = ".3g") -> str:
+    if value is None or math.isnan(value):
+        return "–"
+    return f"{value:{form}}".replace("e+0", "e")
+
+
+def _duration(seconds: float) -> str:
+    minutes = seconds / 60
+    return f"{seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min"

@@ -1,0 +1,54 @@
+"""Which takes of a corpus are shown and learned from, and bringing them into a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from motion.audio import read_audio
+from motion.segment import EMOTIONS
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import GROUND_TRUTH
+from studyapp.stages.recordings import Take, import_take
+from training.data.take import Take as RecordedTake
+
+
+def shown_takes(takes: Sequence[RecordedTake], each: int) -> list[RecordedTake]:
+    """Return the shortest test takes of each emotion, of speakers that networks learn from."""
+    known = {take.speaker for take in takes if take.split == "train"}
+    test = [take for take in takes if take.split == "test" and take.speaker in known]
+    seconds = {take.name: read_audio(take.speech, sample_rate=None).duration for take in test}
+    test.sort(key=lambda take: (seconds[take.name], take.name))
+    return [
+        take
+        for emotion in EMOTIONS
+        for take in [take for take in test if take.emotion == emotion][:each]
+    ]
+
+
+def learned_takes(takes: Sequence[RecordedTake], each: int) -> list[RecordedTake]:
+    """Return training takes for feature networks: so many of each emotion, of all speakers."""
+    chosen = []
+    for emotion in EMOTIONS:
+        own = [take for take in takes if take.split == "train" and take.emotion == emotion]
+        count = min(each, len(own))
+        chosen += [own[number * len(own) // count] for number in range(count)]
+    return chosen
+
+
+def bring(folder: StudyFolder, takes: Iterable[RecordedTake]) -> None:
+    """Import takes whole as ground truth; those that are there stay."""
+    there = folder.speech / "segments.csv"
+    known = {segment.name for segment in folder.segments()} if there.exists() else set()
+    for take in takes:
+        if take.name in known:
+            continue
+        recorded = Take(
+            motion=take.motion,
+            speech=take.speech,
+            frame_rate=None,
+            segment_seconds=None,
+            condition=GROUND_TRUTH,
+            speaker=take.speaker,
+            emotion=take.emotion,
+        )
+        import_take(folder, recorded)
