@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import tomlkit
 
+from motion.errors import InputError
 from motion.files import write_text
 from studyapp.definition.folder import StudyFolder
 from tools.three_systems.line import Line, places
@@ -58,7 +59,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--participants", type=int, default=60, help="simulated ones")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     given = parser.parse_args(arguments)
-    line, made = make(given)
+    try:
+        line, made = make(given)
+    except InputError as error:
+        raise SystemExit(f"Error: {error}") from error
     study = StudyFolder(line.folder / STUDY)
     text = measured(study, line.took(), made)
     if given.write is None:

@@ -9,6 +9,7 @@ import pytest
 from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
 from motion.segments_table import write_segments
 from studyapp.definition.folder import StudyFolder
+from studyapp.stages.exporting.study_copy import copy_study
 from studyapp.stages.measuring import measure_study
 from studyapp.stages.recordings import Take, import_take
 
@@ -73,6 +74,9 @@ def test_semantic_scores_come_along_and_are_measured_with(
         SemanticSpan(start=0, end=0.5, score=0.7),
     )
     assert read_semantic_scores(folder.semantics("take_03")) == ()
+    copied = StudyFolder(folder.root.with_name("copied"))
+    copy_study(folder, folder.study(), copied, videos=False)
+    assert copied.semantics("take_01").read_text() == folder.semantics("take_01").read_text()
     scores = measure_study(folder, presets=("amuse",), processes=1).conditions
     recall = "semantic-relevant gesture recall (amuse)"
     assert [score.value for score in scores if score.name == recall] == [pytest.approx(1)]
