@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
+from motion.errors import InputError
 from tools.three_systems.line import Line, places
 from training.weights_file import read_weights
 
@@ -64,6 +65,8 @@ def networks(
     for name, usual in STEPS.items():
         file = given.get(name)
         if file is not None:
+            if not file.is_file():
+                raise InputError("there is no such network", where=file, remedy="Check the path")
             made[name] = Network(name=name, file=file.resolve(), is_given=True)
             continue
         out = line.folder / "networks" / f"{name}.safetensors"
