@@ -12,7 +12,11 @@ p mod 4 what is kept from training
 3       nothing
 ======= ==================================================================================
 
-Of speakers who are held out, all takes are for testing, every other passage unheard.
+Where all speak the same passages, the last sixth of each emotion's, at least one, is for testing,
+made of sentences that are spoken nowhere else; as many before it are for validation.
+
+Of speakers who are held out, all takes are for testing, every other passage unheard, or those that
+are unheard of all.
 """
 
 from __future__ import annotations
@@ -94,16 +98,21 @@ def _take(
 ) -> PlannedTake:
     turn = (speaker.number + EMOTIONS.index(emotion)) % 4
     last_passage, last_take = place == request.passages - 1, take == request.takes - 1
-    if held_out:
-        unheard = (speaker.number + EMOTIONS.index(emotion) + place) % 2 == 0
+    split: Split = "train"
+    if request.shared_passages:
+        kept = max(1, request.passages // 6)
+        unheard = place >= request.passages - kept
+        if place >= request.passages - 2 * kept:
+            split = "validation"
+    elif held_out:
+        unheard = (turn + place) % 2 == 0
     else:
         unheard = turn == 0 and last_passage
-    split: Split = "train"
+        if place == 0 and last_take:
+            only_one = request.passages * request.takes == 1
+            split = "validation" if turn == 2 else "test" if turn == 1 and not only_one else "train"
     if held_out or unheard:
         split = "test"
-    elif place == 0 and last_take:
-        only_one = request.passages * request.takes == 1
-        split = "validation" if turn == 2 else "test" if turn == 1 and not only_one else "train"
     before = 0 if request.shared_passages else (speaker.number - 1) * request.passages
     name = recording_name(speaker.number, speaker.name, emotion, place * request.takes + take)
     return PlannedTake(

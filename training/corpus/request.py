@@ -14,6 +14,11 @@ MOST_SPEAKERS: Final = 9999
 """As many as BEAT's names can number."""
 
 
+_LEAST_SHARED: Final = 4
+"""Passages of an emotion that all speak: one for testing, one for validation, and two to tell
+apart."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class CorpusRequest:
     """What to make.
@@ -64,6 +69,11 @@ class CorpusRequest:
             raise InputError(
                 f"{self.sentences} sentences are not as many in each of eight emotions",
                 remedy="Give a multiple of eight",
+            )
+        if self.shared_passages and self.passages < _LEAST_SHARED:
+            raise InputError(
+                f"of {self.sentences} shared sentences, too few are left to learn from",
+                remedy=f"Give at least {_LEAST_SHARED * len(EMOTIONS)}",
             )
         if self.takes < 1 or self.passages * self.takes > MOST_RECORDINGS:
             raise InputError(

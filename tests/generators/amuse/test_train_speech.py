@@ -163,7 +163,7 @@ def test_recordings_without_a_known_speaker_for_validation_are_refused(
 def test_a_corpus_whose_speakers_share_no_texts_is_refused(
     learn: Learn, tmp_path: Path, shared: bool
 ) -> None:
-    claim(tmp_path / "corpus", CorpusRequest(shared_passages=shared))
+    claim(tmp_path / "corpus", CorpusRequest(sentences=32, shared_passages=shared))
     out = tmp_path / "out.safetensors"
     if shared:
         learn(1, out, tmp_path / "corpus")

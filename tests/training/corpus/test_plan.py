@@ -89,6 +89,7 @@ def test_a_speaker_moves_alike_whatever_the_size_of_the_corpus() -> None:
         ({"sentences": 12}, "not as many in each"),
         ({"sentences": 8 * MOST_RECORDINGS, "takes": 2}, "cannot be named"),
         ({"takes": 0}, "cannot be named"),
+        ({"sentences": 24, "shared_passages": True}, "at least 32"),
         ({"seed": -1}, "seed -1"),
         ({"frame_rate": 0.0}, "frame rate"),
     ],
@@ -99,12 +100,29 @@ def test_a_corpus_that_cannot_be_made_is_refused(numbers: dict[str, int], compla
 
 
 def test_speakers_that_share_passages_speak_the_same_under_the_same_text() -> None:
-    request = CorpusRequest(speakers=4, sentences=16, takes=1, shared_passages=True)
+    request = CorpusRequest(speakers=4, sentences=32, takes=1, shared_passages=True)
     texts: dict[tuple[int, int, bool], set[str]] = {}
     for take in planned_takes(request):
         name = BeatName.parse(take.name)
         assert name is not None
         texts.setdefault((name.start, name.end, take.unheard), set()).add(take.text)
     assert {len(spoken) for spoken in texts.values()} == {1}
-    alone = {take.text for take in planned_takes(CorpusRequest(speakers=4, takes=1))}
+    alone = {take.text for take in planned_takes(CorpusRequest(speakers=4, sentences=32, takes=1))}
     assert len(alone) > len(texts)
+
+
+def test_of_shared_passages_the_same_texts_are_held_out_of_all_speakers() -> None:
+    request = CorpusRequest(
+        speakers=4, sentences=96, takes=1, held_out_speakers=1, shared_passages=True
+    )
+    takes = list(planned_takes(request))
+    known = [take for take in takes if not take.held_out_speaker]
+    splits: dict[str, set[str]] = {}
+    for take in known:
+        splits.setdefault(take.text, set()).add(take.split)
+    assert all(len(found) == 1 for found in splits.values())
+    assert Counter(take.split for take in known) == {
+        "train": 8 * 8 * 3, "validation": 2 * 8 * 3, "test": 2 * 8 * 3
+    }  # fmt: skip
+    assert all(take.unheard == (take.split == "test") for take in known)
+    assert {take.split for take in takes if take.held_out_speaker} == {"test"}
