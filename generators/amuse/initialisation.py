@@ -1,20 +1,25 @@
-"""Where a motion prior sets out from, so that it learns movement and not posture alone.
+"""Where AMUSE's networks set out from, so that they learn when something happens.
 
 A frame's values differ by a few hundredths while the learned positions are of the size of 1, and
 attention that looks everywhere alike tells the frames of a window apart only after many thousand
 steps. So the linear layers at both ends set out from the principal components of the frames, and
-attention sets out by looking at what is near in time. The network and what it can learn stay.
+attention sets out by looking at what is near in time. Encoders of speech set out from waves that
+tell a patch's time and pitch, without which the mean over patches forgets both. The networks and
+what they can learn stay.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 import torch
 from torch import Tensor, nn
 
-from generators.amuse.model import MotionPrior
+from generators.amuse.config import PARTS
+from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.speech import SpeechEncoder
 
 _SHORTEST: Final = 12
 """Frames of the fastest wave that tells the time."""
@@ -24,6 +29,42 @@ _SHARPNESS: Final = 3.0
 
 _LEAST_SPREAD: Final = 1e-3
 """Of a principal component; smaller ones are rounding."""
+
+
+_PLACE: Final = 0.2
+"""Size of the waves that tell a patch's place, beside patches of about 1."""
+
+
+@torch.no_grad()
+def place_patches(encoder: SpeechEncoder) -> None:
+    """Let the positions of a fresh encoder tell the time and the pitch of its patches."""
+    embeddings = encoder.transformer.embeddings
+    positions = embeddings.position_embeddings
+    bands, rows = embeddings.get_shape(embeddings.config)
+    half = positions.shape[-1] // 2
+    pitch, time = (_waves(count, half) for count in (bands, rows))
+    places = torch.cat(
+        [time.expand(bands, -1, -1), pitch[:, None].expand(-1, rows, -1)], dim=-1
+    ).flatten(0, 1)
+    positions[0, -len(places) :] = _PLACE * places
+
+
+@torch.no_grad()
+def hear(denoiser: Denoiser, latents: Sequence[Tensor]) -> None:
+    """Set the layers that a fresh denoiser hears by, so that all parts of the speech count alike.
+
+    Parameters
+    ----------
+    denoiser : Denoiser
+        Fresh.
+    latents : sequence of Tensor
+        Content, emotion and style, (windows, condition width) each.
+    """
+    for part, latent in zip(PARTS, latents, strict=False):
+        weight, bias = (denoiser.get_parameter(f"{part}.1.{name}") for name in ("weight", "bias"))
+        heard = latent.relu()
+        weight.div_(heard.std(dim=0).clamp_min(_LEAST_SPREAD))
+        bias.sub_(weight @ heard.mean(dim=0))
 
 
 @torch.no_grad()
@@ -70,6 +111,13 @@ def _code_frames(prior: MotionPrior, frames: Tensor, held: int) -> None:
     first.bias[:count] = -first.weight[:count] @ mean
     last.weight[:, :count] = components * spread
     last.bias.copy_(mean)
+
+
+def _waves(count: int, width: int) -> Tensor:
+    """Return waves (count, width) that tell `count` places, from half a wave's turn to many."""
+    turns = torch.logspace(math.log10(0.5), math.log10(count / 2), width // 2)
+    angles = 2 * math.pi * torch.arange(count)[:, None] / count * turns
+    return torch.cat([angles.sin(), angles.cos()], dim=1)
 
 
 def _times(count: int, frames: int, waves: int, before: int) -> Tensor:

@@ -22,6 +22,7 @@ MASKED_BANDS: Final = 24 / 128
 MASKED_ROWS: Final = 96 / 1024
 """Largest shares of bands and of rows that are masked (Park et al. 2019)."""
 
+_LEAST_APART: Final = 1e-6
 _NOISE: Final = 0.1
 _SHIFT: Final = 10
 
@@ -66,7 +67,10 @@ def speech_losses(
     -------
     dict of str to Tensor
         ``loss``, the sum of the others: ``self``, ``con``, ``xcon``, ``emo``, ``xemo``, ``sty``,
-        ``xsty``. Distances are mean absolute differences over latents or filterbanks.
+        ``xsty``. Distances are mean absolute differences over latents or filterbanks. ``con``, how
+        far a text's contents by two speakers are apart, is in units of how far those of two texts
+        by one speaker are: as printed, it is least where all contents are one, and within some
+        hundred steps they were.
     """
     batch = len(heard)
     flat = heard.flatten(0, 1)
@@ -74,8 +78,9 @@ def speech_losses(
     emotion, emotion_logits = model.emotion(flat)
     style, style_logits = model.style(flat)
     fours = content.view(batch, 4, -1)
+    apart = functional.l1_loss(fours[:, ::2], fours[:, 1::2]).clamp_min(_LEAST_APART)
     parts = {
-        "con": functional.l1_loss(fours[:, :2], fours[:, 2:]),
+        "con": functional.l1_loss(fours[:, :2], fours[:, 2:]) / apart,
         **reconstruction_errors(
             model.decoder, (content, emotion, style), target.flatten(0, 1), counted
         ),

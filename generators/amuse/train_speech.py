@@ -16,6 +16,7 @@ from torch.nn import functional
 
 from generators.amuse.config import SPEECH_PRESETS, SpeechConfig
 from generators.amuse.encoder_weights import WEIGHTS, read_encoder_weights
+from generators.amuse.initialisation import place_patches
 from generators.amuse.network_file import SpeechNetwork, write_speech_network
 from generators.amuse.quadruples import quadruples
 from generators.amuse.speech import (
@@ -96,9 +97,12 @@ class SpeechTask(WindowTask):
     def network(self) -> AnySpeechModel:
         """Return a fresh network."""
         network = speech_model_of(self.config)
-        if self.encoder_weights and isinstance(network, SpeechModel):
+        if isinstance(network, SpeechModel):
             for encoder in (network.content, network.emotion, network.style):
-                encoder.transformer.load_state_dict(self.encoder_weights)
+                if self.encoder_weights:
+                    encoder.transformer.load_state_dict(self.encoder_weights)
+                else:
+                    place_patches(encoder)
         return network.to(self.device)
 
     def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:

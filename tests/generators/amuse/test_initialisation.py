@@ -1,4 +1,4 @@
-"""A prior of several tokens sets out from what the motion is like."""
+"""Networks set out from what motion and speech are like."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import pytest
 import torch
 from torch import Tensor
 
-from generators.amuse.config import MOTION_PRESETS
-from generators.amuse.initialisation import set_out
-from generators.amuse.model import MotionPrior
+from generators.amuse.config import MOTION_PRESETS, SPEECH_PRESETS
+from generators.amuse.initialisation import hear, place_patches, set_out
+from generators.amuse.model import Denoiser, MotionPrior
+from generators.amuse.speech import SpeechEncoder
 
 CONFIG = MOTION_PRESETS["tiny"].network
 
@@ -55,3 +56,32 @@ def test_the_tiny_latent_begins_with_little_noise(motion: Tensor) -> None:
     set_out(prior, motion)
     latent = prior.encode(motion)
     assert latent.std.mean() < 0.3 * latent.mu.std()
+
+
+def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
+    torch.manual_seed(3)
+    config = SPEECH_PRESETS["tiny"].network
+    encoder = SpeechEncoder(config).eval()
+    early = torch.zeros(1, config.frames, config.bands)
+    early[:, 16:32] = 3.0
+    late = early.roll(10 * 16, dims=1)
+    with torch.inference_mode():
+        before = (encoder(early)[0] - encoder(late)[0]).abs().max()
+        place_patches(encoder)
+        after = (encoder(early)[0] - encoder(late)[0]).abs().max()
+    assert before < 1e-4
+    assert after > 1e-2
+
+
+def test_a_denoiser_hears_parts_of_the_speech_alike_however_far_they_spread() -> None:
+    torch.manual_seed(3)
+    denoiser = Denoiser(replace(CONFIG, condition_width=8))
+    latents = [0.3 + spread * torch.randn(500, 8) for spread in (1e-2, 1.0, 30.0)]
+    hear(denoiser, latents)
+    told = [
+        denoiser.get_submodule(f"{part}.1")(latent.relu())
+        for part, latent in zip(("content", "emotion", "style"), latents, strict=True)
+    ]
+    spreads = [float(one.std(dim=0).mean().detach()) for one in told]
+    assert max(spreads) < 1.5 * min(spreads)
+    assert all(float(one.detach().mean(dim=0).abs().max()) < 1 for one in told)

@@ -61,6 +61,20 @@ def test_swapping_parts_of_equal_speech_costs_nothing() -> None:
         assert losses[name] == pytest.approx(losses["self"], rel=1e-5)
 
 
+def test_contents_gain_nothing_by_all_coming_nearer() -> None:
+    torch.manual_seed(1)
+    model = SpeechModel(SMALL).eval()
+    classes = torch.tensor([[0, 0, 0, 0]]), torch.tensor([[0, 0, 1, 1]])
+    found = []
+    for _ in range(2):
+        losses = speech_losses(model, _four(), _four(), *classes, SpeechLosses())
+        found.append(float(losses["con"].detach()))
+        linear = model.content.feature_head[1]
+        with torch.no_grad():
+            linear.weight *= 10
+    assert found[0] == pytest.approx(found[1], rel=0.1)
+
+
 def test_masks_stay_within_their_shares_and_hide_the_same_from_both() -> None:
     torch.manual_seed(2)
     filterbanks = torch.ones(40, 1024, 128)
