@@ -30,6 +30,16 @@ class Diffusion(NoiseSchedule):
         alpha_bar = self.alpha_bar_at(t, x_t)
         return (x_t - (1 - alpha_bar).sqrt() * eps) / alpha_bar.sqrt()
 
+    def v(self, x0: Tensor, eps: Tensor, t: Tensor) -> Tensor:
+        """Return the velocity at diffusion steps `t`, of variance 1 at all (Salimans & Ho 2022)."""
+        alpha_bar = self.alpha_bar_at(t, x0)
+        return alpha_bar.sqrt() * eps - (1 - alpha_bar).sqrt() * x0
+
+    def eps_of_v(self, x_t: Tensor, v: Tensor, t: Tensor) -> Tensor:
+        """Return the noise in `x_t` whose velocity is `v`."""
+        alpha_bar = self.alpha_bar_at(t, x_t)
+        return alpha_bar.sqrt() * v + (1 - alpha_bar).sqrt() * x_t
+
     def alpha_bar_at(self, t: Tensor, motion: Tensor) -> Tensor:
         """Return `alpha_bar` at each of the steps `t`, to be multiplied with `motion`."""
         alpha_bar = torch.as_tensor(self.alpha_bar, dtype=torch.float32, device=motion.device)[t]

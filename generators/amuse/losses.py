@@ -83,9 +83,10 @@ def motion_losses(
     latents : sequence of Tensor
         Content, emotion and style, (batch, 1, condition width) each.
     noise : Tensor
-        (3, batch, tokens, width): for the prior's latent, for the diffusion, and to denoise from.
+        (2 + draws, batch, tokens, width): for the prior's latent, to denoise from, and for the
+        diffusion.
     timestep : Tensor
-        (batch,) diffusion steps.
+        (draws, batch) diffusion steps.
     weights : LossWeights
         How the parts add up.
 
@@ -104,16 +105,27 @@ def motion_losses(
     if weights.rec or weights.vrec:
         parts |= _missed(model, motion, points, z, "rec", "vrec", weights)
     if weights.ld:
-        z_t = SCALED_LINEAR.x_t(z.detach(), noise[1], timestep)
-        parts["ld"] = functional.mse_loss(model.denoiser(z_t, timestep, *latents), noise[1])
+        parts["ld"] = _unpredicted(model.denoiser, z.detach(), latents, noise[2:], timestep)
     if weights.align or weights.valign:
         with torch.no_grad():
-            z = SCALED_LINEAR.ddim(noise[2], lambda z_t, t: model.denoiser(z_t, t, *latents), STEPS)
+            z = SCALED_LINEAR.ddim(noise[1], lambda z_t, t: model.denoiser(z_t, t, *latents), STEPS)
         parts |= _missed(model, motion, points, z, "align", "valign", weights)
     total = sum(
         (getattr(weights, name) * part for name, part in parts.items()), motion.new_zeros(())
     )
     return {"loss": total, **parts}
+
+
+def _unpredicted(
+    denoiser: Denoiser, z: Tensor, latents: Sequence[Tensor], noise: Tensor, timestep: Tensor
+) -> Tensor:
+    """Return what the denoiser does not predict of each draw of noise (draws, batch, …)."""
+    draws, t, eps = len(noise), timestep.flatten(), noise.flatten(0, 1)
+    z = z.repeat(draws, 1, 1)
+    told = [latent.repeat(draws, 1, 1) for latent in latents]
+    predicted = denoiser.predict(SCALED_LINEAR.x_t(z, eps, t), t, *told)
+    wanted = eps if denoiser.config.predicts == "eps" else SCALED_LINEAR.v(z, eps, t)
+    return functional.mse_loss(predicted, wanted)
 
 
 def _missed(

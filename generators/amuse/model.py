@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, nn
 
 from generators.amuse.config import PARTS, MotionConfig
-from training.diffusion import step_embedding
+from training.diffusion import SCALED_LINEAR, step_embedding
 
 
 class Gaussian(NamedTuple):
@@ -175,7 +175,14 @@ class Denoiser(nn.Module):
         self.final_layer = nn.Identity() if config.prior else nn.Linear(width, frame)
 
     def forward(self, z_t: Tensor, timestep: Tensor, *speech: Tensor) -> Tensor:
-        """Return eps, the noise in `z_t`.
+        """Return eps, the noise in `z_t`, whatever the layers tell; see `predict`."""
+        predicted = self.predict(z_t, timestep, *speech)
+        if self.config.predicts == "eps":
+            return predicted
+        return SCALED_LINEAR.eps_of_v(z_t, predicted, timestep)
+
+    def predict(self, z_t: Tensor, timestep: Tensor, *speech: Tensor) -> Tensor:
+        """Return what the layers tell of `z_t`: its noise, or its velocity.
 
         Parameters
         ----------
@@ -196,5 +203,5 @@ class Denoiser(nn.Module):
         step = self.time_embedding(step_embedding(t, self.config.condition_width))
         told = (self.get_submodule(part)(one) for part, one in zip(PARTS, speech, strict=False))
         x = torch.cat([self.embedding(z_t), step[:, None].to(z_t.dtype), *told], dim=1)
-        eps: Tensor = self.final_layer(self.encoder(self.query_pos(x))[:, : z_t.shape[1]])
-        return eps
+        predicted: Tensor = self.final_layer(self.encoder(self.query_pos(x))[:, : z_t.shape[1]])
+        return predicted

@@ -14,7 +14,7 @@ from torch import Tensor
 
 from generators.amuse.config import MOTION_PRESETS, MotionConfig
 from generators.amuse.generate import FRAME_RATE, heard_windows
-from generators.amuse.initialisation import set_out
+from generators.amuse.initialisation import hear, set_out
 from generators.amuse.losses import (
     DENOISER_ALONE,
     PRIOR_ALONE,
@@ -55,8 +55,12 @@ HELD_OUT: Final = 128
 SEEN: Final = 1_000
 """At most so many windows tell the mean of the motion."""
 
+DRAWS: Final = 4
+"""How often a latent gets noise in an update. The paper does it once; the denoiser is small beside
+the prior and the fifty steps of the third pass, and learns four times as much."""
+
 STAGES: Final = {"prior": PRIOR_ALONE, "denoiser": DENOISER_ALONE}
-"""What counts where prior and denoiser learn one after the other (Table A.4)."""
+"""What counts where prior or denoiser learns alone."""
 
 COUNTED: Final = {"without_alignment": WITHOUT_ALIGNMENT, "without_prior": DENOISER_ALONE}
 """What counts in ablations that leave out losses."""
@@ -82,11 +86,13 @@ class MotionTask(WindowTask):
     weights: LossWeights
 
     def network(self) -> MotionModel:
-        """Return fresh networks, whose prior sets out from what the motion is like."""
+        """Return fresh networks that set out from what motion and speech are like."""
         model = MotionModel(self.config)
-        seen = self.training.batch(evenly(self.examples, SEEN))["motion"]
+        seen = self.training.batch(evenly(self.examples, SEEN))
         if isinstance(model.prior, MotionPrior):
-            set_out(model.prior, torch.from_numpy(seen))
+            set_out(model.prior, torch.from_numpy(seen["motion"]))
+        told = torch.from_numpy(seen["latents"][:, 0])
+        hear(model.denoiser, torch.chunk(told, self.config.conditions, dim=-1))
         return model.to(self.device)
 
     def losses(self, network: MotionModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
@@ -96,8 +102,8 @@ class MotionTask(WindowTask):
     def losses_of(
         self, name: str, network: MotionModel, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
-        """Return the losses of the prior's or the denoiser's stage, where they learn apart."""
-        return self._losses(network, self.training, rows, STAGES[name])
+        """Return the losses of a stage, in which one learns alone or both together."""
+        return self._losses(network, self.training, rows, STAGES.get(name, self.weights))
 
     def validation(self, network: MotionModel) -> Mapping[str, float]:
         """Return `motion_losses` of held-out windows, evenly among them.
@@ -120,8 +126,8 @@ class MotionTask(WindowTask):
         motion = values["motion"]
         # All frames of a window are told the same of its speech.
         told = values["latents"][:, :1]
-        noise = torch.randn(3, len(rows), *network.prior.latent_shape).to(self.device)
-        timestep = torch.randint(0, SCALED_LINEAR.steps, (len(rows),)).to(self.device)
+        noise = torch.randn(2 + DRAWS, len(rows), *network.prior.latent_shape).to(self.device)
+        timestep = torch.randint(0, SCALED_LINEAR.steps, (DRAWS, len(rows))).to(self.device)
         latents = torch.chunk(told, self.config.conditions, dim=-1)
         return motion_losses(network, motion, latents, noise, timestep, weights)
 
@@ -182,15 +188,9 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         device=request.device,
     )
     training = preset.trained_on(task.examples, request.changes)
-    if ablation == "disjoint":
-        half = max(1, training.steps // 2)
-        training = replace(
-            training,
-            passes=(
-                Pass(name="prior", parts=("prior",), end=half),
-                Pass(name="denoiser", parts=("denoiser",), first=half),
-            ),
-        )
+    if config.prior:
+        passes = _passes(preset.together, training.steps, disjoint=ablation == "disjoint")
+        training = replace(training, passes=passes)
     trained, facts = learn(request, task, training, ("transformers",))
     model = trained.network.cpu()
     facts |= {"speech_model": identity}
@@ -201,7 +201,7 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
     return TrainedGenerator(
         sentences=(
             f"Learned from {len(task.training)} windows of {config.frames / FRAME_RATE:g} s.",
-            f"Noise that it does not find in {len(task.held_out)} held-out windows: "
+            f"What the denoiser does not predict in {len(task.held_out)} held-out windows: "
             f"{found['ld']:.3f} of 1. The motion that it tells to their speech misses theirs by "
             f"{found['align']:.4f}"
             + (f", its reconstruction by {found['rec']:.4f}." if "rec" in found else "."),
@@ -210,6 +210,15 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         warnings=(),
         skipped=prepared.skipped,
     )
+
+
+def _passes(together: int | None, steps: int, *, disjoint: bool) -> tuple[Pass, ...]:
+    """Return what learns when: both together and then the denoiser, or one after the other."""
+    if together is None and not disjoint:
+        return ()
+    alone = together or max(1, steps // 2)
+    first = Pass(name="prior", parts=("prior",)) if disjoint else Pass(name="together")
+    return replace(first, end=alone), Pass(name="denoiser", parts=("denoiser",), first=alone)
 
 
 def _speech_of(request: TrainingRequest) -> tuple[SpeechNetwork, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import pytest
 import torch
@@ -30,8 +31,8 @@ def _losses(model: MotionModel, weights: LossWeights) -> dict[str, torch.Tensor]
     random = torch.Generator().manual_seed(2)
     motion = torch.randn(2, 12, 333, generator=random)
     latents = [torch.randn(2, 1, 8, generator=random) for _ in range(3)]
-    noise = torch.randn(3, 2, 1, SMALL.width, generator=random)
-    return motion_losses(model, motion, latents, noise, torch.tensor([3, 700]), weights)
+    noise = torch.randn(4, 2, 1, SMALL.width, generator=random)
+    return motion_losses(model, motion, latents, noise, torch.tensor([[3, 700], [0, 500]]), weights)
 
 
 def _taught(model: MotionModel, weights: LossWeights) -> set[str]:
@@ -92,3 +93,23 @@ def test_losses_that_count_nothing_are_not_computed(model: MotionModel) -> None:
     assert set(_losses(model, WITHOUT_ALIGNMENT)) == {"loss", "kl", "rec", "vrec", "ld"}
     assert set(_losses(model, PRIOR_ALONE)) == {"loss", "kl", "rec", "vrec"}
     assert set(_losses(model, DENOISER_ALONE)) == {"loss", "ld"}
+
+
+@pytest.mark.parametrize("predicts", ["eps", "v"])
+@torch.inference_mode()
+def test_each_draw_of_noise_counts_alike(predicts: Literal["eps", "v"]) -> None:
+    torch.manual_seed(5)
+    model = MotionModel(replace(SMALL, predicts=predicts)).eval()
+    random = torch.Generator().manual_seed(2)
+    motion = torch.randn(2, 12, 333, generator=random)
+    latents = [torch.randn(2, 1, 8, generator=random) for _ in range(3)]
+    noise = torch.randn(4, 2, 1, SMALL.width, generator=random)
+    steps = torch.tensor([[3, 700], [0, 500]])
+    alone = [
+        motion_losses(
+            model, motion, latents, noise[[0, 1, draw + 2]], steps[[draw]], DENOISER_ALONE
+        )
+        for draw in range(2)
+    ]
+    together = motion_losses(model, motion, latents, noise, steps, DENOISER_ALONE)
+    assert float(together["ld"]) == pytest.approx(sum(float(one["ld"]) for one in alone) / 2)

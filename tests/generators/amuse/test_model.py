@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 import torch
 
 from generators.amuse.config import MotionConfig
 from generators.amuse.model import Denoiser, MotionPrior
+from training.diffusion import SCALED_LINEAR
 
 SMALL = MotionConfig(
     motion_width=12,
@@ -68,3 +71,13 @@ def test_each_latent_of_a_batch_has_its_own_step() -> None:
         together = denoiser(z, torch.tensor([5, 900]), *conditions)
         alone = denoiser(z[1:], torch.tensor(900), *(one[1:] for one in conditions))
     torch.testing.assert_close(together[1:], alone)
+
+
+def test_the_noise_of_a_denoiser_that_tells_the_velocity_follows_from_it() -> None:
+    torch.manual_seed(4)
+    denoiser = Denoiser(replace(SMALL, predicts="v")).eval()
+    z0, eps = torch.randn(2, 3, 1, SMALL.width)
+    t = torch.tensor([10, 500, 990])
+    denoiser.predict = lambda *_: SCALED_LINEAR.v(z0, eps, t)  # type: ignore[method-assign]
+    found = denoiser(SCALED_LINEAR.x_t(z0, eps, t), t)
+    assert torch.allclose(found, eps, atol=1e-5)

@@ -63,7 +63,10 @@ def _takes() -> PreparedTakes:
 def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Learn:
     settings = written_networks(tmp_path)
     tiny = replace(
-        MOTION_PRESETS["tiny"], network=replace(MOTION, frames=FRAMES, tokens=2), stride=FRAMES
+        MOTION_PRESETS["tiny"],
+        network=replace(MOTION, frames=FRAMES, tokens=2),
+        stride=FRAMES,
+        together=4,
     )
     monkeypatch.setattr("generators.amuse.train.MOTION_PRESETS", {"tiny": tiny})
     monkeypatch.setattr("generators.amuse.losses.STEPS", 5)
@@ -102,16 +105,19 @@ def test_a_short_training_reconstructs_and_denoises_better_than_its_beginning(
     assert "30 windows of 0.4 s" in said.sentences[0]
 
 
-def test_prior_and_denoiser_can_learn_one_after_the_other(learn: Learn, tmp_path: Path) -> None:
+@pytest.mark.parametrize("ablation", [None, "disjoint"])
+def test_the_denoiser_learns_on_alone_after_both_or_after_the_prior(
+    learn: Learn, tmp_path: Path, ablation: str | None
+) -> None:
     out = tmp_path / "out.safetensors"
-    learn(8, out, ablation="disjoint")
+    learn(8, out, ablation=ablation)
     log = (tmp_path / "out.run" / "log.jsonl").read_text().splitlines()
     learned = [set(json.loads(line)) for line in log if "held_out" not in line]
     assert [("rec" in names, "ld" in names) for names in learned] == [
-        *[(True, False)] * 4,
+        *[(True, ablation is None)] * 4,
         *[(False, True)] * 4,
     ]
-    assert load_motion_networks(out).training["ablation"] == "disjoint"
+    assert load_motion_networks(out).training["ablation"] == ablation
 
 
 def test_a_network_without_alignment_is_measured_by_all_losses(
