@@ -23,13 +23,12 @@ RULE_BASED: Final = "rule_based"
 UNTRAINED: Final = "untrained"
 
 
-def trained_name(seed: int) -> str:
-    """Return the condition of the network that was trained with `seed`."""
-    return f"trained_{seed}"
-
-
 def write_study(
-    root: Path, takes: Sequence[Take], networks: Mapping[str, Path], *, seed: int
+    root: Path,
+    takes: Sequence[Take],
+    generators: Mapping[str, Mapping[str, str | Path]],
+    *,
+    seed: int,
 ) -> StudyFolder:
     """Write the study; motion that is there already stays.
 
@@ -39,8 +38,8 @@ def write_study(
         Its folder.
     takes : sequence of Take
         Whose speech is moved to.
-    networks : mapping of condition to path
-        DiffSHEG's files.
+    generators : mapping of condition to mapping
+        Each learned one's name and files, as a study tells them.
     seed : int
         Of all generators.
     """
@@ -63,19 +62,21 @@ def write_study(
         )
     write_segments(folder.speech, segments)
     write_recordings(takes, lambda take: folder.clip(GROUND_TRUTH, take.name))
-    write_text(folder.definition, _definition(root, networks, seed))
+    write_text(folder.definition, _definition(root, generators, seed))
     return folder
 
 
-def _definition(root: Path, networks: Mapping[str, Path], seed: int) -> str:
+def _definition(root: Path, generators: Mapping[str, Mapping[str, str | Path]], seed: int) -> str:
     conditions: dict[str, dict[str, str]] = {
         GROUND_TRUTH: {},
         MISMATCHED: {"generator": MISMATCHED, "source": GROUND_TRUTH},
         RULE_BASED: {"generator": RULE_BASED},
     }
-    for condition, file in networks.items():
-        checkpoint = os.path.relpath(file, root)
-        conditions[condition] = {"generator": "diffsheg", "checkpoint": checkpoint}
+    for condition, told in generators.items():
+        conditions[condition] = {
+            key: os.path.relpath(value, root) if isinstance(value, Path) else value
+            for key, value in told.items()
+        }
     return tomlkit.dumps(
         {
             "name": "learned-motion",

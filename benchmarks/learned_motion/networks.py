@@ -1,55 +1,137 @@
-"""The networks that are compared: feature networks, DiffSHEG trained and DiffSHEG untrained."""
+"""The networks that are compared, DiffSHEG's and AMUSE's, and those that judge them."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 import torch
 
 from analysis.metrics.networks.clip_views import Channels
+from analysis.metrics.networks.design import Kind
 from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
 from analysis.metrics.networks.training import train_evaluator
 from analysis.metrics.networks.training_clips import ClipSource
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import load_network, write_network
 from generators.registry import trainable_of
-from generators.trainable import Show, TrainingRequest
+from generators.trainable import TrainingRequest
 from motion.formats import read_clip
+from studyapp.command.progress import progress
 from training.data.take import Take, TakeFolder
 from training.run_folder import RunFolder
 
-LOOKED_AT: Final[tuple[Channels, ...]] = ("gesture", "expression")
-"""What feature networks look at: for FGD and for FED."""
+SYSTEMS: Final = ("diffsheg", "amuse")
+
+ABLATIONS: Final = ("without_alignment", "disjoint", "without_prior", "mfcc")
+"""Of AMUSE: appendix C.3, Table A.4 and both of Table A.3."""
+
+STEPS: Final = MappingProxyType({"diffsheg": 1_500})
+"""In place of the config's, so that all networks are trained within an hour and a half."""
+
+JUDGES: Final[tuple[tuple[str, Kind, Channels], ...]] = (
+    ("gesture", "motion", "gesture"),
+    ("expression", "motion", "expression"),
+    ("emotion", "emotion", "body"),
+    ("speaker", "emotion", "body"),
+)
+"""Feature networks: for FGD, for FED, AMUSE's M for emotions, and the same for speakers."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Network:
+    """A network that is trained on the corpus.
+
+    Attributes
+    ----------
+    system : {'diffsheg', 'amuse', 'amuse-speech'}
+        Which.
+    seed : int
+        Of its training.
+    ablation : str or None
+        What is left out of it.
+    """
+
+    system: str
+    seed: int
+    ablation: str | None = None
+
+    @property
+    def name(self) -> str:
+        """How its file and its condition are called."""
+        left_out = f"_{self.ablation}" if self.ablation else ""
+        return f"{self.system}{left_out}_{self.seed}".replace("-", "_")
+
+    @property
+    def hears_by(self) -> Network | None:
+        """The speech model that AMUSE's motion networks learn from."""
+        if self.system != "amuse":
+            return None
+        left_out = "mfcc" if self.ablation == "mfcc" else None
+        return Network(system="amuse-speech", seed=self.seed, ablation=left_out)
+
+    def files(self, folder: Path) -> dict[str, Path]:
+        """Return the files of its generator, by the keys of a study."""
+        hears_by = {} if self.hears_by is None else {"speech_model": self.hears_by.file(folder)}
+        return {"checkpoint": self.file(folder), **hears_by}
+
+    def file(self, folder: Path) -> Path:
+        """Return where its weights lie below a folder."""
+        return folder / f"{self.name}.safetensors"
 
 
 def train_network(
-    takes: TakeFolder, out: Path, cache: Path, *, seed: int, steps: int | None, show: Show
-) -> None:
-    """Train DiffSHEG's tiny config on `takes` unless `out` is there already."""
+    takes: TakeFolder, network: Network, folder: Path, *, cache: Path, steps: int | None = None
+) -> Path:
+    """Train the tiny config of a network, and what it hears by, unless they are there already.
+
+    Parameters
+    ----------
+    takes : TakeFolder
+        The corpus.
+    network : Network
+        Which one.
+    folder : Path
+        For its weights.
+    cache : Path
+        For what is computed of the takes.
+    steps : int, optional
+        In place of the config's.
+    """
+    out = network.file(folder)
     if out.exists():
-        return
-    changes: dict[str, object] = {"seed": seed}
-    if steps is not None:
-        changes["steps"] = steps
-    request = TrainingRequest(
-        takes=takes,
-        out=out,
-        cache=cache,
-        config="tiny",
-        changes=changes,
-        show_preparing=show,
-        show_training=show,
-    )
-    trainable_of("diffsheg").load()(request)
+        return out
+    choices = {} if network.ablation is None else {"ablation": network.ablation}
+    if network.hears_by is not None:
+        speech = train_network(takes, network.hears_by, folder, cache=cache, steps=steps)
+        choices["speech_model"] = str(speech)
+        if network.hears_by.ablation is not None:
+            del choices["ablation"]
+    changes: dict[str, object] = {"seed": network.seed}
+    if steps is not None or network.system in STEPS:
+        changes["steps"] = steps or STEPS[network.system]
+    with progress(network.name, "step") as show:
+        request = TrainingRequest(
+            takes=takes,
+            out=out,
+            cache=cache,
+            config="tiny",
+            changes=changes,
+            choices=choices,
+            show_preparing=show,
+            show_training=show,
+        )
+        trainable_of(network.system).load()(request)
+    return out
 
 
 def write_untrained(trained: Path, out: Path, *, seed: int) -> None:
-    """Write the network of `trained` with weights as they are before any training."""
+    """Write DiffSHEG's network of `trained` with weights as they are before any training."""
     network = load_network(trained, "beat", None)
     with torch.random.fork_rng():
         torch.manual_seed(seed)
@@ -59,27 +141,32 @@ def write_untrained(trained: Path, out: Path, *, seed: int) -> None:
 
 def train_evaluators(
     takes: Sequence[Take], clips: Mapping[str, Path], folder: Path, *, steps: int | None
-) -> list[Path]:
-    """Train the feature networks on recorded clips unless their files are there already."""
-    sources = [
-        ClipSource(
-            name=take.name,
-            recording=take.name,
-            emotion=take.emotion,
-            sha256=hashlib.sha256(clips[take.name].read_bytes()).hexdigest(),
-            read=partial(read_clip, clips[take.name]),
-        )
-        for take in takes
-    ]
-    made = []
-    for channels in LOOKED_AT:
-        out = folder / f"{channels}.safetensors"
-        made.append(out)
+) -> dict[str, Path]:
+    """Train the feature networks on recorded clips unless their files are there already.
+
+    Returns
+    -------
+    dict of str to Path
+        By name, as in `JUDGES`; ``speaker`` takes whoever moves for an emotion.
+    """
+    made = {}
+    for name, kind, channels in JUDGES:
+        out = made[name] = folder / f"{name}.safetensors"
         if out.exists():
             continue
-        usual = TRAINING["motion", "tiny"]
+        sources = [
+            ClipSource(
+                name=take.name,
+                recording=take.name,
+                emotion=take.speaker if name == "speaker" else take.emotion,
+                sha256=hashlib.sha256(clips[take.name].read_bytes()).hexdigest(),
+                read=partial(read_clip, clips[take.name]),
+            )
+            for take in takes
+        ]
+        usual = TRAINING[kind, "tiny"]
         request = EvaluatorRequest(
-            kind="motion",
+            kind=kind,
             size="tiny",
             channels=channels,
             training=usual if steps is None else replace(usual, steps=steps),

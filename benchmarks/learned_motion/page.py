@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Final
+
+import numpy as np
 
 from analysis.metrics import network_names as names
 from analysis.metrics.conditions import StudyMetrics
+from analysis.metrics.emotion_accuracy import EmotionConfusion
 from benchmarks.learned_motion.comparison import Followings, Verdict, score_of, written
+from benchmarks.learned_motion.editing import Edited
+from studyapp.definition.study import GROUND_TRUTH
 
 SCORES: Final = (
     ("FGD ↓", names.FGD),
@@ -17,6 +24,7 @@ SCORES: Final = (
     ("L1div, m", "deviation from the mean pose"),
     ("variance of gesture features", f"variance of features ({names.GESTURE})"),
     ("beat alignment − chance", "beat alignment above chance (amuse)"),
+    ("emotion named", "gesture emotion accuracy"),
 )
 """Columns, and how the metric's name begins."""
 
@@ -28,25 +36,49 @@ FOLLOWED: Final = (
 )
 
 
-def page(
-    metrics: StudyMetrics,
-    found: Mapping[str, Followings],
-    judged: Sequence[Verdict],
-    facts: Sequence[str],
-) -> str:
-    """Return the page.
+HEARD: Final = MappingProxyType(
+    {
+        "emotion accuracy": "emotion",
+        "emotion F1": "F1",
+        "style accuracy": "speaker",
+        "style F1": "F1",
+        "self of fours": "own latents",
+        "xcon": "another's content",
+        "xemo": "another's emotion",
+        "xsty": "another's style",
+    }
+)
+"""What is told of a speech model, and the titles of columns."""
 
-    Parameters
+
+@dataclass(frozen=True, kw_only=True)
+class Findings:
+    """All that is measured.
+
+    Attributes
     ----------
     metrics : StudyMetrics
         Of all conditions.
-    found : mapping of condition to Followings
+    followed : mapping of condition to Followings
         In the order of the tables.
-    judged : sequence of Verdict
+    judged : mapping of system to sequence of Verdict
         What is asked of trained networks.
-    facts : sequence of str
-        Sentences that say how the numbers were made.
+    heard : mapping of condition to mapping
+        What speech models hear apart; see `heard_apart`.
+    edited : mapping of condition to Edited
+        What edits of the emotion do.
     """
+
+    metrics: StudyMetrics
+    followed: Mapping[str, Followings]
+    judged: Mapping[str, Sequence[Verdict]]
+    heard: Mapping[str, Mapping[str, float]]
+    edited: Mapping[str, Edited]
+
+
+def page(found: Findings, facts: Sequence[str]) -> str:
+    """Return the page of all findings; `facts` are sentences that say how they were made."""
+    metrics = found.metrics
     return "\n".join(
         [
             "# Learned motion beside the truth",
@@ -54,9 +86,10 @@ def page(
             "Made by `make bench-learned-motion`; written anew by every run.",
             "",
             "Networks learn from the synthetic corpus (docs/corpus.md), whose motion comes from a "
-            "known process, and move to speech that they never heard. `trained_1` and so on are "
-            "DiffSHEG's tiny config from different seeds; `untrained` is the same network with its "
-            "first weights; `mismatched` is recorded motion of other takes.",
+            "known process, and move to speech that they never heard. `diffsheg_1` and so on are "
+            "tiny configs from different seeds; `untrained` is DiffSHEG's network with its first "
+            "weights; `mismatched` is recorded motion of other takes. `amuse_without_alignment_1` "
+            "and so on are AMUSE's ablations (docs/amuse.md).",
             "",
             "## Automatic metrics",
             "",
@@ -67,7 +100,7 @@ def page(
                         condition,
                         *(_number(score_of(metrics, condition, name)) for _, name in SCORES),
                     ]
-                    for condition in found
+                    for condition in found.followed
                 ],
             ),
             "",
@@ -102,23 +135,100 @@ def page(
                             for side in (one.own, one.swapped)
                         ),
                     ]
-                    for condition, one in found.items()
+                    for condition, one in found.followed.items()
                 ],
             ),
             "",
             "## What is asked of a trained network",
             "",
             *_table(
-                ("claim", "all seeds", "numbers"),
-                [[one.claim, "yes" if one.holds else "**no**", one.evidence] for one in judged],
+                ("system", "claim", "all seeds", "numbers"),
+                [
+                    [system, one.claim, "yes" if one.holds else "**no**", one.evidence]
+                    for system, judged in found.judged.items()
+                    for one in judged
+                ],
             ),
             "",
+            *_heard(found.heard),
+            *_edited(found.edited, metrics),
             "## How",
             "",
             *(f"- {fact}" for fact in facts),
             "",
         ]
     )
+
+
+def _heard(heard: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Return what speech models hear apart, as Tables A.1 and A.2 of AMUSE's paper show it."""
+    return [
+        "## What AMUSE's speech models hear apart",
+        "",
+        "Of the test takes' windows. Chance names one emotion of eight and one speaker of six. "
+        "Errors are mean absolute differences of standardised filterbanks: rebuilt from their own "
+        "latents, and with one latent of another of the same four recordings.",
+        "",
+        *_table(
+            ("speech model of", *HEARD.values()),
+            [[name, *(_number(one[key]) for key in HEARD)] for name, one in heard.items()],
+        ),
+        "",
+    ]
+
+
+def _edited(edited: Mapping[str, Edited], metrics: StudyMetrics) -> list[str]:
+    """Return what edits do, and the confusions of Figures A.11 and A.12, counts of all seeds."""
+    recorded = [one for one in metrics.confusions if one.condition == GROUND_TRUTH]
+    counts = sum(np.array(one.confusion.counts) for one in edited.values())
+    told = next(iter(edited.values())).confusion
+    everything = replace(told, counts=tuple(map(tuple, np.asarray(counts).tolist())))
+    return [
+        "## Another emotion by name",
+        "",
+        "Each edit keeps the speech and its noise, and tells AMUSE the mean latent of one of the "
+        "other seven emotions. Named: the share that a classifier of recorded motion takes for the "
+        "emotion that was told. Speaker: the share that a second one takes for their own speaker. "
+        "Wrists: correlation of their speed before and after the edit.",
+        "",
+        *_table(
+            (
+                "condition",
+                "emotion named",
+                "speaker, unedited",
+                "speaker, edited",
+                "wrists",
+                "stroke alignment − chance, unedited",
+                "stroke alignment − chance, edited",
+            ),
+            [
+                [
+                    name,
+                    _number(one.accuracy),
+                    _number(one.speaker_before),
+                    _number(one.speaker_after),
+                    _number(one.speed),
+                    written(one.strokes_before),
+                    written(one.strokes_after),
+                ]
+                for name, one in edited.items()
+            ],
+        ),
+        "",
+        "Told (rows) and named (columns), edits of all seeds:",
+        "",
+        *_confusion(everything),
+        "",
+        "Spoken and named, recorded test takes:",
+        "",
+        *(line for one in recorded for line in _confusion(one)),
+        "",
+    ]
+
+
+def _confusion(confusion: EmotionConfusion) -> list[str]:
+    rows = zip(confusion.spoken, confusion.counts, strict=True)
+    return _table(("", *confusion.named), [[told, *map(str, counts)] for told, counts in rows])
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -6,10 +6,12 @@ import pytest
 
 from analysis.metrics import network_names as names
 from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from analysis.metrics.emotion_accuracy import EmotionConfusion
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
 from benchmarks.learned_motion.comparison import Followings, score_of, verdicts, written
+from benchmarks.learned_motion.editing import Edited
 from benchmarks.learned_motion.following import MEASURES, MeanFollowed
-from benchmarks.learned_motion.page import page
+from benchmarks.learned_motion.page import HEARD, Findings, page
 from studyapp.definition.study import GROUND_TRUTH
 
 NOTHING = MeanFollowed(mean=math.nan, low=math.nan, high=math.nan, clips=0)
@@ -99,8 +101,35 @@ def test_the_page_tells_missing_numbers_from_zero_and_fallen_claims_from_held_on
         "trained_1": following(0.3, 0.2),
     }
     distances = {"trained_1": 3.25, UNTRAINED: 10.0, RULE_BASED: 8.0}
-    text = page(METRICS, found, verdicts(distances, found, ("trained_1",)), ["Made of nothing."])
+    judged = {"diffsheg": verdicts(distances, found, ("trained_1",))}
+    confusion = EmotionConfusion(
+        condition="edited",
+        network="a" * 64,
+        spoken=("anger", "fear"),
+        named=("anger", "fear"),
+        counts=((3, 1), (2, 4)),
+    )
+    edited = Edited(
+        confusion=confusion,
+        speaker_before=0.9,
+        speaker_after=0.8,
+        speed=0.5,
+        strokes_before=around(0.1),
+        strokes_after=NOTHING,
+    )
+    text = page(
+        Findings(
+            metrics=METRICS,
+            followed=found,
+            judged=judged,
+            heard={"amuse_1": dict.fromkeys(HEARD, 0.5)},
+            edited={"amuse_1": edited, "amuse_2": edited},
+        ),
+        ["Made of nothing."],
+    )
     assert "| untrained | 10 | – | – |" in text
+    assert "| amuse_1 | 0.7 | 0.9 | 0.8 | 0.5 | 0.100 [0.050, 0.150] | – |" in text
+    assert "| fear | 4 | 8 |" in text
     assert "| trained_1 | 3.25 |" in text
     assert text.count("**no**") == 3
     assert "- Made of nothing." in text

@@ -1,0 +1,142 @@
+"""What becomes of motion when AMUSE is told another emotion (EmoEdit of Table 1, Fig. A.12)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.metrics.emotion_accuracy import EmotionConfusion, emotion_confusion
+from analysis.metrics.joint_motion import joint_motion
+from analysis.metrics.joint_positions import WRISTS, select
+from analysis.metrics.networks.evaluator import Evaluator, load_evaluator
+from benchmarks.learned_motion.following import (
+    Followed,
+    MeanFollowed,
+    Speech,
+    follow,
+    mean_followed,
+)
+from benchmarks.learned_motion.networks import Network
+from benchmarks.learned_motion.recordings import FRAME_RATE
+from generators.amuse.generate import Amuse
+from generators.amuse.settings import AmuseSettings
+from generators.interface import SpeechSegment
+from motion.audio import read_audio
+from motion.clip import MotionClip
+from motion.segment import EMOTIONS, Segment
+from training.corpus.motion_curves import mean_speed
+from training.data.take import Take
+
+
+@dataclass(frozen=True, kw_only=True)
+class Edited:
+    """What an edit of the emotion changes, and what it leaves in place.
+
+    Attributes
+    ----------
+    confusion : EmotionConfusion
+        A row for each emotion that was told, a column for each that the motion was taken for.
+    speaker_before, speaker_after : float
+        Share of clips that are taken for their own speaker's, unedited and edited.
+    speed : float
+        Correlation of the wrists' speed before and after the edit, from the same noise.
+    strokes_before, strokes_after : MeanFollowed
+        Stroke alignment with their own speech, above chance.
+    """
+
+    confusion: EmotionConfusion
+    speaker_before: float
+    speaker_after: float
+    speed: float
+    strokes_before: MeanFollowed
+    strokes_after: MeanFollowed
+
+    @property
+    def accuracy(self) -> float:
+        """Share of edited clips that are taken for the emotion that was told."""
+        counts = np.array(self.confusion.counts)
+        return float(np.trace(counts) / counts.sum())
+
+
+def edit(
+    network: Network,
+    root: Path,
+    takes: Sequence[Take],
+    speech: Mapping[str, Speech],
+    spoken: Mapping[str, str],
+    judges: Mapping[str, Path],
+) -> Edited:
+    """Tell a network each of the other emotions, by name, for every take, and look at its motion.
+
+    Parameters
+    ----------
+    network : Network
+        One of AMUSE's.
+    root : Path
+        Where the networks' files lie.
+    takes : sequence of Take
+        Whose speech is moved to.
+    speech, spoken : mapping of take
+        What is known of them, see `benchmarks.learned_motion.truth`.
+    judges : mapping of str to Path
+        Networks that tell ``emotion`` and ``speaker`` from motion.
+    """
+    emotion, speaker = (load_evaluator(judges[name]) for name in ("emotion", "speaker"))
+    amuse = {
+        told: Amuse(AmuseSettings.model_validate({**network.files(root), "emotion": told}), "cpu")
+        for told in (None, *EMOTIONS)
+    }
+    told, taken_for, speeds = [], [], []
+    kept: dict[str, list[bool]] = {"before": [], "after": []}
+    strokes: dict[str, dict[str, Followed]] = {"before": {}, "after": {}}
+    groups = {}
+    for number, take in enumerate(takes):
+        audio = read_audio(take.speech)
+        segment = Segment(
+            name=take.name,
+            wav=take.speech.name,
+            start=0.0,
+            end=audio.duration,
+            speaker=take.speaker,
+            emotion=take.emotion,
+        )
+        heard = SpeechSegment(segment=segment, audio=audio)
+        before = amuse[None].generate(heard, seed=number, frame_rate=FRAME_RATE)
+        kept["before"].append(_named(speaker, before) == take.speaker)
+        strokes["before"][take.name] = follow(before, speech[take.name])
+        groups[take.name] = spoken[take.name]
+        for other in EMOTIONS:
+            if other == take.emotion:
+                continue
+            after = amuse[other].generate(heard, seed=number, frame_rate=FRAME_RATE)
+            told.append(other)
+            taken_for.append(_named(emotion, after))
+            kept["after"].append(_named(speaker, after) == take.speaker)
+            speeds.append(float(np.corrcoef(_speed(before), _speed(after))[0, 1]))
+            edited = f"{take.name} {other}"
+            strokes["after"][edited] = follow(after, speech[take.name])
+            groups[edited] = spoken[take.name]
+    return Edited(
+        confusion=emotion_confusion(
+            told, taken_for, emotion.labels, condition="edited", network=emotion.sha256
+        ),
+        speaker_before=float(np.mean(kept["before"])),
+        speaker_after=float(np.mean(kept["after"])),
+        speed=float(np.mean(speeds)),
+        strokes_before=mean_followed(strokes["before"], groups, "strokes"),
+        strokes_after=mean_followed(strokes["after"], groups, "strokes"),
+    )
+
+
+def _named(judge: Evaluator, clip: MotionClip) -> str:
+    """Return what a network takes a clip for, as the mean over its windows."""
+    return judge.labels[int(judge.classify(clip).mean(axis=0).argmax())]
+
+
+def _speed(clip: MotionClip) -> NDArray[np.float64]:
+    positions = joint_motion(clip, clip.frame_rate).relative
+    return mean_speed(select(positions, WRISTS), clip.frame_rate)

@@ -1,0 +1,40 @@
+"""What AMUSE's speech model hears apart in speech that it never heard (Tables A.1 and A.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from generators.amuse.config import SPEECH_PRESETS
+from generators.amuse.network_file import load_speech_network
+from generators.amuse.speech_losses import SpeechLosses
+from generators.amuse.train_speech import SpeechTask, speech_filterbank
+from training.data.feature_cache import prepare
+from training.data.take import TakeFolder
+from training.data.windows import Windows
+from training.hearing.filterbank import ROWS_PER_SECOND
+
+
+@torch.inference_mode()
+def heard_apart(takes: TakeFolder, network: Path, cache: Path) -> Mapping[str, float]:
+    """Return `SpeechTask.validation` of a speech model, of the takes for testing."""
+    speech = load_speech_network(network)
+    feature = speech_filterbank(speech.model.config.bands)
+    prepared = prepare(takes, (feature,), cache, frame_rate=ROWS_PER_SECOND)
+    frames = SPEECH_PRESETS["tiny"].seconds * ROWS_PER_SECOND
+    training, test = (
+        Windows(prepared, split=split, frames=frames, stride=frames) for split in ("train", "test")
+    )
+    task = SpeechTask(
+        config=speech.model.config,
+        weights=SpeechLosses(),
+        training=training,
+        held_out=test,
+        fours=np.empty((0, 4), dtype=np.int64),
+        emotions=tuple(speech.latents["emotion"]),
+        speakers=tuple(speech.latents["style"]),
+    )
+    return task.validation(speech.model)
