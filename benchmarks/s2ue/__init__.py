@@ -1,0 +1,1 @@
+"""Speech2UnifiedExpressions measured: how fast it is, and what its ablations cost."""

@@ -1,0 +1,52 @@
+"""Speech2UnifiedExpressions: its rate, and its ablations in a table like the paper's Table 1.
+
+``python -m benchmarks.s2ue speed`` moves a minute of noise to motion by a network of the tiny size,
+from samples to clip, with one thread. ``python -m benchmarks.s2ue table CORPUS FOLDER`` trains the
+full model and the seven ablations on a synthetic corpus, each for the same steps, and measures them
+on windows of test takes whose seeds are recorded.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Final
+
+from benchmarks.s2ue.speed import speed
+from benchmarks.s2ue.table import table
+from motion.files import write_text
+from training.threads import torch_threads
+
+BEGIN: Final = "<!-- ablations: begin -->"
+END: Final = "<!-- ablations: end -->"
+
+
+def main() -> None:
+    """Run what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    kinds = parser.add_subparsers(dest="what", required=True)
+    fast = kinds.add_parser("speed")
+    fast.add_argument("--rounds", type=int, default=5)
+    tables = kinds.add_parser("table")
+    tables.add_argument("corpus", type=Path)
+    tables.add_argument("folder", type=Path)
+    tables.add_argument("--steps", type=int, default=150)
+    tables.add_argument("--seeds", type=int, default=3, help="trainings of each variant")
+    tables.add_argument("--write", type=Path, metavar="FILE", help="a page with marks for it")
+    given = parser.parse_args()
+    if given.what == "speed":
+        speed(given.rounds)
+        return
+    lines = []
+    with torch_threads(1):
+        for line in table(given.corpus, given.folder, steps=given.steps, seeds=given.seeds):
+            print(line, flush=True)
+            lines.append(line)
+    if given.write is not None:
+        before, rest = given.write.read_text("utf-8").split(BEGIN)
+        after = rest.split(END)[1]
+        write_text(given.write, "\n".join([before + BEGIN, *lines, END + after]))
+
+
+if __name__ == "__main__":
+    main()

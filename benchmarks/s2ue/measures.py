@@ -1,0 +1,122 @@
+"""The columns of the table: what motion of windows is worth beside what was recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from statistics import mean
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from analysis.metrics.absolute_error import MAJE, MALE, absolute_error, box_scale
+from analysis.metrics.acceleration_error import MACE_LANDMARKS, MACE_POSES, acceleration_error
+from analysis.metrics.frechet import frechet_of_samples
+from benchmarks.s2ue.synchrony import FaceBodySynchrony
+from motion.face_landmarks import FaceLandmarks
+from training.data.windows import Windows
+from training.spaces.bones_and_landmarks import BONE_LENGTHS, BONE_VALUES, joints_of
+
+FloatArray = NDArray[np.float64]
+
+RATE: Final = 15.0
+SEEDS: Final = 4
+FEATURES: Final = 32
+"""Of the autoencoders behind FGD and FLD."""
+COLUMNS: Final = ("MALE", "MAJE", "MAcE-LM", "MAcE-P", "FLD", "FGD", "synchrony")
+
+
+class Measure:
+    """The columns of the table, for windows of motion."""
+
+    def __init__(self, recorded: Windows, learned: Windows, face: FaceLandmarks) -> None:
+        self._neutral = face.neutral.astype(np.float64)
+        self.recorded = recorded.batch(np.arange(len(recorded)))["motion"].astype(np.float64)
+        joints, landmarks = self._points(self.recorded)
+        self._scales = box_scale(joints), box_scale(landmarks)
+        seen = learned.batch(np.arange(len(learned)))["motion"]
+        self.synchrony = FaceBodySynchrony.of(seen[:, SEEDS:].astype(np.float64))
+        self._encoders = {
+            part: _encoder(seen[:, SEEDS:, values])
+            for part, values in (("pose", slice(BONE_VALUES)), ("face", slice(BONE_VALUES, None)))
+        }
+
+    def __call__(self, values: FloatArray, *, face: bool, pose: bool) -> Mapping[str, float]:
+        """Return the columns; NaN of what is not told."""
+        joints, landmarks = (
+            list(zip(*pair, strict=True))
+            for pair in zip(self._points(values), self._points(self.recorded), strict=True)
+        )
+        found = dict.fromkeys(COLUMNS, float("nan"))
+        if face:
+            found["MALE"], found["MAcE-LM"] = (
+                mean(
+                    error(one, two, frame_rate=RATE, settings=how, scale=self._scales[1]).value
+                    for one, two in landmarks
+                )
+                for error, how in ((absolute_error, MALE), (acceleration_error, MACE_LANDMARKS))
+            )
+            found["FLD"] = self._distance(values, "face", slice(BONE_VALUES, None))
+        if pose:
+            found["MAJE"], found["MAcE-P"] = (
+                mean(
+                    error(one, two, frame_rate=RATE, settings=how, scale=self._scales[0]).value
+                    for one, two in joints
+                )
+                for error, how in ((absolute_error, MAJE), (acceleration_error, MACE_POSES))
+            )
+            found["FGD"] = self._distance(values, "pose", slice(BONE_VALUES))
+        if face and pose:
+            found["synchrony"] = self.synchrony(values[:, SEEDS:])
+        return found
+
+    def _points(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return joints and landmarks, (windows, T, points, 3)."""
+        count, frames, _ = values.shape
+        directions = values[..., :BONE_VALUES].reshape(count * frames, -1, 3)
+        joints = joints_of(directions, BONE_LENGTHS)
+        shifts = values[..., BONE_VALUES:].reshape(count, frames, -1, 3)
+        return joints.reshape(count, frames, -1, 3), self._neutral + shifts
+
+    def _distance(self, values: FloatArray, part: str, of: slice) -> float:
+        encode = self._encoders[part]
+        with torch.inference_mode():
+            one, two = (
+                encode(torch.from_numpy(motion[:, SEEDS:, of]).float()).double().numpy()
+                for motion in (values, self.recorded)
+            )
+        return frechet_of_samples(one, two)
+
+
+def _encoder(seen: NDArray[np.float32]) -> nn.Module:
+    """Return the encoder of an autoencoder that rebuilds windows of motion."""
+    torch.manual_seed(1)
+    values = torch.from_numpy(seen)
+    spread = values.std(dim=(0, 1)).clamp(min=1e-5)
+    width = values[0].numel()
+    normal = _Normal(values.mean(dim=(0, 1)), spread)
+    encoder = nn.Sequential(normal, nn.Linear(width, 128), nn.ELU(), nn.Linear(128, FEATURES))
+    decoder = nn.Sequential(nn.Linear(FEATURES, 128), nn.ELU(), nn.Linear(128, width))
+    optimizer = torch.optim.Adam([*encoder.parameters(), *decoder.parameters()], 1e-3)
+    for _ in range(400):
+        rows = torch.randint(0, len(values), (128,))
+        missed = decoder(encoder(values[rows])) - normal(values[rows])
+        optimizer.zero_grad()
+        missed.square().mean().backward()
+        optimizer.step()
+    return encoder.eval()
+
+
+class _Normal(nn.Module):
+    """Values of mean 0 and deviation 1, flat."""
+
+    def __init__(self, mean_: torch.Tensor, spread: torch.Tensor) -> None:
+        super().__init__()
+        self._mean, self._spread = mean_, spread
+
+    def forward(self, values: torch.Tensor) -> torch.Tensor:
+        """Return (windows, frames · values)."""
+        normal: torch.Tensor = ((values - self._mean) / self._spread).flatten(1)
+        return normal

@@ -1,0 +1,138 @@
+"""Speech2UnifiedExpressions and its ablations on a corpus, as in the paper's Table 1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from statistics import mean
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from benchmarks.s2ue.measures import COLUMNS, RATE, SEEDS, Measure
+from generators.s2ue.config import ABLATIONS
+from generators.s2ue.network_file import S2ueNetwork, load_network
+from generators.s2ue.train import train_s2ue
+from generators.trainable import TrainingRequest
+from motion.face_landmarks import FaceLandmarks
+from training.data.any_folder import read_takes
+from training.data.feature_cache import prepare
+from training.data.take import TakeFolder
+from training.data.windows import Windows
+from training.hearing.word_vectors import StandIn
+from training.point_features import features_of
+
+FloatArray = NDArray[np.float64]
+Found = Mapping[str, float]
+
+
+def table(corpus: Path, folder: Path, *, steps: int, seeds: int) -> Iterator[str]:
+    """Yield the rows of the table, training what `folder` lacks.
+
+    Parameters
+    ----------
+    corpus : Path
+        What 'motionjury corpus' made.
+    folder : Path
+        Keeps features and networks: whoever stops this and calls it again goes on.
+    steps : int
+        Of each training.
+    seeds : int
+        Trainings of each variant, whose mean and range the cells hold.
+    """
+    takes, face = read_takes(corpus), FaceLandmarks.of_default_body()
+    features = features_of(takes.kind, face, StandIn(), RATE, faces=True)
+    prepared = prepare(takes, features, folder / "features", frame_rate=RATE)
+    recorded = Windows(prepared, split="test", frames=34, stride=34)
+    measure = Measure(recorded, Windows(prepared, split="train", frames=34, stride=10), face)
+    files = {
+        (ablation, seed): folder / f"{steps}_steps" / f"{ablation or 'full'}_{seed}.safetensors"
+        for seed in range(seeds)
+        for ablation in (None, *reversed(ABLATIONS))
+    }
+    for (ablation, seed), out in files.items():
+        if not out.exists():
+            _train(takes, folder / "features", out, ablation, steps, seed)
+    yield f"| | {' | '.join(COLUMNS)} |"
+    yield f"|---{'|---' * len(COLUMNS)}|"
+    for ablation in (*ABLATIONS, None):
+        found = []
+        for seed in range(seeds):
+            network = load_network(files[ablation, seed], face)
+            config = network.network.config
+            moved = _moved(network, recorded)
+            found.append(measure(moved, face=config.faces, pose=config.poses))
+        yield _row((ablation or "full model").replace("_", " "), found)
+    for name, values in _recordings(recorded).items():
+        score = measure.synchrony(measure.recorded[:, SEEDS:], values[:, SEEDS:])
+        yield _row(name, [dict.fromkeys(COLUMNS, float("nan")) | {"synchrony": score}])
+
+
+def _recordings(windows: Windows) -> Mapping[str, FloatArray]:
+    """Return bodies to the recorded faces: their own, and of takes that are others'."""
+    chance = np.random.default_rng(1)
+    motion = windows.batch(np.arange(len(windows)))["motion"].astype(np.float64)
+    takes = [windows.take_of(row) for row in range(len(windows))]
+    names, speakers = (
+        np.array([getattr(take, what) for take in takes]) for what in ("name", "speaker")
+    )
+
+    def drawn(same: bool) -> FloatArray:
+        fits = (names[:, None] != names) & ((speakers[:, None] == speakers) == same)
+        return motion[[chance.choice(np.flatnonzero(one)) for one in fits]]
+
+    return {
+        "recorded": motion,
+        "recorded, body of another take": drawn(same=True),
+        "recorded, body of another speaker": drawn(same=False),
+    }
+
+
+def _train(
+    takes: TakeFolder, cache: Path, out: Path, ablation: str | None, steps: int, seed: int
+) -> None:
+    request = TrainingRequest(
+        takes=takes,
+        out=out,
+        cache=cache,
+        config="tiny",
+        changes={"steps": steps, "seed": seed, "validate_every": 50},
+        choices={} if ablation is None else {"ablation": ablation},
+    )
+    train_s2ue(request)
+
+
+def _moved(trained: S2ueNetwork, windows: Windows) -> FloatArray:
+    """Return motion of all windows (windows, T, values), from recorded seeds."""
+    network, config = trained.network, trained.network.config
+    rows = np.arange(len(windows))
+    told = {name: torch.from_numpy(one) for name, one in windows.batch(rows).items()}
+    people = trained.speakers.one_hot(windows.speakers(rows))
+    noise = torch.randn(
+        (len(rows), *config.latents),
+        generator=torch.Generator().manual_seed(1),
+    )
+    with torch.inference_mode():
+        values, _ = network.synthesise(
+            told["sound"],
+            told["words"],
+            torch.from_numpy(people),
+            noise,
+            told["motion"][:, : config.seeds],
+        )
+        values = network.with_lips(values, told["spectrum"])
+    return values.numpy().astype(np.float64)
+
+
+def _row(name: str, found: Sequence[Found]) -> str:
+    cells = (_cell([one[column] for one in found]) for column in COLUMNS)
+    return f"| {name} | {' | '.join(cells)} |"
+
+
+def _cell(values: Sequence[float]) -> str:
+    """Return the mean of seeds and, of several, the least and the largest."""
+    if np.isnan(values).any():
+        return "–"
+    middle, low, high = (f"{one:.3g}" for one in (mean(values), min(values), max(values)))
+    return middle if len(values) == 1 else f"{middle} ({low}–{high})"

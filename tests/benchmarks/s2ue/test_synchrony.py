@@ -1,0 +1,58 @@
+"""The measure of synchrony tells faces that move with their bodies from others, by timing alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from benchmarks.s2ue.synchrony import FaceBodySynchrony
+
+LANDMARKS = 5
+
+
+def recordings(seed: int, windows: int = 60) -> NDArray[np.float64]:
+    """Return windows in which one curve of three moves both face and body."""
+    chance = np.random.default_rng(seed)
+    mixing = np.random.default_rng(0).normal(size=(3, 27 + 3 * LANDMARKS))
+    mixing[1, 27:] = mixing[2, :27] = 0
+    curves = gaussian_filter1d(chance.normal(size=(windows, 30, 3)), 2, axis=1)
+    return np.asarray(curves @ mixing)
+
+
+@pytest.fixture(scope="module")
+def synchrony() -> FaceBodySynchrony:
+    return FaceBodySynchrony.of(recordings(1))
+
+
+def test_recordings_that_were_never_seen_pass_and_others_bodies_fail(
+    synchrony: FaceBodySynchrony,
+) -> None:
+    seen = recordings(2)
+    assert synchrony(seen) > 0.9
+    assert abs(synchrony(seen, seen[::-1])) < 0.15
+
+
+def test_held_postures_and_expressions_count_nothing(synchrony: FaceBodySynchrony) -> None:
+    seen, held = recordings(2), recordings(3)[:, :1]
+    assert synchrony(seen + held) == pytest.approx(synchrony(seen))
+
+
+def test_size_does_not_count(synchrony: FaceBodySynchrony) -> None:
+    seen = recordings(2)
+    smaller = seen.copy()
+    smaller[..., 27:] *= 0.1
+    assert synchrony(smaller) == pytest.approx(synchrony(seen))
+
+
+def test_who_stands_still_is_not_in_synchrony(synchrony: FaceBodySynchrony) -> None:
+    still = recordings(2)
+    still[..., :27] = 0
+    assert synchrony(still) == 0
+
+
+def test_being_late_costs(synchrony: FaceBodySynchrony) -> None:
+    seen = recordings(2)
+    late = np.roll(seen, 6, axis=1)
+    assert synchrony(seen, late) < 0.5 * synchrony(seen)
