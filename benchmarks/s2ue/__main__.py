@@ -14,6 +14,7 @@ from typing import Final
 
 from benchmarks.s2ue.speed import speed
 from benchmarks.s2ue.table import table
+from generators.s2ue.config import ABLATIONS
 from motion.files import write_text
 from training.threads import torch_threads
 
@@ -32,6 +33,7 @@ def main() -> None:
     tables.add_argument("folder", type=Path)
     tables.add_argument("--steps", type=int, default=150)
     tables.add_argument("--seeds", type=int, default=3, help="trainings of each variant")
+    tables.add_argument("--only", nargs="+", choices=list(ABLATIONS), default=list(ABLATIONS))
     tables.add_argument("--write", type=Path, metavar="FILE", help="a page with marks for it")
     given = parser.parse_args()
     if given.what == "speed":
@@ -39,7 +41,14 @@ def main() -> None:
         return
     lines = []
     with torch_threads(1):
-        for line in table(given.corpus, given.folder, steps=given.steps, seeds=given.seeds):
+        rows = table(
+            given.corpus,
+            given.folder,
+            steps=given.steps,
+            seeds=given.seeds,
+            ablations=given.only,
+        )
+        for line in rows:
             print(line, flush=True)
             lines.append(line)
     if given.write is not None:

@@ -11,7 +11,6 @@ import torch
 from numpy.typing import NDArray
 
 from benchmarks.s2ue.measures import COLUMNS, RATE, SEEDS, Measure
-from generators.s2ue.config import ABLATIONS
 from generators.s2ue.network_file import S2ueNetwork, load_network
 from generators.s2ue.train import train_s2ue
 from generators.trainable import TrainingRequest
@@ -27,7 +26,9 @@ FloatArray = NDArray[np.float64]
 Found = Mapping[str, float]
 
 
-def table(corpus: Path, folder: Path, *, steps: int, seeds: int) -> Iterator[str]:
+def table(
+    corpus: Path, folder: Path, *, steps: int, seeds: int, ablations: Sequence[str]
+) -> Iterator[str]:
     """Yield the rows of the table, training what `folder` lacks.
 
     Parameters
@@ -40,6 +41,8 @@ def table(corpus: Path, folder: Path, *, steps: int, seeds: int) -> Iterator[str
         Of each training.
     seeds : int
         Trainings of each variant, whose mean and range the cells hold.
+    ablations : sequence of str
+        Those of `generators.s2ue.config.ABLATIONS` that stand beside the full model.
     """
     takes, face = read_takes(corpus), FaceLandmarks.of_default_body()
     features = features_of(takes.kind, face, StandIn(), RATE, faces=True)
@@ -49,14 +52,14 @@ def table(corpus: Path, folder: Path, *, steps: int, seeds: int) -> Iterator[str
     files = {
         (ablation, seed): folder / f"{steps}_steps" / f"{ablation or 'full'}_{seed}.safetensors"
         for seed in range(seeds)
-        for ablation in (None, *reversed(ABLATIONS))
+        for ablation in (None, *ablations)
     }
     for (ablation, seed), out in files.items():
         if not out.exists():
             _train(takes, folder / "features", out, ablation, steps, seed)
     yield f"| | {' | '.join(COLUMNS)} |"
     yield f"|---{'|---' * len(COLUMNS)}|"
-    for ablation in (*ABLATIONS, None):
+    for ablation in (*ablations, None):
         found = []
         for seed in range(seeds):
             network = load_network(files[ablation, seed], face)

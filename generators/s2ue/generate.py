@@ -34,7 +34,7 @@ class S2ue(NetworkGenerator[S2ueSettings]):
     """Moves face and upper body as a trained network tells (Bhattacharya et al. 2024)."""
 
     name = "s2ue"
-    version = "1"
+    version = "2"
 
     def made(
         self, speech: SpeechSegment, seed: int, on_part: OnPart
@@ -174,8 +174,10 @@ def move(
     config = network.config
     seeds, new = config.seeds, config.frames - config.seeds
     told = network.rest.expand(seeds, -1)
-    share = torch.linspace(0, 1, seeds + 2, device=told.device)[1:-1, None]
-    away = _fading(seeds, new).to(told.device)
+    lasts = round(FADES * new)
+    before, after = _falling(seeds), _falling(lasts)
+    away = torch.cat([torch.ones(seeds), after, torch.zeros(new - lasts)])
+    before, away = before[:, None].to(told.device), away[:, None].to(told.device)
     for window in windows:
         said = words_in(words, window.first, config.frames, config.words)
         with torch.inference_mode():
@@ -188,15 +190,13 @@ def move(
             )
             values = network.with_lips(found, window.spectrum[None].to(told.device))[0]
             values = values + away * (told - values[:seeds]).mean(dim=0)
-            values[:seeds] = torch.lerp(told, values[:seeds], share)
+            values[:seeds] = torch.lerp(values[:seeds], told, before)
             values = with_units(values)
         whole = window.count == config.frames
         told = values[new:]
         yield values[: new if whole else window.count].cpu().numpy().astype(np.float64)
 
 
-def _fading(seeds: int, new: int) -> Tensor:
-    """Return a window's shares of how far it begins from the one before, (T, 1)."""
-    lasts = round(FADES * new)
-    falling = 0.5 + 0.5 * torch.cos(torch.pi * torch.arange(1, lasts + 1) / (lasts + 1))
-    return torch.cat([torch.ones(seeds), falling, torch.zeros(new - lasts)])[:, None]
+def _falling(frames: int) -> Tensor:
+    """Return numbers between 1 and 0, falling along a cosine, (frames,)."""
+    return 0.5 + 0.5 * torch.cos(torch.pi * torch.arange(1, frames + 1) / (frames + 1))
