@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 import torch
 
@@ -14,11 +12,7 @@ from generators.s2ue.losses import (
     reconstruction_losses,
 )
 from tests.generators.s2ue.small_network import FACE, small_network
-from training.adversarial import discriminator_loss, generator_loss
 from training.spaces.bone_tensors import joints_of
-from training.spaces.bones_and_landmarks import BONE_LENGTHS
-from training.spaces.bones_and_landmarks import joints_of as joints_in_arrays
-from training.speaker_latent import latent_loss
 
 VALUES = 27 + 3 * FACE.count
 WEIGHTS = LossWeights(velocity=2.0, acceleration=3.0)
@@ -66,15 +60,6 @@ def test_what_is_not_told_does_not_count(left_out: str, values: slice) -> None:
     assert float(reconstruction_losses(network, one, two, WEIGHTS)["reconstruction"]) == 0
 
 
-def test_joints_are_those_of_equation_2() -> None:
-    directions = torch.randn(4, 9, 3)
-    joints = joints_of(directions)
-    wanted = joints_in_arrays(directions.double().numpy())
-    torch.testing.assert_close(joints, torch.from_numpy(wanted).float())
-    lengths = (joints[:, 5] - joints[:, 4]).norm(dim=-1)
-    torch.testing.assert_close(lengths, torch.full((4,), float(BONE_LENGTHS[4])))
-
-
 def test_another_speakers_motion_is_to_be_further_away() -> None:
     network = small_network()
     true = network.mean.expand(1, 5, VALUES)
@@ -82,18 +67,3 @@ def test_another_speakers_motion_is_to_be_further_away() -> None:
     assert float(diversity_loss(network, near, far, true, 0.1)) == 0
     assert float(diversity_loss(network, far, near, true, 0.1)) == pytest.approx(0.3, abs=1e-5)
     assert float(diversity_loss(network, near, near, true, 0.1)) == pytest.approx(0.1, abs=1e-5)
-
-
-def test_equations_18_and_19_are_logarithms_of_probabilities() -> None:
-    recorded, synthesised = torch.tensor([[1.0]]), torch.tensor([[-2.0]])
-    real, fake = (1 / (1 + math.exp(-float(one))) for one in (recorded, synthesised))
-    assert float(generator_loss(synthesised)) == pytest.approx(-math.log(fake))
-    assert float(discriminator_loss(recorded, synthesised)) == pytest.approx(
-        -math.log(real) - math.log(1 - fake)
-    )
-
-
-def test_a_normal_latent_costs_nothing() -> None:
-    nothing = torch.zeros(2, 4)
-    assert float(latent_loss([(nothing, nothing)])) == 0
-    assert float(latent_loss([(nothing + 1, nothing)])) == pytest.approx(0.5)

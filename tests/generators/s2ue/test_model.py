@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
-import numpy as np
 import pytest
 import torch
 from torch import Tensor
@@ -17,11 +16,7 @@ from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, small_network
 from training.graph_convolution import ComponentEncoder
 from training.spaces.anatomy import (
-    BODY_PARTS,
-    bone_graph,
-    component_graph,
     components_of,
-    face_graph,
 )
 
 VALUES = 27 + 3 * FACE.count
@@ -39,29 +34,6 @@ def told(network: Network, seed: int = 1, person: int = 0, **changed: Tensor) ->
     } | changed
     values, _ = network.synthesise(**given)
     return values
-
-
-def test_landmarks_lie_in_four_components_of_which_the_lips_are_the_phonemes() -> None:
-    eyes, nose, lips, jaw = COMPONENTS
-    assert sorted((*eyes, *nose, *lips, *jaw)) == list(range(FACE.count))
-    assert all(FACE.actions[one].startswith(("brow", "eye")) for one in eyes)
-    corners = set(lips) - set(small_network().lips)
-    assert {FACE.actions[one][:9] for one in corners} >= {"mouthSmil", "mouthFrow"}
-
-
-def test_graphs_join_what_the_paper_says() -> None:
-    bones = bone_graph(2)
-    assert bones[4, 5] == bones[3, 5] == 1  # upper arm and forearm; through a third bone
-    assert bones[5, 8] == 0  # the two forearms
-    components = component_graph(3, pose=True)
-    assert components[0, 1] == components[0, 2] == 1
-    assert components[1, 2] == 0
-    assert component_graph(4, pose=False).sum() == 12
-    face = face_graph(COMPONENTS, FACE.neutral)
-    np.testing.assert_array_equal(face, face.T)
-    eyes, _, lips, _ = COMPONENTS
-    assert face[eyes[0], eyes[1]] == 1
-    assert face[np.ix_(eyes, lips)].sum() == 1
 
 
 def test_motion_has_all_frames_and_depends_on_all_that_is_given() -> None:
@@ -128,18 +100,6 @@ def test_every_weight_learns_from_some_loss() -> None:
     (loss + network.lips_heard(torch.randn(2, 34, 128)).square().sum()).backward()
     idle = [name for name, one in network.named_parameters() if one.grad is None]
     assert idle == []
-
-
-def test_a_component_of_few_nodes_is_filled_with_nothing() -> None:
-    edges = np.zeros((3, 3), np.float32)
-    torch.manual_seed(1)
-    encoder = ComponentEncoder(
-        edges, ((0, 1), (2,)), component_graph(2, pose=False), (4, 6), (3, 3, 5), 3
-    ).eval()
-    values = torch.randn(2, 4, 3, 3)
-    assert encoder(values).shape == (2, 6, 5)
-    assert encoder.places.tolist() == [0, 1, 2, 3]
-    assert len(BODY_PARTS) == 3
 
 
 @pytest.mark.parametrize(
