@@ -30,14 +30,14 @@ from motion.segment import EMOTIONS, Segment
 from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.reading import parse_text
 from studyapp.definition.template_language import templates
-from studyapp.rehearsal.conduct import Conduct
-from studyapp.rehearsal.judgement import judge
-from studyapp.rehearsal.kinds import DESCRIPTIONS, KINDS, Kind
-from studyapp.rehearsal.population import Population, default_population
-from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.record import Expected
-from studyapp.rehearsal.sight import SeenTrial
-from studyapp.rehearsal.truth import expectations
+from studyapp.rehearsal.simulation.conduct import Conduct
+from studyapp.rehearsal.simulation.judgement import judge
+from studyapp.rehearsal.simulation.kinds import DESCRIPTIONS, KINDS, Kind
+from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.rehearsal.simulation.truth import expectations
 
 REHEARSALS: Final = 200
 SEGMENTS_EACH: Final = 3

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from studyapp.definition.finished_videos import finished_video
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.rendering import hide_sizes
-from studyapp.stages.video_copies import copy_videos
+from studyapp.stimuli.rendering import hide_sizes
+from studyapp.stimuli.video_copies import copy_videos
 from tests.tiny_study import write_pair_video
 
 SEGMENTS = ("one", "two", "three")

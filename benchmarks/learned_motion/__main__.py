@@ -37,8 +37,8 @@ from benchmarks.learned_motion.truth import speeches, spoken
 from motion.files import write_text
 from studyapp.command.progress import progress
 from studyapp.definition.study import GROUND_TRUTH
-from studyapp.stages.generation import generate
-from studyapp.stages.measuring import measure_study
+from studyapp.results.metrics import measure_study
+from studyapp.stimuli.generation import generate
 from training.corpus.making import make_corpus
 from training.corpus.process import VERSION
 from training.corpus.request import CorpusRequest

@@ -30,7 +30,7 @@ from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.segment import EMOTIONS, Segment
 from motion.segments_table import write_segments
-from studyapp.stages.measuring import measure_folders
+from studyapp.results.metrics import measure_folders
 
 CONDITIONS: Final = ("ours", "theirs", "older", "static-like")
 """Generated conditions beside the recordings."""

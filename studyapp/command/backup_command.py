@@ -15,7 +15,7 @@ from studyapp.custody.manifest import Manifest
 from studyapp.custody.study_files import media_amiss
 from studyapp.custody.verification import check_archive
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.disk_space import as_text
+from studyapp.stimuli.disk_space import as_text
 
 
 @click.command("backup")

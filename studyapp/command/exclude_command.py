@@ -2,11 +2,49 @@
 
 from __future__ import annotations
 
+from contextlib import closing
+
 import click
 
+from motion.errors import InputError
+from studyapp.clock import Clock
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.excluding_by_hand import decide_about
+from studyapp.results.answers import snapshot
+from studyapp.services.database import Database, database_url_of
+from studyapp.services.exclusion_decisions import decide_exclusion
+from studyapp.services.monitoring.naming import number_called
+from studyapp.services.pseudonyms import PseudonymKey
+
+
+def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str) -> int:
+    """Leave a participant out of the analysis, or take one in again; return the study session.
+
+    Parameters
+    ----------
+    name : str
+        The number of the study session, or the participant's pseudonym.
+
+    Raises
+    ------
+    InputError
+        If nobody is called so, no reason is given, it is so already, or the study was passed on
+        by another lab.
+    """
+    with snapshot(folder, "participants") as session:
+        number = None
+        if session is not None:
+            number = number_called(session, PseudonymKey.read(folder.pseudonym_key), name)
+    if number is None:
+        raise InputError(
+            f"no study session is called {name!r}",
+            where=folder.root,
+            remedy="Give its number, as reports and researchers' pages have it, or the "
+            "participant's pseudonym from an export",
+        )
+    with closing(Database.open(database_url_of(folder.root))) as database:
+        decide_exclusion(database, Clock(), number, excluded=excluded, by="", reason=reason)
+    return number
 
 
 @click.command("exclude")

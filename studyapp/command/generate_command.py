@@ -16,8 +16,8 @@ from studyapp.command.arguments import optional_study_folder
 from studyapp.command.progress import progress
 from studyapp.command.setting_options import SettingsCommand, condition_of
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.generation import generate
-from studyapp.stages.generation_of_files import FileMotion, generate_files
+from studyapp.stimuli.generation import generate
+from studyapp.stimuli.generation_of_files import FileMotion, generate_files
 
 _file = click.Path(exists=True, dir_okay=False, path_type=Path)
 _folder = click.Path(file_okay=False, path_type=Path)

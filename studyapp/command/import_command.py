@@ -10,8 +10,8 @@ from motion.formats.joint_maps import JointMap
 from motion.segment import EMOTIONS
 from studyapp.command.arguments import existing_study, joints_option
 from studyapp.command.progress import progress
-from studyapp.stages.recordings import Take, import_clips, import_take
-from studyapp.stages.video_takes import import_video
+from studyapp.stimuli.recordings import Take, import_clips, import_take
+from studyapp.stimuli.video_takes import import_video
 
 _FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 

@@ -20,7 +20,7 @@ from studyapp.command.arguments import optional_study_folder
 from studyapp.command.arguments import processes as processes_option
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.measuring import measure_folders, measure_study
+from studyapp.results.metrics import measure_folders, measure_study
 
 _NAMED: Final = 10
 """Files that could not be used are named up to this many; the rest are counted."""

@@ -43,7 +43,7 @@ def command(
 ) -> None:
     """Show each motion FILE as a video and as a sheet of its frames; no study is needed."""
     # Imported here: drawing takes a second to load, and a wrong option should be told at once.
-    from studyapp.stages.motion_preview import write_preview
+    from studyapp.stimuli.motion_preview import write_preview
 
     look = Look(size=size + size % 2, framing=framing, avatar=avatar)
     for motion in motions:

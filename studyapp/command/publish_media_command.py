@@ -11,7 +11,7 @@ from studyapp.command.arguments import public_address, study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
 from studyapp.services.media_store.record import Place
-from studyapp.stages.publishing import let_in, publish, remove
+from studyapp.stimuli.publishing import let_in, publish, remove
 
 _SCHEME = "s3"
 

@@ -8,8 +8,8 @@ from studyapp.command.arguments import study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.written_rehearsal import with_others
-from studyapp.rehearsal.population import default_population
 from studyapp.rehearsal.run import SPEED, WORKERS, RehearsalResult, rehearse
+from studyapp.rehearsal.simulation.population import default_population
 
 
 @click.command("rehearse")
@@ -76,9 +76,9 @@ def command(
     stays apart from real answers, in rehearsal.db and the folder rehearsal.
     """
     # The analysis takes a second to load, and nobody needs it for --help or a refusal.
-    from studyapp.stages.recovery.printed import recovery_lines
-    from studyapp.stages.recovery.recovering import recover
-    from studyapp.stages.recovery.writing import write_recovery
+    from studyapp.rehearsal.recovery.page import write_recovery
+    from studyapp.rehearsal.recovery.recovery import recover
+    from studyapp.rehearsal.recovery.words import recovery_lines
 
     people = default_population(with_others(folder.study(), shares, strengths))
     with progress("rehearse", "participant") as show:

@@ -11,8 +11,8 @@ from studyapp.command.arguments import processes as processes_option
 from studyapp.command.arguments import study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.render_record import RenderProgress
-from studyapp.stages.rendering import render
+from studyapp.stimuli.render_record import RenderProgress
+from studyapp.stimuli.rendering import render
 
 
 @click.command("render")
@@ -49,7 +49,7 @@ def command(
     click.echo(f"Rendered {_counted(count.made, 'video')}, kept {count.kept} that still fit.")
     if sheet:
         # Imported here: it needs matplotlib's fonts, and rendering alone does not.
-        from studyapp.stages.contact_sheet import write_contact_sheet
+        from studyapp.stimuli.contact_sheet import write_contact_sheet
 
         with progress("sheet", "clip") as show:
             page = write_contact_sheet(folder, threads=processes, on_done=show)

@@ -121,7 +121,7 @@ def evaluator(
     from analysis.metrics.networks.design import CHANNELS_OF_KIND
     from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
     from motion.face_landmarks import FaceLandmarks
-    from studyapp.stages.training import recordings_of
+    from studyapp.stimuli.training_recordings import recordings_of
 
     if channels is not None and kind != "motion":
         raise InputError(

@@ -30,7 +30,7 @@ from studyapp.services.database import (
 )
 from studyapp.services.database_copies import compact, fill_from_copy, require_empty
 from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.stages.disk_space import as_text
+from studyapp.stimuli.disk_space import as_text
 
 _UNFINISHED: Final = ".unfinished-restore-"
 _FOR_THE_OWNER: Final = frozenset({DATABASE, "pseudonyms.key", "invitations.csv"})

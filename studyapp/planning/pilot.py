@@ -17,10 +17,10 @@ from analysis.tables.layouts import LAYOUTS
 from analysis.tables.reading import answers_in, read_answers
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
-from studyapp.stages.answer_table import study_answers
-from studyapp.stages.answers import answers_to_report
-from studyapp.stages.excluding import decided_by_hand, study_exclusions
-from studyapp.stages.report_arms import of_present_design
+from studyapp.results.answer_table import study_answers
+from studyapp.results.answers import answers_to_report
+from studyapp.results.exclusions import decided_by_hand, study_exclusions
+from studyapp.results.report_arms import of_present_design
 
 ROUGH: Final = 10
 """Participants or segments below which spreads are rough."""

@@ -14,7 +14,7 @@ from studyapp.definition.study import Study
 from studyapp.design.planned_trial import Kind, PlannedTrial
 from studyapp.preflight.finding import Finding, error, note, warning
 from studyapp.preflight.material import Material
-from studyapp.stages.study_notes import study_notes
+from studyapp.results.study_notes import study_notes
 
 NO_TRIALS: Final = error(
     "no-trials",

@@ -13,7 +13,7 @@ from studyapp.design.stimulus import Content
 from studyapp.preflight.finding import Finding, FindingKind, error, warning
 from studyapp.preflight.material import Material
 from studyapp.services.served_study import described
-from studyapp.stages.media_probe import (
+from studyapp.stimuli.media_probe import (
     DURATION_TOLERANCE,
     Flaw,
     FlawKind,

@@ -16,7 +16,7 @@ from studyapp.definition.study import Study
 from studyapp.preflight.catch_checks import catch_motion_findings
 from studyapp.preflight.finding import Finding, error, warning
 from studyapp.preflight.material import Material
-from studyapp.stages.shown_body import left_out, shown_abilities
+from studyapp.stimuli.shown_body import left_out, shown_abilities
 
 MOTION_UNREADABLE: Final = error(
     "motion-unreadable",

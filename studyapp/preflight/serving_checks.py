@@ -32,7 +32,7 @@ from studyapp.services.intake import present_intake
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.taking_part import begin
 from studyapp.services.versions import must_be_new_version
-from studyapp.stages.disk_space import as_text
+from studyapp.stimuli.disk_space import as_text
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 

@@ -22,7 +22,7 @@ from studyapp.preflight.finished_video_checks import (
 )
 from studyapp.preflight.material import Material
 from studyapp.services.served_study import described
-from studyapp.stages.media_probe import (
+from studyapp.stimuli.media_probe import (
     VideoStructure,
     flaw_of,
     format_of,
@@ -30,7 +30,7 @@ from studyapp.stages.media_probe import (
     structure_of,
     written_in,
 )
-from studyapp.stages.video_copies import out_of_date
+from studyapp.stimuli.video_copies import out_of_date
 
 RENDER: Final = "Run 'motionjury render'"
 

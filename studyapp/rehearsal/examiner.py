@@ -9,10 +9,10 @@ from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.form_probes import probe_form
 from studyapp.rehearsal.forms import FormFields
-from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import answer_trial
 from studyapp.rehearsal.probes import Probe, probe_trial
+from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.visit import Visit
 
 

@@ -13,7 +13,7 @@ from studyapp.design.stimulus import Stimulus
 from studyapp.models import FormAnswer, Response, StudySession, Trial, Video, WatchRecord
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.players import token_candidates
-from studyapp.rehearsal.sight import SeenTrial, Sight
+from studyapp.rehearsal.simulation.sight import SeenTrial, Sight
 from studyapp.services.database import Database
 
 

@@ -11,9 +11,9 @@ import httpx
 from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes, FinishedSitting
 from studyapp.rehearsal.forms import FormData
-from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.probes import Probe, Prober, as_data, other_answers
+from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.visit import Visit
 
 

@@ -11,7 +11,7 @@ from threading import Lock
 from typing import Any
 
 from studyapp.design.asking import AnswerKey
-from studyapp.rehearsal.judgement import Judgement
+from studyapp.rehearsal.simulation.judgement import Judgement
 
 AcknowledgedKey = tuple[str, int, str, int]
 """Participant, position of the trial, question, and number of the stimulus (0 for the trial)."""

@@ -11,15 +11,15 @@ from typing import Final
 import httpx
 
 from studyapp.definition.study import Study
-from studyapp.rehearsal.conduct import Conduct
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormFields
-from studyapp.rehearsal.judgement import Judgement, judge
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater
-from studyapp.rehearsal.sight import Sight
+from studyapp.rehearsal.simulation.conduct import Conduct
+from studyapp.rehearsal.simulation.judgement import Judgement, judge
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.sight import Sight
 from studyapp.rehearsal.visit import Departure, Visit
 from studyapp.web.about_participant import FORM_FIELD
 

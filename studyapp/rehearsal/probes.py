@@ -11,9 +11,9 @@ from studyapp.definition.study import Study
 from studyapp.design.asking import AnswerKey
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormData
-from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.sight import SeenTrial
+from studyapp.rehearsal.simulation.judgement import Judgement
+from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.rehearsal.visit import Visit
 
 

@@ -7,10 +7,11 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from analysis.results.known_values import KnownValue
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.definition.validation import explain
-from studyapp.rehearsal.population import Population
+from studyapp.rehearsal.simulation.population import Population
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 
@@ -91,3 +92,18 @@ def read_truth(path: Path) -> Truth:
         raise InputError("there was no rehearsal yet", where=path, remedy=remedy) from None
     except ValidationError as error:
         raise InputError(explain(error), where=path, remedy=remedy) from None
+
+
+def known_values(truth: Truth) -> tuple[KnownValue, ...]:
+    """Return everything that was put in."""
+    return tuple(
+        KnownValue(
+            about=expected.about,
+            part=expected.part,
+            question=expected.question,
+            measure=expected.measure,
+            value=expected.value,
+            on_these_segments=expected.value_on_these_segments,
+        )
+        for expected in truth.expected
+    )

@@ -19,13 +19,13 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import Stimuli, read_stimuli
 from studyapp.definition.study import Study
 from studyapp.models import StudySession
-from studyapp.rehearsal.conduct import Conduct
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.ledger import Ledger
-from studyapp.rehearsal.population import Population, default_population
-from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
-from studyapp.rehearsal.truth import expectations
+from studyapp.rehearsal.simulation.conduct import Conduct
+from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.services.database import Database
 
 _SQLITE_ENDINGS: Final = ("", "-wal", "-shm")

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from contextlib import ExitStack, closing
+from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.definition.lock import held_alone
 from studyapp.definition.study import Study
 from studyapp.rehearsal.browser import require_browser
 from studyapp.rehearsal.connection import study_client
@@ -19,12 +20,11 @@ from studyapp.rehearsal.examiner import Examiners
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.late_probes import probe_finished
 from studyapp.rehearsal.ledger import Ledger
-from studyapp.rehearsal.lock import only_rehearsal
-from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.probes import Probe
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import call_roster, let_time_pass, prepare
 from studyapp.rehearsal.server import rehearsal_server
+from studyapp.rehearsal.simulation.population import Population
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
 
@@ -183,3 +183,21 @@ def _checked_count(folder: StudyFolder, study: Study, participants: int | None) 
             remedy="Ask for fewer, or raise the number of participants there",
         )
     return participants * len(arms)
+
+
+def only_rehearsal(folder: StudyFolder) -> AbstractContextManager[None]:
+    """Keep other rehearsals of `folder` away during the block.
+
+    Raises
+    ------
+    InputError
+        If the study is being rehearsed already.
+    """
+    return held_alone(
+        folder.root,
+        busy=InputError(
+            "this study is being rehearsed already",
+            where=folder.root,
+            remedy="Wait until the other 'motionjury rehearse' is done, or stop it",
+        ),
+    )

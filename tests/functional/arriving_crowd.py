@@ -13,10 +13,10 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormFields
-from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
-from studyapp.rehearsal.population import default_population
+from studyapp.rehearsal.simulation.judgement import Judgement
+from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.visit import Visit
 from studyapp.services.database import Database, sqlite_url
 

@@ -19,7 +19,7 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study
-from studyapp.stages.recordings import Take
+from studyapp.stimuli.recordings import Take
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.finished_study import write_finished_study, write_short_video
@@ -37,16 +37,16 @@ from tests.support.throwaway_postgresql import (
 DatabaseKind = Literal["sqlite", "postgresql"]
 
 
-BOTH_DATABASES = {"custody", "recruitment", "services"}
+BOTH_DATABASES = ("custody", "recruitment", "results/export", "services")
 """Rooms whose tests are repeated on both databases: what is done with the tables."""
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Repeat a test that uses a database on SQLite and on PostgreSQL, unless it says which."""
-    room = Path(metafunc.module.__file__ or "").relative_to(Path(__file__).parent).parts[0]
+    module = Path(metafunc.module.__file__ or "").relative_to(Path(__file__).parent).as_posix()
     chosen = [mark.args[0] for mark in metafunc.definition.iter_markers("parametrize")]
     if (
-        room in BOTH_DATABASES
+        module.startswith(BOTH_DATABASES)
         and "database_url" in metafunc.fixturenames
         and "database_url" not in chosen
     ):

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.results.so_far import DOCUMENTS
 from studyapp.services.interim.computing import SECONDS, FigureProcess, NoFiguresError
 from studyapp.services.interim.documents import What
-from studyapp.stages.so_far_process import DOCUMENTS
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from analysis.metrics.paper_tables import PAPER_TABLES, TableColumn
 from analysis.report.metric_section import TITLES
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
-from studyapp.rehearsal.population import default_population
+from studyapp.rehearsal.simulation.population import default_population
 from tools.three_systems.line import Took
 from tools.three_systems.networks import Network
 

@@ -8,7 +8,7 @@ from motion.audio import read_audio
 from motion.segment import EMOTIONS
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import GROUND_TRUTH
-from studyapp.stages.recordings import Take, import_take
+from studyapp.stimuli.recordings import Take, import_take
 from training.data.take import Take as RecordedTake
 
 

@@ -17,7 +17,7 @@ from typing import Final
 
 from studyapp.services.interim.documents import What
 
-PROGRAM: Final = "studyapp.stages.so_far_process"
+PROGRAM: Final = "studyapp.results.so_far"
 """It belongs to a room above this one, and is called by name, as a stranger would."""
 
 SECONDS: Final = 300

@@ -15,7 +15,7 @@ from bs4 import BeautifulSoup
 from analysis.report import ink, write_report
 from analysis.report.content import Cell, Page, Section, Table
 from analysis.report.table_files import as_frame, write_page_files
-from studyapp.stages.reporting import report_table
+from studyapp.results.report import report_table
 from tests.analysis.report.made_reports import report_of, subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table
 
@@ -188,7 +188,7 @@ def test_processes_with_different_hash_seeds_write_the_same_bytes(
     TABLES["pairwise"](participants=4, segments=4).to_csv(tmp_path / "answers.csv", index=False)
     code = (
         "import sys; from pathlib import Path;"
-        "from studyapp.stages.reporting import report_table;"
+        "from studyapp.results.report import report_table;"
         "report_table(Path(sys.argv[1]), 'pairwise', Path(sys.argv[2]),"
         " max_catch_failures=1, margin=0.1)"
     )

@@ -12,9 +12,9 @@ from studyapp.definition.finished_videos import finished_video
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import ClipVideo, PairVideo, Stimuli, write_stimuli
 from studyapp.design.stimulus import Content
-from studyapp.stages.digest import digest
-from studyapp.stages.rendering import hide_sizes
-from studyapp.stages.video_copies import copy_videos
+from studyapp.stimuli.digest import digest
+from studyapp.stimuli.rendering import hide_sizes
+from studyapp.stimuli.video_copies import copy_videos
 from tests.functional.adversary import unlike_videos as videos
 
 QUESTION: Final = """

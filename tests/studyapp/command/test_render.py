@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from studyapp.command import render_command
-from studyapp.stages.render_record import RenderCount
+from studyapp.stimuli.render_record import RenderCount
 
 
 @pytest.fixture

@@ -12,11 +12,15 @@ from studyapp.custody import forgetting
 from studyapp.custody.forgetting import forget, remembered
 from studyapp.models import Event, Place, StudySession
 from studyapp.models.base import Base
+from studyapp.results.export.answer_rows import (
+    form_answers_table,
+    responses_table,
+    study_sessions_table,
+)
 from studyapp.services import scrubbing
 from studyapp.services.audit import log_change, logged_changes
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.export import form_answers_table, responses_table, study_sessions_table
 from studyapp.services.pseudonyms import PseudonymKey
 from studyapp.services.refusal import ConflictError, UnknownAddressError
 from studyapp.services.refusals import note_refusal

@@ -16,9 +16,9 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import Severity
-from studyapp.stages.generation import generate
-from studyapp.stages.recordings import Take, import_take
-from studyapp.stages.study_notes import study_notes
+from studyapp.results.study_notes import study_notes
+from studyapp.stimuli.generation import generate
+from studyapp.stimuli.recordings import Take, import_take
 
 
 def pretend_rendered(folder: StudyFolder, video: Path) -> None:

@@ -21,7 +21,7 @@ from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
 from studyapp.preflight.shown_video_checks import shown_video_findings
 from studyapp.preflight.sound_checks import silent_share, sound_findings
-from studyapp.stages.media_probe import plays_at_once, written_in
+from studyapp.stimuli.media_probe import plays_at_once, written_in
 from tests.encoded import Told, write_video
 
 

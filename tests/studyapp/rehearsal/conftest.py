@@ -17,7 +17,7 @@ from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.stimuli import Stimuli, read_stimuli, write_stimuli
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.population import Population, default_population
+from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.services.database import Database, sqlite_url
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION

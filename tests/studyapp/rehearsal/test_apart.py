@@ -26,11 +26,11 @@ from studyapp.recruitment.record import MadeThere, write_made_there
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.resumption import prepare
+from studyapp.results.answers import answers_to_report, read_answers
+from studyapp.results.export.writing import export
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.monitoring.sittings import sittings
 from studyapp.services.served_study import ServedStudy
-from studyapp.stages.answers import answers_to_report, read_answers
-from studyapp.stages.exporting.writing import export
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.answered_study import answer_study

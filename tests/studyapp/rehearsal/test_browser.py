@@ -17,8 +17,8 @@ from studyapp.models import StudySession
 from studyapp.rehearsal import browser as browser_room
 from studyapp.rehearsal.browser import require_browser
 from studyapp.rehearsal.ledger import Ledger
-from studyapp.rehearsal.population import default_population
 from studyapp.rehearsal.run import rehearse
+from studyapp.rehearsal.simulation.population import default_population
 from studyapp.services.database import Database, sqlite_url
 from tests.finished_study import write_short_video
 from tests.functional.browsing import IN_A_BROWSER

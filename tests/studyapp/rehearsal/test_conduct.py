@@ -11,15 +11,15 @@ from flask import Flask
 
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Place, Response, StudySession
-from studyapp.rehearsal.conduct import Conduct
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.kinds import Kind
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import call_roster, let_time_pass
+from studyapp.rehearsal.simulation.conduct import Conduct
+from studyapp.rehearsal.simulation.kinds import Kind
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import Departure
 from studyapp.services.database import Database, sqlite_url
 from tests.studyapp.rehearsal.steps import browser

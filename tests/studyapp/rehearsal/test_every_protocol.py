@@ -16,14 +16,14 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.models import Place, StudySession
 from studyapp.rehearsal.examiner import Examiner
 from studyapp.rehearsal.eyes import Eyes, seen
-from studyapp.rehearsal.judgement import Judgement, judge
 from studyapp.rehearsal.late_probes import probe_finished
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant, answer_trial
-from studyapp.rehearsal.population import default_population
 from studyapp.rehearsal.probes import probe_trial
-from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.run import rehearse
+from studyapp.rehearsal.simulation.judgement import Judgement, judge
+from studyapp.rehearsal.simulation.population import default_population
+from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from studyapp.services.database import Database, sqlite_url
 from studyapp.services.exclusion import is_excluded

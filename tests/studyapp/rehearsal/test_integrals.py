@@ -17,12 +17,12 @@ from studyapp.definition.protocols.rating import RatingStudy
 from studyapp.definition.study import Study
 from studyapp.design.asking import Ask
 from studyapp.design.stimulus import Stimulus
-from studyapp.rehearsal.integrals import averaged, mean_rank, mean_rating
-from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.record import Expected, Measure
-from studyapp.rehearsal.sight import SeenTrial
-from studyapp.rehearsal.truth import expectations
+from studyapp.rehearsal.simulation.integrals import averaged, mean_rank, mean_rating
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.rehearsal.simulation.truth import expectations
 from tests.studyapp.made_study import make_segments
 
 CONDITIONS = ("ours", "theirs", "real")

@@ -11,11 +11,11 @@ import pytest
 from motion.segment import Segment
 from studyapp.definition.reading import parse_text
 from studyapp.definition.study import Study
-from studyapp.rehearsal.judgement import Judgement, judge
-from studyapp.rehearsal.kinds import Kind
-from studyapp.rehearsal.population import Population, default_population
-from studyapp.rehearsal.raters import Rater
-from studyapp.rehearsal.sight import SeenTrial
+from studyapp.rehearsal.simulation.judgement import Judgement, judge
+from studyapp.rehearsal.simulation.kinds import Kind
+from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.sight import SeenTrial
 from tests.finished_study import COMMON, PROTOCOLS
 from tests.studyapp.made_study import make_segments
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.ledger import Acknowledged, Ledger
+from studyapp.rehearsal.simulation.judgement import Judgement
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ from flask import Flask
 
 from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.judgement import Judgement
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION

@@ -8,8 +8,8 @@ import pytest
 
 from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.definition.rehearsal import Rehearsal
-from studyapp.rehearsal.population import Population, default_population
-from studyapp.rehearsal.raters import Rater
+from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.rehearsal.simulation.raters import Rater
 
 
 def test_the_conditions_every_study_knows_are_ordered_as_expected(population: Population) -> None:

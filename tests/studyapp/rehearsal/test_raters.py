@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from studyapp.design.asking import Ask
 from studyapp.design.preference import PREFERENCES
 from studyapp.design.stimulus import Stimulus
-from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater
-from studyapp.rehearsal.sight import SeenTrial
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.sight import SeenTrial
 
 CONDITIONS = ("a", "b", "flaw")
 FAIR = Population(

@@ -6,9 +6,9 @@ import pytest
 
 from motion.errors import InputError
 from studyapp.definition.protocols.pairwise import PairwiseStudy
-from studyapp.rehearsal.population import Population
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
-from studyapp.rehearsal.truth import expectations
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.truth import expectations
 from tests.studyapp.made_study import make_segments
 
 

@@ -13,16 +13,16 @@ from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Response, StudySession
 from studyapp.rehearsal.eyes import Eyes
-from studyapp.rehearsal.kinds import Kind
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.record import Truth, write_truth
+from studyapp.rehearsal.recovery.page import write_recovery
+from studyapp.rehearsal.recovery.recovery import Recovery, recover
 from studyapp.rehearsal.resumption import call_roster, let_time_pass
-from studyapp.rehearsal.truth import expectations
+from studyapp.rehearsal.simulation.kinds import Kind
+from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.rehearsal.visit import Departure
 from studyapp.services.database import Database, sqlite_url
-from studyapp.stages.recovery.recovering import Recovery, recover
-from studyapp.stages.recovery.writing import write_recovery
 from tests.studyapp.rehearsal.steps import browser
 
 

@@ -19,11 +19,11 @@ from analysis.tables.layouts import PAIRWISE
 from analysis.tables.reading import Order, answers_in
 from motion.segment import EMOTIONS, Segment
 from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
-from studyapp.rehearsal.judgement import judge
-from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater
-from studyapp.rehearsal.sight import SeenTrial
-from studyapp.rehearsal.truth import expectations
+from studyapp.rehearsal.simulation.judgement import judge
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.rehearsal.simulation.truth import expectations
 from tests.studyapp.made_study import pair_plan
 
 SEGMENTS = tuple(

@@ -9,9 +9,9 @@ import pytest
 
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import Place, StudySession, StudyVersion
-from studyapp.rehearsal.population import Population, default_population
 from studyapp.rehearsal.record import Truth, read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
+from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.services.database import Database, sqlite_url
 
 TRUTH = Truth(seed=1, study="", population=Population(quality={}), expected=())

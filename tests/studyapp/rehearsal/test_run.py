@@ -22,16 +22,16 @@ from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
 from studyapp.models import StudySession
-from studyapp.rehearsal.conduct import Conduct
 from studyapp.rehearsal.eyes import rater_name
-from studyapp.rehearsal.judgement import judge
-from studyapp.rehearsal.population import Population, default_population
-from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
-from studyapp.rehearsal.sight import SeenTrial
+from studyapp.rehearsal.simulation.conduct import Conduct
+from studyapp.rehearsal.simulation.judgement import judge
+from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.results.export.answer_rows import responses_table
 from studyapp.services.database import Database, sqlite_url
-from studyapp.services.export import responses_table
 from tests.studyapp.made_study import pair_plan
 from tests.studyapp.read_once import read_once
 

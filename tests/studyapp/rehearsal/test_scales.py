@@ -6,8 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studyapp.definition.scales import RatingQuestion
-from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.scales import preference_thresholds, ranks, rating_thresholds, step
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.scales import (
+    preference_thresholds,
+    ranks,
+    rating_thresholds,
+    step,
+)
 
 POPULATION = Population(quality={})
 UTILITIES = st.lists(st.floats(-9, 9), min_size=2, max_size=8)

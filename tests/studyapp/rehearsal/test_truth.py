@@ -13,12 +13,12 @@ from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.design.asking import Ask
 from studyapp.design.preference import PREFERENCES
 from studyapp.design.stimulus import Stimulus
-from studyapp.rehearsal.integrals import win_share
-from studyapp.rehearsal.population import Population
-from studyapp.rehearsal.raters import Rater
 from studyapp.rehearsal.record import Expected
-from studyapp.rehearsal.sight import SeenTrial
-from studyapp.rehearsal.truth import expectations
+from studyapp.rehearsal.simulation.integrals import win_share
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.rehearsal.simulation.truth import expectations
 from tests.studyapp.made_study import make_segments
 
 SEGMENTS = make_segments(["anger"] * 6)

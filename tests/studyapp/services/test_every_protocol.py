@@ -12,9 +12,9 @@ from sqlalchemy import select
 
 from studyapp.definition.questions import Reason
 from studyapp.models import Trial
+from studyapp.results.export.answer_rows import responses_table
 from studyapp.services.answering import answer
 from studyapp.services.database import Database
-from studyapp.services.export import responses_table
 from studyapp.services.refusal import ConflictError, UnacceptableError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.showing import content_of

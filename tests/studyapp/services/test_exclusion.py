@@ -8,12 +8,12 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.models import Place, StudySession, Trial
+from studyapp.results.answer_table import study_answers
+from studyapp.results.export.answer_rows import responses_table
+from studyapp.results.stored_answers import stored_answers
 from studyapp.services.database import Database
-from studyapp.services.export import responses_table
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.stored_answers import stored_answers
 from studyapp.services.versions import open_study
-from studyapp.stages.answer_table import study_answers
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

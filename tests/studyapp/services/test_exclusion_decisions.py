@@ -8,6 +8,7 @@ from sqlalchemy import select, update
 from motion.errors import InputError
 from studyapp.custody.forgetting import erase
 from studyapp.models import AuditLine, ExclusionDecision
+from studyapp.results.stored_answers import stored_answers
 from studyapp.services.audit import ERASED, logged_changes
 from studyapp.services.database import Database
 from studyapp.services.exclusion_decisions import (
@@ -19,7 +20,6 @@ from studyapp.services.exclusion_decisions import (
 from studyapp.services.looks import StudyState, note_look
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.sitting import find
-from studyapp.services.stored_answers import stored_answers
 from studyapp.services.withdrawing import withdraw
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock

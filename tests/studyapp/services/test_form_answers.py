@@ -6,9 +6,9 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.models import FormAnswer, StudySession
+from studyapp.results.export.answer_rows import form_answers_table
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.export import form_answers_table
 from studyapp.services.form_answers import answer_form
 from studyapp.services.refusal import ConflictError, IneligibleError, UnacceptableError
 from studyapp.services.served_study import ServedStudy

@@ -7,12 +7,12 @@ from sqlalchemy import select
 
 from studyapp.custody.forgetting import forget
 from studyapp.models import InterimFigures
+from studyapp.results.stored_answers import stored_answers
 from studyapp.services.audit import logged_changes
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.looks import StudyState, looks, note_look
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.stored_answers import stored_answers
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import SetClock
 

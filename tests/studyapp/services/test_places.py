@@ -8,8 +8,8 @@ import pytest
 from sqlalchemy import select
 
 from studyapp.models import Place, StudySession
+from studyapp.results.export.answer_rows import study_sessions_table
 from studyapp.services.database import Database
-from studyapp.services.export import study_sessions_table
 from studyapp.services.places import release_stale
 from studyapp.services.refusal import StudyFullError
 from studyapp.services.sitting import find

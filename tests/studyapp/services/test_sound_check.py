@@ -9,9 +9,9 @@ from sqlalchemy import select
 from studyapp.definition.study import Study
 from studyapp.design.stimulus import Stimulus
 from studyapp.models import StudySession
+from studyapp.results.export.answer_rows import study_sessions_table
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol, enrolled
-from studyapp.services.export import study_sessions_table
 from studyapp.services.form_answers import answer_form
 from studyapp.services.refusal import (
     ConflictError,

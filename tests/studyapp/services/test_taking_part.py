@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from studyapp.results.export.answer_rows import responses_table
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.export import responses_table
 from studyapp.services.places import release_stale
 from studyapp.services.refusal import ConflictError, UnknownAddressError
 from studyapp.services.showing import content_of

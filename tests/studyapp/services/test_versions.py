@@ -11,12 +11,12 @@ from sqlalchemy import select, update
 
 from motion.errors import InputError
 from studyapp.models import AuditLine, Place, StudySession, StudyVersion
+from studyapp.results.export.watching_rows import watching_table
+from studyapp.results.stated_study import stated_study
 from studyapp.services.database import Database
 from studyapp.services.refusal import ConflictError, StudyFullError
 from studyapp.services.served_study import ServedStudy
-from studyapp.services.stated_study import stated_study
 from studyapp.services.versions import must_be_new_version, open_study
-from studyapp.services.watching_export import watching_table
 from tests.studyapp.added_condition import add_condition, make_videos_anew
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -17,9 +17,13 @@ from studyapp.models import (
     WatchRecord,
 )
 from studyapp.models.base import Base
+from studyapp.results.export.answer_rows import (
+    form_answers_table,
+    responses_table,
+    study_sessions_table,
+)
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.export import form_answers_table, responses_table, study_sessions_table
 from studyapp.services.refusal import ConflictError
 from studyapp.services.served_study import ServedStudy
 from studyapp.services.versions import open_study

@@ -22,7 +22,7 @@ from studyapp.services.media_store.bucket import Bucket
 from studyapp.services.media_store.record import FILE, Place
 from studyapp.services.media_store.store import SIGNED_SECONDS, MediaStore
 from studyapp.services.served_study import ServedStudy
-from studyapp.stages.publishing import MARK_BYTES, publish
+from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.studyapp.s3_stand_in import (

@@ -9,12 +9,12 @@ from flask import Flask
 
 from studyapp.definition.folder import StudyFolder
 from studyapp.models import StudySession
+from studyapp.results.export.tables import pseudonyms
+from studyapp.results.stored_answers import stored_answers
 from studyapp.services.database import Database
 from studyapp.services.enrolment import Arrival, enrol
 from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.stored_answers import stored_answers
 from studyapp.services.withdrawing import withdraw
-from studyapp.stages.exporting.tables import pseudonyms
 from studyapp.web.running import running
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -1,0 +1,143 @@
+"""What the analysis of a rehearsal finds, beside what was put in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import metadata
+
+from analysis.results.known_values import (
+    Found,
+    KnownDifference,
+    KnownValue,
+    found_differences,
+    found_values,
+)
+from analysis.results.report import Settings, Source, TableReport, analyse_answers
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.rehearsal.ledger import Ledger
+from studyapp.rehearsal.record import known_values, read_truth
+from studyapp.rehearsal.recovery.bookkeeping import Check, checks
+from studyapp.rehearsal.recovery.people import KindRecovered, kinds_recovered, people
+from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.answers import Answers, answers_in, snapshot
+from studyapp.results.report_arms import arm_of_each, arm_states
+from studyapp.services.monitoring.sittings import Sitting, sittings
+from studyapp.services.served_study import ServedStudy
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recovery:
+    """What came of a rehearsal.
+
+    Attributes
+    ----------
+    title : str
+        The study's.
+    seed : int
+        The rehearsal's.
+    values : tuple of (KnownValue, Found)
+        Every number that was put in and estimated.
+    differences : tuple of KnownDifference
+        Of any two that were compared, which is found to be the better one.
+    kinds : tuple of KindRecovered
+        What became of each kind of rater that came.
+    checks : tuple of Check
+        What was counted, and how.
+    rules : tuple of str
+        The study's rules of exclusion, in words.
+    """
+
+    title: str
+    seed: int
+    values: tuple[tuple[KnownValue, Found], ...]
+    differences: tuple[KnownDifference, ...]
+    kinds: tuple[KindRecovered, ...]
+    checks: tuple[Check, ...]
+    rules: tuple[str, ...]
+
+    @property
+    def intervals(self) -> int:
+        """How many intervals there are."""
+        return sum(found.has_interval for _, found in self.values)
+
+    @property
+    def missed(self) -> int:
+        """How many of them miss what was put in."""
+        return self.intervals - sum(found.covers(known.value) for known, found in self.values)
+
+    @property
+    def miscounted(self) -> tuple[Check, ...]:
+        """Everything that the study counted wrong."""
+        return tuple(check for check in self.checks if not check.agrees)
+
+
+def recover(folder: StudyFolder) -> Recovery:
+    """Analyse the rehearsal of `folder` as a report does, and return what it finds again.
+
+    Raises
+    ------
+    InputError
+        If the study was not rehearsed yet, or its answers contradict it.
+    """
+    study = folder.study()
+    truth = read_truth(folder.rehearsal_truth)
+    served = ServedStudy.read(folder.root).opened_for(rehearsal=True)
+    known = known_values(truth)
+    with snapshot(folder, "rehearsal") as session:
+        if session is None:
+            raise InputError(
+                "there was no rehearsal yet",
+                where=folder.rehearsal,
+                remedy="Run 'motionjury rehearse'",
+            )
+        answers = answers_in(session, "rehearsal")
+        tasks = analysed_tasks(study, answers, rules_of(study, answers))
+        reports = [analysed(study, task, answers) for task in tasks]
+        everybody = people(session, truth)
+        seen: Sequence[Sitting] = sittings(session, served, Clock().now())
+        counted = checks(
+            session,
+            Ledger(folder.acknowledged).read(),
+            everybody,
+            seen,
+            completed_in_report=sum(flow.completed or 0 for flow in reports[0].flow),
+        )
+    return Recovery(
+        title=study.title,
+        seed=truth.seed,
+        values=found_values(reports, known),
+        differences=found_differences(reports, known),
+        kinds=kinds_recovered(everybody, _analysed(tasks), _removed_by(tasks)),
+        checks=counted,
+        rules=tuple(rule.description for rule in tasks[0].left_out.rules),
+    )
+
+
+def analysed(study: Study, task: AnalysedTask, answers: Answers) -> TableReport:
+    """Return the results of one task, without margins of equivalence or metrics."""
+    stored = answers.stored
+    return analyse_answers(
+        task.table,
+        task.left_out,
+        source=Source(file=ANSWERS, sha256="", motionjury=metadata.version("motionjury")),
+        settings=Settings(max_catch_failures=None, margin=None),
+        arms=() if stored is None else arm_states(study, stored),
+        arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
+    )
+
+
+def _analysed(tasks: Sequence[AnalysedTask]) -> set[str]:
+    return {str(who) for task in tasks for who in task.left_out.kept["participant"].unique()}
+
+
+def _removed_by(tasks: Sequence[AnalysedTask]) -> dict[str, str]:
+    """Return the rule that leaves out each participant, in any task."""
+    return {
+        who: task.left_out.rules[place].rule
+        for task in reversed(tasks)
+        for who, place in task.left_out.removed_by.items()
+    }

@@ -1,0 +1,208 @@
+"""A simulated rater: how good each motion is to it, and what it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+from studyapp.rehearsal.simulation.chance import standard_normal, stream
+from studyapp.rehearsal.simulation.kinds import Kind, kind_at
+from studyapp.rehearsal.simulation.scales import (
+    preference_thresholds,
+    ranks,
+    rating_thresholds,
+    step,
+)
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from studyapp.design.asking import Ask
+    from studyapp.design.stimulus import Stimulus
+    from studyapp.rehearsal.simulation.population import Population
+    from studyapp.rehearsal.simulation.sight import SeenTrial
+
+SIDE_PULL: Final = 2.5
+"""Logits by which somebody side-biased prefers the side they are drawn to."""
+
+HASTY_SIGHT: Final = 0.35
+"""Share of every difference that somebody hasty sees."""
+
+HASTY_OVERLOOKED: Final = 0.5
+"""Share of attention checks that somebody hasty overlooks."""
+
+_BLIND: Final[frozenset[Kind]] = frozenset({"careless", "straight_lining"})
+"""Whose answers no video decides."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rater:
+    """One simulated rater, whole from its name: nothing in it changes while it answers.
+
+    Attributes
+    ----------
+    population : Population
+        Where it comes from.
+    seed : int
+        Seed of the rehearsal.
+    name : str
+        Tells this rater from every other one of the rehearsal.
+    """
+
+    population: Population
+    seed: int
+    name: str
+
+    @cached_property
+    def kind(self) -> Kind:
+        """What kind of rater it is."""
+        drawn = stream(self.seed, "attention", self.name).random()
+        return kind_at(self.population.kinds, float(drawn))
+
+    @cached_property
+    def side_bias(self) -> float:
+        """Its own pull towards the right video, in logits."""
+        draw = stream(self.seed, "side", self.name).standard_normal()
+        usual = self.population.side_bias + self.population.side_bias_sd * float(draw)
+        return usual + self.pull
+
+    @cached_property
+    def pull(self) -> float:
+        """What its own habit adds for the right or last of the videos over the left or first."""
+        if self.kind != "side_biased":
+            return 0.0
+        to_the_right = stream(self.seed, "habit", self.name).random() < 0.5
+        return SIDE_PULL if to_the_right else -SIDE_PULL
+
+    @property
+    def sight(self) -> float:
+        """How much it sees of how good a motion is; 1 is all of it."""
+        return HASTY_SIGHT if self.kind == "hasty" else 1.0
+
+    @cached_property
+    def leniency(self) -> float:
+        """How much better than others it rates everything, in logits."""
+        draw = stream(self.seed, "leniency", self.name).standard_normal()
+        return self.population.leniency_sd * float(draw)
+
+    def utility(self, stimulus: Stimulus, question: str) -> float:
+        """Return how good `stimulus` is to this rater, as far as it looks, in logits."""
+        condition, segment = stimulus.condition, stimulus.segment
+        draw = standard_normal(self.seed, "taste", self.name, condition, question)
+        own = (
+            self.population.quality[condition][question]
+            + self.population.taste_sd * draw
+            + segment_fit(self.population, self.seed, condition, segment, question)
+        )
+        if stimulus.speech not in (None, segment):
+            own -= self._cost_of_wrong_speech(condition, segment, question)
+        return self.sight * own
+
+    def obeys(self, trial: SeenTrial) -> bool:
+        """Tell whether it does what the page of `trial` asks, on an attention check."""
+        if trial.instructed is None or self.kind in _BLIND:
+            return False
+        overlooked = HASTY_OVERLOOKED if self.kind == "hasty" else self.population.overlooked
+        draw = stream(self.seed, "overlooked", self.name, trial.position).random()
+        return bool(draw >= overlooked)
+
+    def prefer(self, trial: SeenTrial, ask: Ask) -> int:
+        """Return its preference between the two stimuli of `trial`."""
+        noise = stream(self.seed, "answer", self.name, trial.position, ask.question)
+        if self.kind in _BLIND:
+            return self._blindly(ask, noise)
+        left, right = trial.stimuli
+        latent = (
+            self.utility(right, ask.question)
+            - self.utility(left, ask.question)
+            + self.side_bias
+            + noise.logistic()
+        )
+        return step(ask.values, preference_thresholds(self.population, len(ask.values)), latent)
+
+    def rate(self, trial: SeenTrial, ask: Ask) -> int:
+        """Return its rating of the stimulus that `ask` is about."""
+        number = ask.stimulus or 1
+        noise = stream(self.seed, "answer", self.name, trial.position, ask.question, number)
+        if self.kind in _BLIND:
+            return self._blindly(ask, noise)
+        stimulus = trial.stimuli[number - 1]
+        felt = self.utility(stimulus, ask.question) + self._place_value(trial, number)
+        latent = felt + self.leniency + noise.logistic()
+        return step(ask.values, rating_thresholds(self.population, len(ask.values)), latent)
+
+    def rank(
+        self, trial: SeenTrial, question: str, *, ties: bool, first: int | None = None
+    ) -> tuple[int, ...]:
+        """Return the ranks it gives to the stimuli of `trial`, number 1 first.
+
+        Parameters
+        ----------
+        ties : bool
+            Whether stimuli may share a rank.
+        first : int, optional
+            Number of the stimulus that is to be put first, whatever it is like.
+        """
+        noise = stream(self.seed, "answer", self.name, trial.position, question)
+        count = len(trial.stimuli)
+        if self.kind == "straight_lining":
+            forwards = stream(self.seed, "line", self.name, question).random() < 0.5
+            return tuple(range(1, count + 1) if forwards else range(count, 0, -1))
+        if self.kind == "careless":
+            return tuple(int(rank) + 1 for rank in noise.permutation(count))
+        felt = [
+            self.utility(stimulus, question) + self._place_value(trial, number) + float(draw)
+            for number, (stimulus, draw) in enumerate(
+                zip(trial.stimuli, noise.gumbel(size=count), strict=True), start=1
+            )
+        ]
+        if first is not None:
+            felt[first - 1] = float("inf")
+        return ranks(felt, tie_within=self.population.weak if ties else None)
+
+    def reasons(self, trial: SeenTrial, ask: Ask) -> tuple[str, ...]:
+        """Return the reasons it ticks beside an answer, or once for all that share them."""
+        draws = stream(self.seed, "reasons", self.name, trial.position, ask.reasons_field)
+        ticked = draws.random(len(ask.reasons)) < self.population.reasons
+        return tuple(name for name, tick in zip(ask.reasons, ticked, strict=True) if tick)
+
+    def _blindly(self, ask: Ask, noise: np.random.Generator) -> int:
+        """Return an answer that no video decides: any, or always the same one."""
+        if self.kind == "straight_lining":
+            noise = stream(self.seed, "line", self.name, ask.question)
+        return ask.values[int(noise.integers(len(ask.values)))]
+
+    def _place_value(self, trial: SeenTrial, number: int) -> float:
+        """Return what its habit adds to stimulus `number` for its place on the page, in logits."""
+        others = len(trial.stimuli) - 1
+        return self.pull * ((number - 1) / others - 0.5) if others else 0.0
+
+    def _cost_of_wrong_speech(self, condition: str, segment: str, question: str) -> float:
+        """Return how much worse this rater finds a motion with another segment's speech."""
+        draw = standard_normal(self.seed, "belonging", self.name, condition, question)
+        return (
+            self.population.belonging[condition][question]
+            + self.population.participant_sd * draw
+            + speech_fit(self.population, self.seed, condition, segment, question)
+        )
+
+
+def segment_fit(
+    population: Population, seed: int, condition: str, segment: str, question: str
+) -> float:
+    """Return how much better than usual `condition` does in `segment`, in logits.
+
+    The same for every rater of a rehearsal: it is a trait of the stimulus.
+    """
+    return population.fit_sd * standard_normal(seed, "fit", condition, segment, question)
+
+
+def speech_fit(
+    population: Population, seed: int, condition: str, segment: str, question: str
+) -> float:
+    """Return how much more than usual another speech spoils a motion, in logits.
+
+    The same for every rater of a rehearsal, as the other speech of a segment is.
+    """
+    return population.item_sd * standard_normal(seed, "other speech", condition, segment, question)

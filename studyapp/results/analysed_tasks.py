@@ -1,0 +1,112 @@
+"""The tasks of a study with their answers, and whom its rules leave out of each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import pandas as pd
+
+from analysis.results.left_out import LeftOut, leave_out
+from analysis.tables.answers import AnswerTable
+from analysis.tables.cells import Cells
+from analysis.tables.layouts import LAYOUTS
+from analysis.tables.reading import Order, answers_in
+from studyapp.definition.exclusions import ExclusionSection
+from studyapp.definition.protocols.ranking import RankingStudy
+from studyapp.definition.protocols.rating import RatingStudy
+from studyapp.definition.study import Study
+from studyapp.results.answer_table import empty_answers, study_answers
+from studyapp.results.answers import Answers
+from studyapp.results.exclusions import StudyExclusions, decided_by_hand, study_exclusions
+from studyapp.results.report_arms import of_present_design
+
+ANSWERS: Final = "answers.csv"
+"""The table of a study's answers, as reports write it under ``tables``: in the columns that any
+platform's table may have."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AnalysedTask:
+    """One task of a study.
+
+    Attributes
+    ----------
+    protocol : str
+        How it is analysed.
+    rows : DataFrame
+        What was answered, in the columns of ``docs/report-contract.md``, as text.
+    table : AnswerTable
+        The same, checked.
+    left_out : LeftOut
+        Whom the rules leave out.
+    """
+
+    protocol: str
+    rows: pd.DataFrame
+    table: AnswerTable
+    left_out: LeftOut
+
+
+def rules_of(
+    study: Study, answers: Answers, added: Sequence[ExclusionSection] = ()
+) -> StudyExclusions:
+    """Return the rules of `study`, and `added` ones, which are exploratory.
+
+    So are rules that the study file did not state when the first participant came, and what
+    researchers decided by hand.
+    """
+    before = answers.stated if answers.origin == "participants" else None
+    return study_exclusions(
+        study.settled_exclusions,
+        None if before is None else before.settled_exclusions,
+        added,
+        by_hand=None if answers.stored is None else decided_by_hand(answers.stored.study_sessions),
+    )
+
+
+def analysed_tasks(study: Study, answers: Answers, rules: StudyExclusions) -> list[AnalysedTask]:
+    """Return the tasks of `study`, the one that it is named after first.
+
+    Raises
+    ------
+    InputError
+        If the answers contradict the study.
+    """
+    stored = answers.stored
+    given = (
+        empty_answers(study)
+        if stored is None
+        else study_answers(study, stored.part(of_present_design(stored.study_sessions)))
+    )
+    tasks = []
+    for protocol, rows in given.tables.items():
+        table = answers_in(
+            Cells(path=Path(ANSWERS), rows=rows, numbers=pd.RangeIndex(len(rows)) + 2, ignored=()),
+            LAYOUTS[protocol],
+            Order(
+                conditions=compared(study),
+                questions=tuple(question.name for question in study.questions),
+                sets=study.parts,
+                scales=_scales(study),
+            ),
+        )
+        left_out = leave_out(table, rules.rules, planned=rules.planned, known=given.known)
+        tasks.append(AnalysedTask(protocol=protocol, rows=rows, table=table, left_out=left_out))
+    return tasks
+
+
+def _scales(study: Study) -> dict[str, tuple[int, int]]:
+    """Return between which ratings each question's scale lies; empty where nothing is rated."""
+    if not isinstance(study, RatingStudy):
+        return {}
+    return {one.name: (min(one.values), max(one.values)) for one in study.questions}
+
+
+def compared(study: Study) -> tuple[str, ...]:
+    """Return the conditions that are compared, in the order of the study file."""
+    if isinstance(study, RankingStudy):
+        return tuple(name for name in study.conditions if name != study.reference)
+    return tuple(study.conditions)

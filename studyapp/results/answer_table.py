@@ -1,0 +1,256 @@
+"""A study's stored answers in the columns that every report is made from.
+
+The columns are those of ``docs/report-contract.md``: a study is analysed like any platform's table,
+and the table that its report writes gives the same results again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from analysis.exclusions.sitting import KnownSitting
+from studyapp.definition.protocols.mismatch import FIT, REALISM
+from studyapp.definition.protocols.ranking import RankingStudy
+from studyapp.definition.protocols.rating import RatingStudy
+from studyapp.definition.scales import STEPS
+from studyapp.definition.study import Study
+from studyapp.design.asking import AnswerKey
+from studyapp.results.stored_answers import StoredAnswers
+
+SHARED: Final = (
+    *("participant", "segment", "question", "trial", "kind", "set", "emotion", "speaker"),
+    *("response_seconds", "watched", "instructed"),
+)
+"""Columns of every protocol's table."""
+
+OWN: Final[Mapping[str, tuple[str, ...]]] = {
+    "pairwise": ("left", "right", "response", "correct_side"),
+    "rating": ("condition", "response"),
+    "ranking": ("condition", "rank"),
+    "mismatch": ("condition", "left_speech", "right_speech", "response", "correct_side"),
+}
+"""Columns of one protocol's."""
+
+KNOWN_COLUMNS: Final = (
+    *("study_session", "trials", "settled", "left_out_catch", "left_out_attention"),
+    *("excluded_because", "excluded_after_look"),
+)
+
+AFTER_LOOK: Final = " (decided after results had been looked at)"
+"""Behind a researcher's reason to exclude somebody."""
+
+MIDDLE: Final = 3
+"""What stands in a table for 'no difference', which is stored as 0."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StudyAnswers:
+    """What a study's participants answered, for the report.
+
+    Attributes
+    ----------
+    tables : mapping of str to DataFrame
+        By protocol: a study that asks for mismatch and for realism gives two tables. All cells
+        are text.
+    known : mapping of participant to KnownSitting
+        What a table cannot tell of each.
+    """
+
+    tables: Mapping[str, pd.DataFrame]
+    known: Mapping[str, KnownSitting]
+
+
+def study_answers(study: Study, stored: StoredAnswers) -> StudyAnswers:
+    """Return what is stored in the report's columns.
+
+    Parameters
+    ----------
+    study : Study
+        What was asked, and how catch trials are judged.
+    stored : StoredAnswers
+        Of the study sessions that are reported.
+    """
+    return StudyAnswers(tables=_tables(study, stored), known=_known(study, stored))
+
+
+def empty_answers(study: Study) -> StudyAnswers:
+    """Return what there is to report before anybody has come: tables without a row."""
+    protocols = [study.protocol]
+    if study.protocol == "mismatch":
+        named = ((FIT, "mismatch"), (REALISM, "pairwise"))
+        protocols = [protocol for task, protocol in named if task in study.parts]
+    return StudyAnswers(
+        tables={
+            protocol: pd.DataFrame(columns=[*SHARED, *OWN[protocol]], dtype=str)
+            for protocol in protocols
+        },
+        known={},
+    )
+
+
+def _tables(study: Study, stored: StoredAnswers) -> dict[str, pd.DataFrame]:
+    rows = stored.answers.merge(stored.trials, on="trial", validate="many_to_one")
+    if study.protocol in ("rating", "ranking"):
+        single = stored.stimuli.rename(columns={"number": "stimulus"})[
+            ["trial", "stimulus", "condition"]
+        ]
+        rows = rows.merge(single, on=["trial", "stimulus"], validate="many_to_one")
+        return {study.protocol: _table(study.protocol, _each_stimulus(study, rows))}
+    rows = rows.merge(_sides(stored.stimuli), on="trial", validate="many_to_one")
+    if study.protocol == "pairwise":
+        return {"pairwise": _table("pairwise", _pairs(rows))}
+    tables = {}
+    if FIT in study.parts:
+        tables["mismatch"] = _table("mismatch", _speeches(rows[rows["part"] == FIT]))
+    if REALISM in study.parts:
+        realism = rows[rows["part"] == REALISM].assign(part="")
+        tables["pairwise"] = _table("pairwise", _pairs(realism))
+    return tables
+
+
+def _table(protocol: str, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the columns of a protocol's table, every cell as text."""
+    named = rows.drop(columns="trial").rename(
+        columns={"study_session": "participant", "position": "trial", "seconds": "response_seconds"}
+    )
+    named = named.rename(columns={"part": "set"})
+    names = [*SHARED, *OWN[protocol]]
+    if named["set"].nunique() < 2:
+        names.remove("set")
+    return pd.DataFrame({name: _text(named[name]) for name in names}, dtype=str).reset_index(
+        drop=True
+    )
+
+
+def _text(column: pd.Series[Any]) -> pd.Series[str]:
+    """Return cells as text, empty where there is no value; whole numbers without a point."""
+    codes, values = pd.factorize(column)
+    words = np.array([*(_word(value) for value in values), ""], dtype=object)
+    return pd.Series(words[codes], dtype=str)
+
+
+def _word(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.10g}"
+    return str(value)
+
+
+def _sides(stimuli: pd.DataFrame) -> pd.DataFrame:
+    """Return what each trial showed on the left and on the right; trials with a pair only."""
+    columns = ["trial", "condition", "segment", "speech"]
+    left, right = (stimuli.loc[stimuli["number"] == number, columns] for number in (1, 2))
+    return left.merge(right, on="trial", suffixes=("_left", "_right"))
+
+
+def _answered_sides(rows: pd.DataFrame) -> pd.DataFrame:
+    return rows.assign(
+        response=rows["value"] + MIDDLE,
+        instructed=rows["instructed"] + MIDDLE,
+        correct_side=rows["expected"].map({1.0: "left", 2.0: "right"}),
+    )
+
+
+def _pairs(rows: pd.DataFrame) -> pd.DataFrame:
+    return _answered_sides(rows).rename(
+        columns={"condition_left": "left", "condition_right": "right"}
+    )
+
+
+def _speeches(rows: pd.DataFrame) -> pd.DataFrame:
+    return _answered_sides(rows).assign(
+        condition=rows["condition_left"],
+        left_speech=np.where(rows["speech_left"] == rows["segment_left"], "own", "other"),
+        right_speech=np.where(rows["speech_right"] == rows["segment_right"], "own", "other"),
+    )
+
+
+def _each_stimulus(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
+    """Return ratings and ranks; catch trials have no side to be right and are judged apart."""
+    rows = rows[rows["kind"] != "catch"]
+    if isinstance(study, RankingStudy):
+        first = rows["instructed"] == rows["stimulus"]
+        return rows.assign(rank=rows["value"], instructed=np.where(first, 1.0, np.nan))
+    if isinstance(study, RatingStudy):
+        # An attention check asks for one of the labels; a slider has more values than that.
+        labels = [q.name for q in study.questions if len(q.values) == STEPS]
+        asked = rows["instructed"].where(rows["question"].isin(labels))
+        return rows.assign(response=rows["value"], instructed=asked)
+    raise TypeError(f"answers of a {study.protocol} study are not about single stimuli")
+
+
+class _Judged(NamedTuple):
+    """A stored catch trial or attention check, as `Study.failed` must know it."""
+
+    kind: str
+    part: str
+    conditions: tuple[str, ...]
+    expected: int | None
+    instructed: int | None
+
+
+def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownSitting]:
+    failed = _failures(study, stored)
+    sessions = stored.study_sessions
+    return {
+        str(session): KnownSitting(
+            trials=int(trials),
+            settled=int(settled),
+            failed_catch=(
+                failed.get((session, "catch"), 0) + int(no_catch) if study.catch.trials else None
+            ),
+            failed_attention=(
+                failed.get((session, "attention"), 0) + int(no_attention)
+                if study.attention.trials
+                else None
+            ),
+            decided=f"{decided}{AFTER_LOOK}" if decided and after_look else str(decided),
+        )
+        for session, trials, settled, no_catch, no_attention, decided, after_look in zip(
+            *(sessions[name].tolist() for name in KNOWN_COLUMNS),
+            strict=True,
+        )
+    }
+
+
+def _failures(study: Study, stored: StoredAnswers) -> dict[tuple[int, str], int]:
+    """Return how many catch trials and attention checks each study session failed."""
+    judged = stored.trials[stored.trials["kind"].isin(["catch", "attention"])]
+    wanted = judged["trial"]
+    answers: dict[Any, dict[AnswerKey, int]] = {
+        trial: {
+            (question, number or None): value
+            for question, number, value in zip(
+                given["question"], given["stimulus"].tolist(), given["value"].tolist(), strict=True
+            )
+        }
+        for trial, given in stored.answers[stored.answers["trial"].isin(wanted)].groupby("trial")
+    }
+    conditions: dict[Any, tuple[str, ...]] = {
+        trial: tuple(shown)
+        for trial, shown in stored.stimuli[stored.stimuli["trial"].isin(wanted)].groupby("trial")[
+            "condition"
+        ]
+    }
+    failed: dict[tuple[int, str], int] = {}
+    for row in judged.itertuples(index=False):
+        trial = _Judged(
+            kind=str(row.kind),
+            part=str(row.part),
+            conditions=conditions.get(row.trial, ()),
+            expected=_number(row.expected),
+            instructed=_number(row.instructed),
+        )
+        if study.failed(trial, answers.get(row.trial, {})):
+            key = int(str(row.study_session)), trial.kind
+            failed[key] = failed.get(key, 0) + 1
+    return failed
+
+
+def _number(value: object) -> int | None:
+    number = float(str(value))
+    return None if np.isnan(number) else int(number)

@@ -1,0 +1,131 @@
+"""What has been answered so far, by participants or in a rehearsal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from typing import Literal
+
+from sqlalchemy.orm import Session
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.results.report_arms import of_present_design
+from studyapp.results.shared_answers import read_shared_answers
+from studyapp.results.stated_study import stated_study
+from studyapp.results.stored_answers import StoredAnswers, stored_answers
+from studyapp.services.database import Database, database_url_of
+
+Source = Literal["participants", "rehearsal"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Answers:
+    """What has been answered, and by whom.
+
+    Attributes
+    ----------
+    origin : {'participants', 'rehearsal', 'none'}
+        Who answered; 'none' where nobody has.
+    stored : StoredAnswers or None
+        What the database holds; None where there is none.
+    stated : Study or None
+        The study as it was when the first participant came who is reported; None where that is
+        not known.
+    """
+
+    origin: Source | Literal["none"]
+    stored: StoredAnswers | None
+    stated: Study | None
+
+
+def answers_to_report(folder: StudyFolder) -> Answers:
+    """Return the real answers where there are any, else the rehearsal's, else none."""
+    real = read_answers(folder, "participants")
+    if real.origin != "none":
+        return real
+    rehearsed = read_answers(folder, "rehearsal")
+    return real if rehearsed.origin == "none" else rehearsed
+
+
+def read_rehearsal(folder: StudyFolder) -> Answers:
+    """Return the rehearsal's answers.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    """
+    rehearsed = read_answers(folder, "rehearsal")
+    if rehearsed.origin == "none":
+        raise InputError(
+            "nothing has been rehearsed",
+            where=folder.root,
+            remedy="Run 'motionjury rehearse' first, or leave out --rehearsal",
+        )
+    return rehearsed
+
+
+def read_answers(folder: StudyFolder, origin: Source) -> Answers:
+    """Return the answers of participants or of a rehearsal; the database is left as it is.
+
+    Where another lab has passed the study on, its files take the place of a database.
+    """
+    if folder.shared_answers.is_dir():
+        return _shared(folder, origin)
+    with snapshot(folder, origin) as session:
+        return answers_in(session, origin)
+
+
+def answers_in(session: Session | None, origin: Source) -> Answers:
+    """Return the answers in a `snapshot`, for whoever reads more of the same state."""
+    if session is None:
+        return Answers(origin="none", stored=None, stated=None)
+    stored = stored_answers(session)
+    sessions = stored.study_sessions
+    versions = sessions.loc[of_present_design(sessions), "version"]
+    stated = None if versions.empty else stated_study(session, int(versions.min()))
+    return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
+
+
+def _shared(folder: StudyFolder, origin: Source) -> Answers:
+    for database in (folder.responses, folder.rehearsal):
+        if database.exists():
+            raise InputError(
+                "there is a database beside the answers that another lab has passed on",
+                where=database,
+                remedy=f"Move one of them elsewhere: the database, or {folder.shared_answers}",
+            )
+    shared = read_shared_answers(folder.shared_answers)
+    if shared.origin != origin:
+        return Answers(origin="none", stored=None, stated=None)
+    found = "none" if shared.stored.answers.empty else origin
+    return Answers(origin=found, stored=shared.stored, stated=shared.stated)
+
+
+@contextmanager
+def snapshot(folder: StudyFolder, origin: Source) -> Iterator[Session | None]:
+    """Give one state of the database that holds the answers; None where there is none yet.
+
+    Whatever is read in it belongs together, whoever withdraws meanwhile.
+
+    Raises
+    ------
+    InputError
+        If another lab has passed the study on, so that its tables are there already.
+    """
+    if folder.shared_answers.is_dir():
+        raise InputError(
+            "this study has been passed on, with tables in place of a database",
+            where=folder.shared_answers,
+            remedy="Use the tables of the folder that it lies in, or report it",
+        )
+    url = database_url_of(folder.root, rehearsal=origin == "rehearsal")
+    database = Database.open_for_reading(url)
+    if database is None:
+        yield None
+        return
+    with closing(database), database.reading() as session:
+        yield session

@@ -1,0 +1,105 @@
+"""The codebook of an export: what every column, value and question of it means."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from importlib import metadata
+from typing import Any
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.form import FormQuestion
+from studyapp.definition.questions import Question
+from studyapp.definition.study import Study
+from studyapp.results.export.columns import Column, TableColumns
+from studyapp.results.export.labels import answer_labels, column_labels, form_labels
+
+
+def codebook(
+    folder: StudyFolder, study: Study, tables: Sequence[tuple[TableColumns, Sequence[str]]]
+) -> dict[str, Any]:
+    """Return the codebook as plain data, for JSON and for `codebook_page`.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    study : Study
+        Its definition: values and wording are its own.
+    tables : sequence of (TableColumns, file names)
+        What was exported.
+    """
+    return {
+        "study": {
+            "name": study.name,
+            "title": study.title,
+            "protocol": study.protocol,
+            "seed": study.seed,
+            "sha256": hashlib.sha256(folder.definition.read_bytes()).hexdigest(),
+        },
+        "motionjury": metadata.version("motionjury"),
+        "tables": [_table(study, table, files) for table, files in tables],
+        "questions": [_question(study, question) for question in study.questions],
+        "form": [
+            _form_question(stage, question)
+            for stage in study.form.stages()
+            for question in study.form.asked(stage)
+        ],
+    }
+
+
+def _table(study: Study, table: TableColumns, files: Sequence[str]) -> dict[str, Any]:
+    return {
+        "name": table.name or "answers",
+        "files": list(files),
+        "row": table.title,
+        "columns": [_column(study, table, column) for column in table.columns],
+    }
+
+
+def _column(study: Study, table: TableColumns, column: Column) -> dict[str, Any]:
+    return {
+        "name": column.name,
+        "type": column.type,
+        "meaning": column.meaning,
+        "unit": column.unit,
+        "missing": column.missing,
+        "free_text": column.free_text,
+        "values": dict(_labels(study, table, column)),
+    }
+
+
+def _labels(study: Study, table: TableColumns, column: Column) -> dict[str, str]:
+    if table.name == "form" and column.name == "question":
+        return {
+            question.name: question.text
+            for stage in study.form.stages()
+            for question in study.form.asked(stage)
+        }
+    # What was wrong with a request is no kind of trial.
+    if table.name == "refusals":
+        return {}
+    return dict(column_labels(study, column.name))
+
+
+def _question(study: Study, question: Question) -> dict[str, Any]:
+    return {
+        "name": question.name,
+        "title": question.title,
+        "text": question.text,
+        "parts": list(question.parts),
+        "values": dict(answer_labels(study, question)),
+        "reasons": {reason.name: reason.text for reason in question.reasons},
+    }
+
+
+def _form_question(stage: str, question: FormQuestion) -> dict[str, Any]:
+    return {
+        "name": question.name,
+        "stage": stage,
+        "text": question.text,
+        "kind": question.kind,
+        "required": question.required,
+        "free_text": question.kind == "text",
+        "values": dict(form_labels(question)),
+    }

@@ -1,0 +1,165 @@
+"""Writing the tables of an export with their codebook."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import pandas as pd
+
+from motion.files import replacing, write_text
+from studyapp.definition.folder import StudyFolder
+from studyapp.results.answers import Answers, Source, answers_in, snapshot
+from studyapp.results.export.answer_columns import ANSWERS
+from studyapp.results.export.codebook import codebook
+from studyapp.results.export.codebook_page import codebook_page
+from studyapp.results.export.exclusion import Judged, judge
+from studyapp.results.export.other_columns import (
+    FORM,
+    LOG,
+    PARTICIPANTS,
+    RECRUITER_IDS,
+    REFUSALS,
+    WATCHING,
+)
+from studyapp.results.export.plain_json import as_json
+from studyapp.results.export.tables import (
+    ExportedTable,
+    exported_tables,
+    recruiter_ids,
+    withdrawn_tables,
+)
+from studyapp.results.export.typed import Format, typed, write_table
+from studyapp.results.logged_looks import note_way_out
+from studyapp.services.pseudonyms import PseudonymKey
+
+
+def nothing_to_export() -> tuple[ExportedTable, ...]:
+    """Return every table without a row."""
+    return tuple(
+        ExportedTable(about=about, frame=typed(pd.DataFrame(), about))
+        for about in (ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG)
+    )
+
+
+OWNER_ALONE: Final = 0o600
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exported:
+    """What an export wrote.
+
+    Attributes
+    ----------
+    answers : int
+        Rows of the main table.
+    files : tuple of Path
+        Everything that was written, the main table first.
+    remark : str
+        What could not be done, as a sentence; empty where all was.
+    look : str
+        What exporting before the end means, in sentences; empty where it is the end.
+    """
+
+    answers: int
+    files: tuple[Path, ...]
+    remark: str = ""
+    look: str = ""
+
+
+def export(
+    folder: StudyFolder,
+    path: Path,
+    *,
+    formats: Sequence[Format] = ("csv",),
+    rehearsal: bool = False,
+    withdrawn: bool = False,
+    with_recruiter_ids: bool = False,
+    reason: str = "",
+) -> Exported:
+    """Write the real answers, or the rehearsal's, as tidy tables with a codebook.
+
+    Beside the main table go ``<name>_participants``, ``<name>_form``, ``<name>_watching``,
+    ``<name>_refusals`` and ``<name>_log``, and ``<name>_codebook.md`` and ``.json``. The key of the
+    pseudonyms is made where there is none yet.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    path : Path
+        The main table; its ending is replaced by that of each format.
+    formats : sequence of {'csv', 'parquet'}
+        What to write.
+    withdrawn : bool
+        Whether what was kept of participants who withdrew is written instead: their answers, and
+        what they said about themselves.
+    with_recruiter_ids : bool
+        Whether ``recruiter_ids.csv`` is written too, which names people; for its owner alone.
+    reason : str
+        Why answers are exported, for the log of looks.
+
+    Raises
+    ------
+    InputError
+        If the study or its database cannot be read, or the key is damaged.
+    """
+    study = folder.study()
+    origin: Source = "rehearsal" if rehearsal else "participants"
+    answers: Answers | None = None
+    judged, look = Judged(), ""
+    names: ExportedTable | None = None
+    with snapshot(folder, origin) as session:
+        if not withdrawn:
+            answers = answers_in(session, origin)
+            judged = judge(study, answers)
+        if session is None:
+            tables = nothing_to_export()
+        else:
+            key = PseudonymKey.read_or_make(folder.pseudonym_key)
+            tables = (
+                withdrawn_tables(session, key)
+                if withdrawn
+                else exported_tables(session, key, judged)
+            )
+            names = recruiter_ids(session, key) if with_recruiter_ids else None
+    if answers is not None:
+        look = note_way_out(folder, study, answers, way="export", reason=reason)
+    written: list[Path] = []
+    described = []
+    for table in tables:
+        stem = "_".join(filter(None, (path.stem, table.about.name)))
+        files = [path.with_name(f"{stem}.{kind}") for kind in formats]
+        for file, kind in zip(files, formats, strict=True):
+            write_table(file, table.frame, table.about, kind)
+        written += files
+        described.append((table.about, [file.name for file in files]))
+    if names is not None:
+        file = path.with_name(f"{RECRUITER_IDS.name}.csv")
+        _write_for_owner(file, names)
+        written.append(file)
+        described.append((RECRUITER_IDS, [file.name]))
+    book = codebook(folder, study, described)
+    page = path.with_name(f"{path.stem}_codebook.md")
+    write_text(page, codebook_page(book))
+    write_text(page.with_suffix(".json"), as_json(book))
+    return Exported(
+        answers=len(tables[0].frame),
+        files=(*written, page, page.with_suffix(".json")),
+        remark=judged.remark,
+        look=look,
+    )
+
+
+def _write_for_owner(path: Path, table: ExportedTable) -> None:
+    """Write a table that nobody else on this machine may read, not even for a moment."""
+    mask = os.umask(0o077)
+    try:
+        with replacing(path) as draft:
+            write_table(draft, table.frame, table.about, "csv")
+        path.chmod(OWNER_ALONE)
+    finally:
+        os.umask(mask)

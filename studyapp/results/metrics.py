@@ -1,0 +1,279 @@
+"""Automatic metrics of a study, or of folders of motion files without any study."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Final
+
+from analysis.metrics.conditions import StudyMetrics
+from analysis.metrics.feature_networks import PublishedFile, Source
+from analysis.metrics.joint_motion import JointMotionStore
+from analysis.metrics.measured_clips import LandmarkBody
+from analysis.metrics.measuring import study_metrics
+from analysis.metrics.presets import combined
+from analysis.metrics.segment_scores import Excerpt
+from motion.errors import InputError
+from motion.formats.joint_positions import is_joint_table
+from motion.segments_table import SEGMENTS_FILE, read_segments
+from renderer.avatars import default_body
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import GROUND_TRUTH, Study
+from studyapp.stimuli.shown_body import body_file, expression_matrix_file
+
+Show = Callable[[int, int], None]
+
+_MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
+_SEMANTICS: Final = (".txt",)
+_NETWORK: Final = ".safetensors"
+MEASURED_BODY: Final = "mannequin"
+"""The avatar whose arms are looked for inside its body; it has no loose clothes."""
+
+_SPEECH: Final = (".wav", ".flac", ".mp3", ".ogg", ".m4a")
+
+
+def measure_study(
+    folder: StudyFolder,
+    *,
+    presets: Sequence[str],
+    processes: int,
+    evaluators: Sequence[Source] = (),
+    penetration: bool = False,
+    on_progress: Show | None = None,
+) -> StudyMetrics:
+    """Measure every condition of a study that has motion files.
+
+    The recordings are those of the condition ``ground_truth``, where the study has it. Joint
+    positions and features are kept in the study folder, so that the next run reads them.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    presets, processes, on_progress
+        As for `analysis.metrics.measuring.study_metrics`.
+    evaluators : sequence of Path or PublishedFile
+        Feature networks, besides those of the study (`study_evaluators`).
+    penetration : bool
+        Whether arms are looked for inside the body.
+
+    Raises
+    ------
+    InputError
+        If the study, its segments or a network cannot be read, or no condition has a motion file.
+    """
+    study = folder.study()
+    segments = tuple(folder.segments())
+    shown = dict.fromkeys((*study.conditions, study.catch.condition))
+    clips = {
+        condition: {
+            segment.name: folder.clip(condition, segment.name)
+            for segment in segments
+            if folder.clip(condition, segment.name).is_file()
+        }
+        for condition in shown
+    }
+    clips = {condition: files for condition, files in clips.items() if files}
+    if not clips:
+        raise InputError(
+            "the study has no motion file",
+            where=folder.root / "motion",
+            remedy="Make motion with 'motionjury generate' or bring it with 'motionjury import'",
+        )
+    return study_metrics(
+        clips,
+        {
+            segment.name: (folder.speech / segment.wav, segment.start, segment.end)
+            for segment in segments
+        },
+        frozen=study.freeze,
+        recorded=clips.get(GROUND_TRUTH),
+        semantics={
+            segment.name: folder.semantics(segment.name)
+            for segment in segments
+            if folder.semantics(segment.name).is_file()
+        },
+        emotions={segment.name: segment.emotion for segment in segments},
+        evaluators=(*study_evaluators(folder, study), *evaluators),
+        face=_face_of(folder, presets) if GROUND_TRUTH in clips else None,
+        penetrable=default_body(MEASURED_BODY) if penetration else None,
+        presets=presets,
+        skip_unusable=True,
+        store=JointMotionStore(folder.joint_positions),
+        processes=processes,
+        on_progress=on_progress,
+    )
+
+
+def study_evaluators(folder: StudyFolder, study: Study) -> tuple[Source, ...]:
+    """Return the networks in the study's folder ``evaluators``, then those that it names."""
+    return (
+        *sorted(folder.evaluators.glob(f"*{_NETWORK}")),
+        *(
+            PublishedFile(
+                preset=one.preset,
+                file=folder.root / Path(one.file).expanduser(),
+                statistics=folder.root / Path(one.statistics).expanduser()
+                if one.statistics
+                else None,
+            )
+            for one in study.evaluator
+        ),
+    )
+
+
+def measure_folders(
+    generated: Path,
+    reference: Path | None,
+    speech: Path | None,
+    *,
+    presets: Sequence[str],
+    processes: int,
+    evaluators: Sequence[Source] = (),
+    penetration: bool = False,
+    semantics: Path | None = None,
+    cache: Path | None = None,
+    file_rate: float | None = None,
+    on_progress: Show | None = None,
+) -> StudyMetrics:
+    """Measure the motion files of a folder, or of each folder in it, as one condition each.
+
+    Parameters
+    ----------
+    generated : Path
+        ``<segment>.npz`` (or .npy, .bvh), or ``<condition>/<segment>.npz``.
+    reference : Path or None
+        ``<segment>.npz`` with the recorded motion of the same speech; measured too.
+    speech : Path or None
+        ``<segment>.wav``, or a table ``segments.csv`` with the recordings it names.
+    presets, processes, on_progress
+        As for `analysis.metrics.measuring.study_metrics`.
+    evaluators : sequence of Path or PublishedFile
+        Feature networks.
+    penetration : bool
+        Whether arms are looked for inside the body.
+    semantics : Path or None
+        ``<segment>.txt`` with BEAT's semantic scores of the reference.
+    cache : Path or None
+        Where joint positions and features are kept between runs.
+    file_rate : float or None
+        Frames per second of all motion files, in place of what they state.
+
+    Raises
+    ------
+    InputError
+        If a folder is missing or holds no such file, or two files are of one segment.
+    """
+    clips = _conditions(generated)
+    recorded = _files(reference, _MOTION, "motion") if reference else None
+    if reference is not None and recorded is not None:
+        name = reference.resolve().name
+        if name in clips:
+            raise InputError(
+                f"a generated condition is called {name!r} as the reference is",
+                where=reference,
+                remedy="Rename one of the folders",
+            )
+        if not any(set(recorded) & set(files) for files in clips.values()):
+            raise InputError(
+                "no reference has the name of a generated motion",
+                where=reference,
+                remedy="Give files of one speech one name in both folders",
+            )
+        clips = {name: recorded, **clips}
+    return study_metrics(
+        clips,
+        _speech(speech) if speech is not None else {},
+        recorded=recorded,
+        semantics=_files(semantics, _SEMANTICS, "semantic score") if semantics else None,
+        emotions=_emotions(speech) if speech is not None else None,
+        evaluators=evaluators,
+        face=LandmarkBody(path=default_body())
+        if recorded is not None and combined(presets).needs_landmarks
+        else None,
+        penetrable=default_body(MEASURED_BODY) if penetration else None,
+        presets=presets,
+        own_files=False,
+        file_rate=file_rate,
+        skip_unusable=True,
+        store=JointMotionStore(cache) if cache is not None else None,
+        processes=processes,
+        on_progress=on_progress,
+    )
+
+
+def _conditions(folder: Path) -> dict[str, dict[str, Path]]:
+    """Return the motion files of `folder`, or of each folder in it, by condition."""
+    _check_folder(folder)
+    inner = sorted(path for path in folder.iterdir() if path.is_dir() and path.name[0] != ".")
+    if not _listed(folder, _MOTION) and any(_listed(path, _MOTION) for path in inner):
+        return {
+            path.name: _files(path, _MOTION, "motion") for path in inner if _listed(path, _MOTION)
+        }
+    return {folder.resolve().name: _files(folder, _MOTION, "motion")}
+
+
+def _files(folder: Path, endings: Sequence[str], what: str) -> dict[str, Path]:
+    """Return the files of `folder` by the name of their segment."""
+    _check_folder(folder)
+    found: dict[str, Path] = {}
+    for path in _listed(folder, endings):
+        if path.stem in found:
+            raise InputError(
+                f"{found[path.stem].name} and {path.name} are of one segment",
+                where=folder,
+                remedy="Keep one of them",
+            )
+        found[path.stem] = path
+    if not found:
+        raise InputError(
+            f"there is no {what} file in the folder",
+            where=folder,
+            remedy=f"Give a folder of files that end in {', '.join(endings)}",
+        )
+    return found
+
+
+def _listed(folder: Path, endings: Sequence[str]) -> list[Path]:
+    return sorted(
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in endings
+        and path.name[0] != "."
+        and path.is_file()
+        and (path.suffix.lower() != ".csv" or is_joint_table(path))
+    )
+
+
+def _speech(folder: Path) -> dict[str, Excerpt]:
+    _check_folder(folder)
+    if (folder / SEGMENTS_FILE).is_file():
+        return {
+            segment.name: (folder / segment.wav, segment.start, segment.end)
+            for segment in read_segments(folder)
+        }
+    files = _files(folder, _SPEECH, "speech")
+    return {segment: (path, 0.0, math.inf) for segment, path in files.items()}
+
+
+def _emotions(folder: Path) -> dict[str, str]:
+    """Return which emotion each segment is spoken with, where a table says so."""
+    if not (folder / SEGMENTS_FILE).is_file():
+        return {}
+    return {segment.name: segment.emotion for segment in read_segments(folder)}
+
+
+def _face_of(folder: StudyFolder, presets: Sequence[str]) -> LandmarkBody | None:
+    """Return whose face landmarks are on, where a preset asks for them: the study's own body."""
+    if not combined(presets).needs_landmarks:
+        return None
+    study = folder.study()
+    return LandmarkBody(
+        path=body_file(folder, study), expression_matrix=expression_matrix_file(folder, study)
+    )
+
+
+def _check_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        raise InputError("there is no such folder", where=folder, remedy="Check the path")

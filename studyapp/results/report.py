@@ -1,0 +1,268 @@
+"""The report of a study, or of a table of answers from any platform."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+import pandas as pd
+
+from analysis.exclusions.rules import ExclusionRule
+from analysis.metrics.score_tables import metrics_document
+from analysis.report import Subject, write_report
+from analysis.report.page import TASKS
+from analysis.results.left_out import LeftOut
+from analysis.results.looks import LooksBefore
+from analysis.results.report import (
+    Settings,
+    Source,
+    TableReport,
+    analyse_answers,
+    analyse_table,
+)
+from motion.files import replacing
+from motion.segment import Segment
+from motion.spreadsheet import harmless_frame
+from studyapp.definition.exclusions import ExclusionSection
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.answers import Answers, answers_to_report, read_rehearsal
+from studyapp.results.exclusions import StudyExclusions
+from studyapp.results.logged_looks import earlier_looks, note_way_out
+from studyapp.results.report_arms import arm_of_each, arm_states, of_present_design
+from studyapp.results.report_settings import agreed_on
+from studyapp.results.report_subject import study_subject
+from studyapp.results.stored_answers import StoredAnswers
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyOfReport:
+    """What `results.json` says of the study that was reported.
+
+    Attributes
+    ----------
+    name, title, protocol : str
+        As in the study file.
+    sha256 : str
+        Of the study file.
+    seed : int
+        Of its draws.
+    origin : {'participants', 'rehearsal', 'none'}
+        Who answered.
+    versions : tuple of int
+        Versions of the study whose participants are reported.
+    """
+
+    name: str
+    title: str
+    protocol: str
+    sha256: str
+    seed: int
+    origin: str
+    versions: tuple[int, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Task:
+    """One task of a study, analysed."""
+
+    report: TableReport
+    written: bytes
+
+
+def report(
+    folder: StudyFolder,
+    *,
+    exclude: Sequence[ExclusionSection] = (),
+    margin: float | None = None,
+    family: str | None = None,
+    reason: str = "",
+    rehearsal: bool = False,
+    warn: Callable[[str], None] | None = None,
+) -> Path:
+    """Write the report of `folder` and return its page.
+
+    Real answers are used where there are any, else those of the rehearsal; they are never
+    mixed, and the report says which it shows.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    exclude : sequence of ExclusionSection
+        Exploratory rules, applied after those of the study file.
+    margin : float, optional
+        Margin of equivalence, where the study file states none; it is exploratory.
+    family : str, optional
+        Which tests decide, where the study file does not say; it is exploratory.
+    reason : str
+        Why results are looked at, for the log of looks.
+    rehearsal : bool
+        Whether the rehearsal's answers are reported, though there are real ones.
+    warn : callable, optional
+        Told, in sentences, what looking before the end means; nothing where it is the end.
+
+    Raises
+    ------
+    InputError
+        If the study cannot be read, or its answers contradict it.
+    """
+    study = folder.study()
+    segments = _segments(folder, study)
+    answers = read_rehearsal(folder) if rehearsal else answers_to_report(folder)
+    rules = rules_of(study, answers, exclude)
+    before = answers.stated
+    agreed = agreed_on(
+        "margin", study.margin, None if before is None else before.margin, margin, known=before
+    )
+    tested = agreed_on(
+        "family", study.family, None if before is None else before.family, family, known=before
+    )
+    subject = study_subject(
+        folder,
+        study,
+        segments,
+        origin=answers.origin,
+        notes=(*rules.notes, *agreed.notes, *tested.notes),
+    )
+    tasks = _tasks(study, answers, rules, agreed.value, tested.value or "all", subject)
+    main = tasks[0]
+    remark = note_way_out(folder, study, answers, way="report", reason=reason)
+    if remark and warn is not None:
+        warn(remark)
+    page = write_report(
+        main.report,
+        subject,
+        folder.report,
+        beside={"study": _of_study(study, subject, answers)} | _metrics(subject, folder),
+        more=tuple(task.report for task in tasks[1:]),
+    )
+    for task in tasks:
+        own = "" if task is main else f"{TASKS[task.report.protocol]}_"
+        with replacing(folder.report / "tables" / f"{own}{ANSWERS}") as draft:
+            draft.write_bytes(task.written)
+    return page
+
+
+def _metrics(subject: Subject, folder: StudyFolder) -> dict[str, object]:
+    """Return what `results.json` says of automatic metrics; nothing where there are none."""
+    if subject.metrics is None:
+        return {}
+    return {"metrics": metrics_document(subject.metrics, folder.root)}
+
+
+def _segments(folder: StudyFolder, study: Study) -> tuple[Segment, ...]:
+    """Return the study's segments; none of a shared copy without its videos and speech."""
+    is_finished = all(condition.videos for condition in study.conditions.values())
+    has_speech = (folder.speech / "segments.csv").exists()
+    if is_finished and not has_speech and not any(folder.videos.glob("*/*.mp4")):
+        return ()
+    return tuple(folder.segments_of(study))
+
+
+def report_table(
+    responses: Path,
+    protocol: str,
+    out: Path,
+    *,
+    max_catch_failures: int,
+    margin: float | None,
+    family: str = "all",
+    scale: tuple[int, int] | None = None,
+    exclude: Sequence[ExclusionRule] = (),
+) -> Path:
+    """Write the report of a platform's table of answers into `out` and return its page.
+
+    See `analyse_table`; it needs no study folder.
+    """
+    found = analyse_table(
+        responses,
+        protocol,
+        max_catch_failures=max_catch_failures,
+        margin=margin,
+        family=family,
+        scale=scale,
+        exclude=exclude,
+    )
+    subject = Subject(
+        title=f"Answers in {responses.name}",
+        origin="table",
+        protocol=protocol,
+        conditions=found.conditions_shown,
+        questions=dict.fromkeys(found.questions, ""),
+    )
+    return write_report(found, subject, out)
+
+
+def _tasks(
+    study: Study,
+    answers: Answers,
+    rules: StudyExclusions,
+    margin: float | None,
+    family: str,
+    subject: Subject,
+) -> list[_Task]:
+    """Analyse what was answered, task by task; the one that the study is named after first."""
+    looks = earlier_looks(study, answers)
+    return [
+        _analysed(study, task, margin, family, answers.stored, subject, looks)
+        for task in analysed_tasks(study, answers, rules)
+    ]
+
+
+def _analysed(
+    study: Study,
+    task: AnalysedTask,
+    margin: float | None,
+    family: str,
+    stored: StoredAnswers | None,
+    subject: Subject,
+    looks: LooksBefore,
+) -> _Task:
+    written = _with_exclusions(task.rows, task.left_out)
+    return _Task(
+        report=analyse_answers(
+            task.table,
+            task.left_out,
+            source=Source(
+                file=ANSWERS,
+                sha256=hashlib.sha256(written).hexdigest(),
+                motionjury=metadata.version("motionjury"),
+            ),
+            settings=Settings(max_catch_failures=None, margin=margin, family=family),
+            arms=() if stored is None else arm_states(study, stored),
+            arm_of={} if stored is None else arm_of_each(study, stored.study_sessions),
+            metrics=subject.metrics,
+            recorded=subject.recorded,
+            looks=looks,
+        ),
+        written=written,
+    )
+
+
+def _with_exclusions(rows: pd.DataFrame, left_out: LeftOut) -> bytes:
+    """Return a table as a CSV file that says who is left out and why."""
+    excluded = [left_out.exclusions.get(who, "") for who in rows["participant"].tolist()]
+    table = harmless_frame(rows.assign(excluded=excluded))
+    return table.to_csv(index=False, lineterminator="\n").encode()
+
+
+def _of_study(study: Study, subject: Subject, answers: Answers) -> StudyOfReport:
+    versions: list[int] = []
+    if answers.stored is not None:
+        sessions = answers.stored.study_sessions
+        present = sessions[of_present_design(sessions)]
+        versions = sorted({int(version) for version in present["version"]})
+    return StudyOfReport(
+        name=study.name,
+        title=study.title,
+        protocol=study.protocol,
+        sha256=subject.study_sha256,
+        seed=study.seed,
+        origin=subject.origin,
+        versions=tuple(versions),
+    )

@@ -1,0 +1,183 @@
+"""A study's answers as plain files, which say what its database says to the report."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import pandas as pd
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from motion.errors import InputError
+from motion.files import write_text
+from motion.spreadsheet import cell_as_given, harmless_frame
+from studyapp.definition.study import Study
+from studyapp.definition.validation import explain
+from studyapp.results.stated_study import study_of
+from studyapp.results.stored_answers import StoredAnswers
+
+MANIFEST: Final = "answers.json"
+STATED: Final = "stated.toml"
+TABLES: Final = ("study_sessions", "trials", "answers", "stimuli", "looks")
+MISSING: Final = "n/a"
+TEXT: Final = "str"
+
+Kind = Literal["int64", "float64", "bool", "str"]
+
+
+class Manifest(BaseModel):
+    """What ``answers.json`` says.
+
+    Attributes
+    ----------
+    origin : {'participants', 'rehearsal'}
+        Who answered.
+    motionjury : str
+        The version that wrote the files.
+    stated_version : int or None
+        Of which version ``stated.toml`` is the study file, as it was when the first participant
+        came who is reported; None where that is not known.
+    more_places : int
+        Places of each arm beyond those of the study file.
+    columns : dict
+        By table, the type of each column.
+    sha256 : dict
+        By file.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    format: Literal[2] = 2
+    origin: Literal["participants", "rehearsal"]
+    motionjury: str
+    stated_version: int | None
+    more_places: int
+    columns: dict[str, dict[str, Kind]]
+    sha256: dict[str, str]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SharedAnswers:
+    """What the files hold; see `studyapp.results.answers.Answers`."""
+
+    origin: Literal["participants", "rehearsal"]
+    stored: StoredAnswers
+    stated: Study | None
+
+
+def write_shared_answers(
+    folder: Path,
+    stored: StoredAnswers,
+    *,
+    origin: Literal["participants", "rehearsal"],
+    stated: str | None,
+    stated_version: int | None,
+) -> None:
+    """Write what is stored into `folder`; it holds no token, no code and no recruiter's name.
+
+    Parameters
+    ----------
+    stated : str or None
+        Text of the study file when the first participant came who is reported.
+    """
+    columns: dict[str, dict[str, Kind]] = {}
+    for name in TABLES:
+        frame: pd.DataFrame = getattr(stored, name)
+        columns[name] = {str(column): _kind(frame[column]) for column in frame.columns}
+        text = harmless_frame(frame).to_csv(
+            index=False, na_rep=MISSING, lineterminator="\n", quoting=csv.QUOTE_MINIMAL
+        )
+        write_text(folder / f"{name}.csv", text)
+    if stated is not None:
+        write_text(folder / STATED, stated)
+    manifest = Manifest(
+        origin=origin,
+        motionjury=metadata.version("motionjury"),
+        stated_version=stated_version,
+        more_places=stored.more_places,
+        columns=columns,
+        sha256={
+            path.name: _sha256(path) for path in sorted(folder.iterdir()) if path.name != MANIFEST
+        },
+    )
+    write_text(folder / MANIFEST, manifest.model_dump_json(indent=1) + "\n")
+
+
+def read_shared_answers(folder: Path) -> SharedAnswers:
+    """Read what `write_shared_answers` wrote.
+
+    Raises
+    ------
+    InputError
+        If a file is missing, damaged or changed since.
+    """
+    manifest = _manifest(folder / MANIFEST)
+    for name, sha256 in manifest.sha256.items():
+        if not (folder / name).is_file() or _sha256(folder / name) != sha256:
+            raise _not_as_written(folder / name)
+    tables = {name: _table(folder / f"{name}.csv", manifest.columns[name]) for name in TABLES}
+    stated: Study | None = None
+    if manifest.stated_version is not None and STATED in manifest.sha256:
+        text = (folder / STATED).read_text("utf-8")
+        stated = study_of(text, manifest.stated_version)
+    return SharedAnswers(
+        origin=manifest.origin,
+        stored=StoredAnswers(**tables, more_places=manifest.more_places),
+        stated=stated,
+    )
+
+
+def _manifest(path: Path) -> Manifest:
+    try:
+        found = Manifest.model_validate_json(path.read_bytes())
+    except FileNotFoundError:
+        raise _not_as_written(path) from None
+    except ValidationError as error:
+        raise InputError(
+            explain(error), where=path, remedy="Get the folder again from whom you have it"
+        ) from None
+    for name in TABLES:
+        if name not in found.columns or f"{name}.csv" not in found.sha256:
+            raise _not_as_written(path.with_name(f"{name}.csv"))
+    return found
+
+
+def _not_as_written(path: Path) -> InputError:
+    return InputError(
+        "the file is missing, or not as it was written",
+        where=path,
+        remedy="Get the folder again from whom you have it",
+    )
+
+
+def _kind(column: pd.Series[Any]) -> Kind:
+    if pd.api.types.is_bool_dtype(column.dtype):
+        return "bool"
+    if pd.api.types.is_integer_dtype(column.dtype):
+        return "int64"
+    return "float64" if pd.api.types.is_float_dtype(column.dtype) else TEXT
+
+
+def _table(path: Path, columns: Mapping[str, Kind]) -> pd.DataFrame:
+    cells = pd.read_csv(path, dtype=str, keep_default_na=False, na_filter=False)
+    return pd.DataFrame({name: _column(cells[name], kind) for name, kind in columns.items()})
+
+
+def _column(cells: pd.Series[Any], kind: Kind) -> pd.Series[Any]:
+    if kind == TEXT:
+        return cells.map(cell_as_given)
+    if kind == "bool":
+        return cells == "True"
+    if kind == "float64":
+        numbers = [float("nan") if cell == MISSING else float(cell) for cell in cells]
+        return pd.Series(numbers, dtype="float64")
+    return cells.astype("int64")
+
+
+def _sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()

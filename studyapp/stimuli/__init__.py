@@ -1,0 +1,1 @@
+"""From recordings and generators to the videos that participants see."""

@@ -1,0 +1,247 @@
+"""Making the motion of every generated condition."""
+
+from __future__ import annotations
+
+import zlib
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from generators.interface import Generator, OnPart, SpeechSegment
+from generators.registry import load_generator, needs_model
+from generators.settings import Settings
+from motion.audio import read_audio
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_clip, write_clip
+from motion.placement import place
+from motion.segment import Segment
+from studyapp.definition.conditions import Condition
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.stimuli.digest import digest
+
+
+class OnClip(Protocol):
+    """Shows how many clips are done, and how far the next one is."""
+
+    def __call__(self, done: int, total: int, detail: str = "") -> None:
+        """Show that `done` of `total` clips are made, and a `detail` behind."""
+        ...
+
+
+def unshown(done: int, total: int, detail: str = "") -> None:
+    """Show nothing."""
+
+
+def part_shown(on_clip: OnClip, done: int, total: int, name: str) -> OnPart:
+    """Return what a generator tells how far the clip `name` is, `done` others being made."""
+
+    def on_part(made: int, parts: int) -> None:
+        on_clip(done, total, f"{name}: {100 * made // parts} %")
+
+    return on_part
+
+
+@dataclass(frozen=True)
+class ConditionClips:
+    """The clips of one condition, as a generator that starts from them sees them."""
+
+    folder: StudyFolder
+    condition: str
+    segments: Sequence[Segment]
+
+    def clip(self, segment_name: str) -> MotionClip:
+        """Return the condition's clip of a segment."""
+        path = self.folder.clip(self.condition, segment_name)
+        if not path.exists():
+            raise InputError(
+                f"condition {self.condition!r} has no motion for segment {segment_name}",
+                where=path,
+                remedy="Bring it in with 'motionjury import', or give the condition a generator",
+            )
+        return read_clip(path)
+
+    def paths_digest(self) -> str:
+        """Return a digest of everything `clip` can give."""
+        paths = [self.folder.clip(self.condition, segment.name) for segment in self.segments]
+        return digest(*(path for path in paths if path.exists()))
+
+
+@dataclass(frozen=True)
+class GenerationCount:
+    """How many clips a run made and how many were there already.
+
+    Attributes
+    ----------
+    made, kept : int
+        Clips.
+    remarks : tuple of str
+        Sentences about what should be known of clips, with the condition's name.
+    """
+
+    made: int
+    kept: int
+    remarks: tuple[str, ...] = ()
+
+
+def generate(
+    folder: StudyFolder, *, device: str = "cpu", on_clip: OnClip = unshown
+) -> GenerationCount:
+    """Make each generated clip that is missing or no longer fits its speech or settings.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    device : {'cpu', 'cuda'}
+        Where networks run.
+    on_clip : callable
+        Called with (clips done, clips in all) after each clip, and with how far a clip is behind
+        that while a network makes it.
+    """
+    study = folder.study()
+    segments = folder.segments_of(study)
+    conditions = study.generated()
+    made = kept = 0
+    total = len(conditions) * len(segments)
+    remarks = Remarks()
+    for name, condition in conditions.items():
+        maker = _ConditionMaker.of(folder, study, segments, name, condition, device)
+        for segment in segments:
+            on_part = part_shown(on_clip, made + kept, total, f"{name}/{segment.name}")
+            if maker.make_if_needed(segment, on_part):
+                made += 1
+            else:
+                kept += 1
+            on_clip(made + kept, total)
+            if needs_model(str(condition.generator)):
+                remarks.look_at(name, segment.name, folder.clip(name, segment.name))
+    return GenerationCount(made=made, kept=kept, remarks=remarks.sentences())
+
+
+def settings_of(folder: StudyFolder, name: str, condition: Condition) -> Settings:
+    """Return what condition `name` tells its generator, with paths from here.
+
+    Raises
+    ------
+    InputError
+        If one of its files is not there.
+    """
+    try:
+        return condition.settings.within(folder.root)
+    except InputError as error:
+        raise InputError(
+            f"conditions.{name}: {error.what}", where=error.where, remedy=error.remedy
+        ) from error
+
+
+@dataclass(frozen=True, kw_only=True)
+class _ConditionMaker:
+    """Makes the clips of one condition."""
+
+    folder: StudyFolder
+    condition: str
+    generator: Generator
+    source: ConditionClips | None
+    study_seed: int
+    frame_rate: int
+    inputs: str
+
+    @classmethod
+    def of(
+        cls,
+        folder: StudyFolder,
+        study: Study,
+        segments: Sequence[Segment],
+        name: str,
+        condition: Condition,
+        device: str,
+    ) -> _ConditionMaker:
+        source = (
+            ConditionClips(folder, condition.source, segments)
+            if condition.source is not None
+            else None
+        )
+        settings = settings_of(folder, name, condition)
+        generator = load_generator(str(condition.generator), settings, device)
+        return cls(
+            folder=folder,
+            condition=name,
+            generator=generator,
+            source=source,
+            study_seed=study.seed,
+            frame_rate=study.video.frame_rate,
+            inputs=digest(
+                generator.name,
+                generator.version,
+                study.seed,
+                study.video.frame_rate,
+                source.paths_digest() if source else "",
+                *settings.fingerprint(),
+            ),
+        )
+
+    def make_if_needed(self, segment: Segment, on_part: OnPart) -> bool:
+        """Make the clip of `segment` unless the one that is there still fits; tell whether."""
+        path = self.folder.clip(self.condition, segment.name)
+        speech_file = self.folder.speech / segment.wav
+        inputs = digest(self.inputs, segment, speech_file)
+        if path.exists():
+            made_from = read_clip(path).provenance.get("inputs")
+            if made_from == inputs:
+                return False
+            if made_from is None:
+                raise InputError(
+                    f"this motion was imported, but condition {self.condition!r} has a generator",
+                    where=path,
+                    remedy="Remove the condition's generator from study.toml to use the file, or "
+                    "move the file away to generate the motion",
+                )
+        speech = read_audio(speech_file)
+        try:
+            audio = speech.cut(segment.start, segment.end)
+        except InputError as error:
+            where = f"{speech_file}, segment {segment.name}"
+            raise InputError(error.what, where=where, remedy=error.remedy) from error
+        clip = self.generator.generate(
+            SpeechSegment(segment=segment, audio=audio),
+            seed=zlib.crc32(f"{self.study_seed}/{self.condition}/{segment.name}".encode()),
+            frame_rate=self.frame_rate,
+            source=self.source,
+            on_part=on_part,
+        )
+        write_clip(path, place(clip)[0].with_provenance(inputs=inputs))
+        return True
+
+
+class Remarks:
+    """Collects what clips say of themselves, once for all clips of a condition that say it."""
+
+    def __init__(self) -> None:
+        self._stand_ins: dict[str, dict[str, None]] = defaultdict(dict)
+        self._in_parts: dict[tuple[str, str], list[str]] = defaultdict(list)
+
+    def look_at(self, condition: str, segment: str, path: Path) -> None:
+        """Take down what the clip at `path` says of stand-ins and of how its speech was heard."""
+        facts = read_clip(path).provenance
+        for stand_in in facts.get("stand_ins", "").split("; "):
+            if stand_in:
+                self._stand_ins[condition].setdefault(stand_in)
+        heard = facts.get("heard", "as a whole")
+        if heard != "as a whole":
+            self._in_parts[condition, heard].append(segment)
+
+    def sentences(self) -> tuple[str, ...]:
+        """Return a sentence for each thing to know."""
+        stood_in = (
+            f"Stands in for something real: {condition}: {'; '.join(found)}"
+            for condition, found in self._stand_ins.items()
+        )
+        in_parts = (
+            f"Long speech was heard {heard}: {condition}: {', '.join(segments)}"
+            for (condition, heard), segments in self._in_parts.items()
+        )
+        return (*stood_in, *in_parts)

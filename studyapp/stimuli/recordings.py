@@ -1,0 +1,348 @@
+"""Bringing recorded or generated motion into a study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+import numpy as np
+
+from motion.audio import Audio, read_audio, write_wav
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_motion, write_clip
+from motion.formats.joint_maps import JointMap
+from motion.formats.semantic_txt import write_semantic_scores
+from motion.placement import place
+from motion.resample import cut
+from motion.segment import Segment, check_name
+from motion.segments_table import read_segments, write_segments
+from studyapp.definition.creation import add_condition
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.study import Study
+from studyapp.stimuli.recorded_face import with_face_beside
+from studyapp.stimuli.recorded_words import semantics_beside, with_words_beside
+from studyapp.stimuli.shown_body import licensed_hands
+
+SEGMENT_TOLERANCE: Final = 0.1
+"""Seconds by which motion and speech of one segment may differ."""
+TAKE_TOLERANCE: Final = 1.0
+"""Seconds by which the ends of a take's motion and speech may differ; it is cut to the shorter."""
+ROUNDING: Final = 1e-3
+"""Share of full scale by which storing a recording as 16-bit WAV may change it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Take:
+    """A recording of motion and speech together, and what to make of it.
+
+    Attributes
+    ----------
+    motion, speech : Path
+        The two files, in any format the project reads.
+    frame_rate : float or None
+        Overrides what the motion file says of its frame rate.
+    segment_seconds : float or None
+        Length of the segments it is cut into; None keeps the take whole.
+    condition, speaker, emotion : str
+        What its segments are.
+    as_recorded : bool
+        Whether hands of a BVH stay where they come to lie inside the body.
+    joint_map : mapping of str to str, optional
+        For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
+    """
+
+    motion: Path
+    speech: Path
+    frame_rate: float | None
+    segment_seconds: float | None
+    condition: str
+    speaker: str
+    emotion: str
+    as_recorded: bool = False
+    joint_map: JointMap | None = None
+
+
+def import_take(folder: StudyFolder, take: Take) -> tuple[list[Segment], list[str]]:
+    """Cut a take into segments, and store their speech and motion in the study.
+
+    Nothing is written before everything has been read and checked.
+
+    Returns
+    -------
+    segments : list of Segment
+        The segments that the take gave.
+    notes : list of str
+        What was changed on the way, for the researcher to read.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, the two do not belong together, the condition's motion is
+        generated or another one, or a segment of the same name but another place or other speech
+        exists.
+    """
+    study = folder.study()
+    _check_condition(study, take.condition, folder)
+    check_name(take.speech.stem, "segment", take.speech)
+    audio = read_audio(take.speech, sample_rate=None)
+    clip = read_motion(
+        take.motion,
+        frame_rate=take.frame_rate,
+        mean_hands=licensed_hands(folder, study),
+        as_recorded=take.as_recorded,
+        joint_map=take.joint_map,
+    )
+    clip, face_notes = with_face_beside(clip, take.motion)
+    notes = [*audio.notes, *_notes_of(clip, take.motion), *face_notes]
+    seconds, note = _common_length(take, audio, clip)
+    notes += note
+    segments = _cut_points(take, seconds)
+    rest = seconds - segments[-1].end
+    if rest > SEGMENT_TOLERANCE:
+        notes.append(
+            f"{take.speech.name}: the last {rest:.1f} s make no whole segment and are left out"
+        )
+    segments, word_notes = with_words_beside(segments, take.motion, audio)
+    semantics, semantic_notes = semantics_beside(segments, take.motion)
+    notes += [*word_notes, *semantic_notes]
+    known = _known_segments(folder)
+    _check_no_clash(known, segments, folder)
+    _check_same_speech(folder.speech / segments[0].wav, audio)
+    clips = {segment.name: _placed_cut(clip, segment.start, segment.end) for segment in segments}
+    _check_no_other_motion(folder, take.condition, clips)
+
+    write_wav(folder.speech / segments[0].wav, replace(audio, notes=()))
+    for name, piece in clips.items():
+        write_clip(folder.clip(take.condition, name), piece)
+    for name, spans in semantics.items():
+        write_semantic_scores(folder.semantics(name), spans)
+    told = {segment.name: segment.transcript for segment in known}
+    segments = [
+        replace(one, transcript=one.transcript or told.get(one.name, "")) for one in segments
+    ]
+    merged = {segment.name: segment for segment in (*known, *segments)}
+    write_segments(folder.speech, tuple(merged.values()))
+    return segments, notes + _add_if_new(folder, study, take.condition)
+
+
+def import_clips(
+    folder: StudyFolder,
+    motions: Sequence[Path],
+    *,
+    condition: str,
+    frame_rate: float | None,
+    as_recorded: bool = False,
+    joint_map: JointMap | None = None,
+) -> list[str]:
+    """Store motion made elsewhere for segments the study already has.
+
+    Parameters
+    ----------
+    folder : StudyFolder
+        The study.
+    motions : sequence of Path
+        Motion files, each named after its segment.
+    condition : str
+        The condition they belong to; added to the study file where it is new.
+    frame_rate : float or None
+        Overrides what the files say of their frame rate.
+    as_recorded : bool
+        Whether hands of a BVH stay where they come to lie inside the body.
+    joint_map : mapping of str to str, optional
+        For a BVH of an unknown skeleton, see `motion.formats.read_motion`.
+
+    Returns
+    -------
+    list of str
+        What was changed on the way.
+
+    Raises
+    ------
+    InputError
+        If a file belongs to no segment, two belong to the same, one is more than 0.1 s longer or
+        shorter than its speech, or the condition's motion is generated or another one.
+    """
+    study = folder.study()
+    _check_condition(study, condition, folder)
+    segments = {segment.name: segment for segment in folder.segments()}
+    mean_hands = licensed_hands(folder, study)
+    clips, notes = {}, []
+    for path in motions:
+        segment = segments.get(path.stem)
+        if segment is None:
+            raise InputError(
+                f"no segment is called {path.stem!r}",
+                where=path,
+                remedy="Name the file after its segment ("
+                + ", ".join(list(segments)[:3])
+                + ", …), or give --speech to bring in a new take",
+            )
+        if segment.name in clips:
+            raise InputError(
+                f"two of the files are called {path.stem!r}",
+                where=path,
+                remedy="Give one motion for each segment",
+            )
+        clip = read_motion(
+            path,
+            frame_rate=frame_rate,
+            joint_map=joint_map,
+            mean_hands=mean_hands,
+            as_recorded=as_recorded,
+        )
+        clip, face_notes = with_face_beside(clip, path)
+        check_same_length(clip, segment, path)
+        notes += [*_notes_of(clip, path), *face_notes]
+        clips[segment.name] = _placed_cut(clip, 0.0, min(clip.duration, segment.duration))
+    _check_no_other_motion(folder, condition, clips)
+    for name, clip in clips.items():
+        write_clip(folder.clip(condition, name), clip)
+    return notes + _add_if_new(folder, study, condition)
+
+
+def check_same_length(clip: MotionClip, segment: Segment, where: Path) -> None:
+    """Raise `InputError` if a clip and the speech of its segment differ by more than 0.1 s."""
+    difference = abs(clip.duration - segment.duration)
+    if difference > SEGMENT_TOLERANCE + 1e-6:
+        raise InputError(
+            f"the motion lasts {clip.duration:.2f} s, the speech of segment {segment.name} "
+            f"{segment.duration:.2f} s",
+            where=where,
+            remedy=f"They may differ by {SEGMENT_TOLERANCE} s: cut the longer one, "
+            "or check the frame rate",
+        )
+
+
+def _placed_cut(clip: MotionClip, start: float, end: float) -> MotionClip:
+    """Return an excerpt that is placed by its own frames, whatever it was cut from.
+
+    A segment would otherwise show whether its condition came as whole takes or as segments.
+    """
+    return place(cut(clip, start, end))[0]
+
+
+def _notes_of(clip: MotionClip, path: Path) -> list[str]:
+    note = clip.provenance.get("notes", "")
+    return [f"{path.name}: {note}"] if note else []
+
+
+def _common_length(take: Take, audio: Audio, clip: MotionClip) -> tuple[float, list[str]]:
+    """Return how many seconds of a take have both motion and speech."""
+    difference = abs(audio.duration - clip.duration)
+    lengths = f"the motion lasts {clip.duration:.2f} s, the speech {audio.duration:.2f} s"
+    if difference > TAKE_TOLERANCE:
+        raise InputError(
+            lengths,
+            where=take.motion,
+            remedy=f"A take's ends may differ by {TAKE_TOLERANCE} s: check that the files belong "
+            "together and that the frame rate is right (--fps)",
+        )
+    seconds = min(audio.duration, clip.duration)
+    if difference <= 1e-3:
+        return seconds, []
+    return seconds, [f"{take.motion.name}: {lengths}; cut to the common {seconds:.2f} s"]
+
+
+def _cut_points(take: Take, seconds: float) -> list[Segment]:
+    """Return the segments of a take whose first `seconds` can be used."""
+    length = take.segment_seconds if take.segment_seconds is not None else seconds
+    if not length <= seconds + 1e-6:
+        raise InputError(
+            f"the take has {seconds:.1f} s, too short for a segment of {length:g} s",
+            where=take.motion,
+            remedy="Give a shorter --segment",
+        )
+    count = int(seconds / length + 1e-6)
+    stem = take.speech.stem
+    names = [f"{stem}_{n + 1:02d}" for n in range(count)] if take.segment_seconds else [stem]
+    return [
+        Segment(
+            name=name,
+            wav=f"{stem}.wav",
+            start=round(n * length, 6),
+            end=round((n + 1) * length, 6),
+            speaker=take.speaker,
+            emotion=take.emotion,
+        )
+        for n, name in enumerate(names)
+    ]
+
+
+def _known_segments(folder: StudyFolder) -> tuple[Segment, ...]:
+    if not (folder.speech / "segments.csv").exists():
+        return ()
+    return read_segments(folder.speech)
+
+
+def _check_condition(study: Study, condition: str, folder: StudyFolder) -> None:
+    """Raise if motion files cannot be brought in for `condition`."""
+    check_name(condition, "condition")
+    generated = study.generated().get(condition)
+    if generated is not None:
+        raise InputError(
+            f"the motion of {condition!r} is made by the generator {generated.generator!r}",
+            where=folder.definition,
+            remedy="Bring the files in under another condition, or remove the generator of this "
+            "one first",
+        )
+
+
+def _add_if_new(folder: StudyFolder, study: Study, condition: str) -> list[str]:
+    """Add `condition` to the study file if it is not there yet, and say so."""
+    if condition in (*study.conditions, study.catch.condition):
+        return []
+    add_condition(folder.definition, condition)
+    return [f"{folder.definition.name}: condition {condition!r} added"]
+
+
+def _check_same_speech(stored: Path, audio: Audio) -> None:
+    """Raise if another recording is stored under the name that `audio` would get."""
+    if not stored.exists():
+        return
+    known = read_audio(stored, sample_rate=None)
+    if known.sample_rate != audio.sample_rate or not (
+        known.samples.shape == audio.samples.shape
+        and np.allclose(known.samples, audio.samples, atol=ROUNDING)
+    ):
+        raise InputError(
+            "another recording is stored under this name",
+            where=stored,
+            remedy="Rename the new recording: its segments are named after it",
+        )
+
+
+def _check_no_other_motion(
+    folder: StudyFolder, condition: str, clips: Mapping[str, MotionClip]
+) -> None:
+    """Raise if `condition` has another motion for a segment; the same one may come again."""
+    with TemporaryDirectory() as scratch:
+        draft = Path(scratch) / "clip.npz"
+        for name, clip in clips.items():
+            stored = folder.clip(condition, name)
+            if not stored.exists():
+                continue
+            write_clip(draft, clip)
+            if draft.read_bytes() != stored.read_bytes():
+                raise InputError(
+                    f"condition {condition!r} has another motion for segment {name} already",
+                    where=stored,
+                    remedy="Bring this one in under another condition, or remove that file first",
+                )
+
+
+def _check_no_clash(known: Sequence[Segment], new: Sequence[Segment], folder: StudyFolder) -> None:
+    """Raise if importing `new` would change what an existing segment is."""
+    existing = {segment.name: segment for segment in known}
+    for segment in new:
+        old = existing.get(segment.name)
+        if old is not None and (old.start, old.end) != (segment.start, segment.end):
+            raise InputError(
+                f"segment {segment.name} exists with other times "
+                f"({old.start:g}–{old.end:g} s, now {segment.start:g}–{segment.end:g} s)",
+                where=folder.speech / "segments.csv",
+                remedy="Use another file name, or remove the old segments first",
+            )

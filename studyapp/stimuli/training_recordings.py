@@ -1,0 +1,201 @@
+"""Training feature networks on the recordings of a study, or of a folder of motion files."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.metrics.networks.training_clips import ClipSource
+from motion.body import BodyModel, read_body
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_clip, read_motion
+from motion.formats.joint_positions import is_joint_table
+from motion.hands import read_mean_hands
+from motion.segments_table import SEGMENTS_FILE
+from renderer.avatars import default_body
+from studyapp.definition.folder import StudyFolder
+from studyapp.stimuli.shown_body import shown_body
+
+_MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recordings:
+    """Recorded motion to learn from.
+
+    Attributes
+    ----------
+    sources : tuple of ClipSource
+        The clips.
+    frozen : tuple of str
+        Channels that are held still in them.
+    read_body : callable
+        Returns the body whose face the clips move; reading it takes a while.
+    networks : Path
+        Folder where networks trained on them belong.
+    """
+
+    sources: tuple[ClipSource, ...]
+    frozen: tuple[str, ...]
+    read_body: Callable[[], BodyModel]
+    networks: Path
+
+
+def recordings_of(
+    data: Path, *, condition: str, file_rate: float | None = None, body: Path | None = None
+) -> Recordings:
+    """Return the recordings of a study folder, or of a folder of motion files.
+
+    Parameters
+    ----------
+    data : Path
+        Either of them.
+    condition : str
+        Of a study: the condition that is recorded.
+    file_rate : float, optional
+        Of a folder: frames per second of all files, in place of what they state.
+    body : Path, optional
+        Of a folder: an SMPL-X body, for landmarks of clips with expression coefficients.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder or it holds no motion.
+    """
+    if not data.is_dir():
+        raise InputError("there is no such folder", where=data, remedy="Check the path")
+    study = StudyFolder(data)
+    if study.definition.exists():
+        if file_rate is not None or body is not None:
+            raise InputError(
+                "--fps and --body are for folders of motion files without a study",
+                remedy="Leave them out: the study says both",
+            )
+        return _of_study(study, condition)
+    return _of_folder(data, file_rate, body)
+
+
+def _of_study(folder: StudyFolder, condition: str) -> Recordings:
+    study = folder.study()
+    segments = folder.segments()
+    files = {segment: folder.clip(condition, segment.name) for segment in segments}
+    sources = tuple(
+        ClipSource(
+            name=segment.name,
+            recording=segment.wav,
+            emotion=segment.emotion,
+            sha256=_hash(path),
+            read=partial(read_clip, path),
+        )
+        for segment, path in files.items()
+        if path.is_file()
+    )
+    if not sources:
+        raise InputError(
+            f"condition {condition!r} has no motion",
+            where=folder.root / "motion" / condition,
+            remedy="Bring recordings in with 'motionjury import', or name another --condition",
+        )
+    return Recordings(
+        sources=sources,
+        frozen=tuple(study.freeze),
+        read_body=partial(shown_body, folder, study),
+        networks=folder.evaluators,
+    )
+
+
+def _of_folder(folder: Path, file_rate: float | None, body: Path | None) -> Recordings:
+    paths = sorted(
+        path
+        for path in folder.rglob("*")
+        if path.suffix.lower() in _MOTION
+        and path.is_file()
+        and (path.suffix.lower() != ".csv" or is_joint_table(path))
+        and not any(part.startswith(".") for part in path.relative_to(folder).parts)
+    )
+    if not paths:
+        raise InputError(
+            "there is no motion file in the folder",
+            where=folder,
+            remedy=f"Give a folder of files that end in {', '.join(_MOTION)}, or a study folder",
+        )
+    labels = _labels(folder / SEGMENTS_FILE)
+    mean_hands = read_mean_hands(body) if body is not None else None
+    sources = []
+    for path in paths:
+        label = labels.get(path.stem, _Label(recording=path.stem, emotion=""))
+        sources.append(
+            ClipSource(
+                name=path.relative_to(folder).as_posix(),
+                recording=label.recording,
+                emotion=label.emotion,
+                sha256=_hash(path),
+                read=partial(_read, path, file_rate, mean_hands),
+            )
+        )
+    return Recordings(
+        sources=tuple(sources),
+        frozen=(),
+        read_body=lambda: read_body(body or default_body()),
+        networks=Path(),
+    )
+
+
+def _read(
+    path: Path, file_rate: float | None, mean_hands: NDArray[np.float32] | None
+) -> MotionClip:
+    return read_motion(path, frame_rate=file_rate, mean_hands=mean_hands)
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Label:
+    """What a table says of a motion file."""
+
+    recording: str
+    emotion: str
+
+
+def _labels(table: Path) -> Mapping[str, _Label]:
+    """Return what a table of segments says, by the name of the motion file; none without it.
+
+    Of a study's table only the columns ``name`` and ``emotion`` are needed. Segments of one
+    ``wav`` are of one recording.
+    """
+    if not table.is_file():
+        return {}
+    try:
+        with table.open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.DictReader(file)
+            missing = {"name", "emotion"}.difference(reader.fieldnames or ())
+            if missing:
+                raise InputError(
+                    f"the table has no column {sorted(missing)[0]!r}",
+                    where=table,
+                    remedy="Give the columns name (of the motion file, without its ending) and "
+                    "emotion",
+                )
+            return {
+                (row["name"] or "").strip(): _Label(
+                    recording=(row.get("wav") or row["name"] or "").strip(),
+                    emotion=(row["emotion"] or "").strip(),
+                )
+                for row in reader
+            }
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(
+            "the table is no CSV in UTF-8", where=table, remedy="Save it as CSV in UTF-8"
+        ) from error

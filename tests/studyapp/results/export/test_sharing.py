@@ -1,0 +1,233 @@
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from sqlalchemy import select
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import StudySession
+from studyapp.results.answer_table import study_answers
+from studyapp.results.answers import read_answers
+from studyapp.results.export.sharing import share
+from studyapp.results.export.writing import export
+from studyapp.results.report import report
+from studyapp.results.shared_answers import write_shared_answers
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.withdrawing import withdraw
+from tests.finished_study import PROTOCOLS
+from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
+from tests.studyapp.taking_part_steps import SetClock
+
+Answered = Callable[[str], StudyFolder]
+
+
+@pytest.fixture(scope="module")
+def passed_on(
+    answered_once: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory
+) -> tuple[StudyFolder, Path]:
+    """Return a study, and a folder for another lab that nobody changes."""
+    root = tmp_path_factory.mktemp("passed-on")
+    folder = StudyFolder(root / "study")
+    shutil.copytree(answered_once("pairwise"), folder.root)
+    share(folder, root / "out")
+    return folder, root / "out"
+
+
+def files_of(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def test_another_lab_repeats_the_results_byte_for_byte(answered: Answered, tmp_path: Path) -> None:
+    folder = answered("mismatch")
+    here = report(folder).with_name("results.json").read_bytes()
+    share(folder, tmp_path / "out")
+    shutil.move(tmp_path / "out", tmp_path / "elsewhere")
+    shutil.rmtree(folder.root)
+
+    there = report(StudyFolder(tmp_path / "elsewhere" / "sourcedata" / "study"))
+
+    assert there.with_name("results.json").read_bytes() == here
+    assert (tmp_path / "elsewhere" / "sourcedata" / "results.json").read_bytes() == here
+    assert json.loads(here)["participants"]["recruited"] == 2
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_the_files_hold_what_the_database_says_to_the_report(
+    answered: Answered, protocol: str, tmp_path: Path
+) -> None:
+    folder = answered(protocol)
+    before = read_answers(folder, "participants").stored
+    assert before is not None
+    copy = StudyFolder(tmp_path / "copy")
+
+    write_shared_answers(
+        copy.shared_answers,
+        before,
+        origin="participants",
+        stated=folder.definition.read_text("utf-8"),
+        stated_version=1,
+    )
+
+    after = read_answers(copy, "participants")
+    assert after.stored is not None
+    assert (after.origin, after.stated) == ("participants", folder.study())
+    for name in ("study_sessions", "trials", "answers", "stimuli"):
+        pd.testing.assert_frame_equal(getattr(before, name), getattr(after.stored, name))
+    study = folder.study()
+    for one, other in zip(
+        study_answers(study, before).tables.values(),
+        study_answers(study, after.stored).tables.values(),
+        strict=True,
+    ):
+        pd.testing.assert_frame_equal(one, other)
+    assert read_answers(copy, "rehearsal").origin == "none"
+
+
+def test_nobody_can_be_found_by_what_is_passed_on(
+    passed_on: tuple[StudyFolder, Path], tmp_path: Path
+) -> None:
+    folder, out = passed_on
+
+    text = text_of(files_of(out))
+    assert {name for name in (*NAMES, *secrets_of(folder)) if name in text} == set()
+    assert FORMULA not in text
+    # When somebody took part leads to them.
+    assert not re.search(r"20\d\d-\d\d-\d\dT", text)
+    share(folder, tmp_path / "with", free_text=True)
+    form = pd.read_csv(tmp_path / "with" / "phenotype" / "form.tsv", sep="\t")
+    assert form["comment"].tolist()[2] == "'" + FORMULA
+
+
+def test_the_folder_follows_bids(passed_on: tuple[StudyFolder, Path]) -> None:
+    _, out = passed_on
+
+    described = json.loads((out / "dataset_description.json").read_text("utf-8"))
+    assert {"Name", "BIDSVersion", "DatasetType", "GeneratedBy"} <= set(described)
+    people = pd.read_csv(out / "participants.tsv", sep="\t", keep_default_na=False)
+    assert next(iter(people.columns)) == "participant_id"
+    folders = [path.name for path in sorted(out.glob("sub-*"))]
+    assert folders == sorted(people["participant_id"]) and len(folders) == 3
+    allowed = {"README.md", "dataset_description.json", "participants.tsv", "participants.json"}
+    allowed |= {"phenotype", "sourcedata", ".bidsignore", "SHA256SUMS", "task-finished_beh.json"}
+    assert {path.name for path in out.iterdir()} == allowed | set(folders)
+    sidecars = {"participants.tsv": out / "participants.json"}
+    sidecars |= {
+        str(path.relative_to(out)): out / "task-finished_beh.json" for path in out.glob("sub-*/*/*")
+    }
+    sidecars["phenotype/form.tsv"] = out / "phenotype" / "form.json"
+    sidecars["sourcedata/watching.tsv"] = out / "sourcedata" / "watching.json"
+    for name, sidecar in sidecars.items():
+        assert re.fullmatch(
+            r"(sub-[a-z0-9]+/beh/sub-[a-z0-9]+_task-finished_beh|[a-z/]+)\.tsv", name
+        )
+        cells = pd.read_csv(out / name, sep="\t", dtype=str, keep_default_na=False)
+        meanings = json.loads(sidecar.read_text("utf-8"))
+        assert all(meanings[column]["Description"] for column in cells.columns)
+        assert not (cells == "").any(axis=None), name
+    assert len(sidecars) == 6
+
+
+def test_checksums_are_those_of_every_file(passed_on: tuple[StudyFolder, Path]) -> None:
+    _, out = passed_on
+
+    lines = dict(
+        reversed(line.split("  ")) for line in (out / "SHA256SUMS").read_text().splitlines()
+    )
+
+    files = {path.relative_to(out).as_posix(): path for path in files_of(out)}
+    assert set(lines) == set(files) - {"SHA256SUMS"}
+    for name, sha256 in lines.items():
+        assert hashlib.sha256(files[name].read_bytes()).hexdigest() == sha256
+    stimuli = pd.read_csv(out / "sourcedata" / "stimuli.tsv", sep="\t")
+    assert len(stimuli) and stimuli["sha256"].str.fullmatch("[0-9a-f]{64}").all()
+
+
+def test_two_folders_of_one_study_are_the_same_bytes(answered: Answered, tmp_path: Path) -> None:
+    folder = answered("ranking")
+    for name in ("one", "two"):
+        share(folder, tmp_path / name, videos=True)
+
+    one, two = (
+        {path.relative_to(tmp_path / name): path.read_bytes() for path in files_of(tmp_path / name)}
+        for name in ("one", "two")
+    )
+    assert one == two
+    assert any(path.suffix == ".mp4" for path in one)
+
+
+def test_of_who_withdrew_nothing_is_passed_on_but_the_number(
+    answered: Answered, tmp_path: Path
+) -> None:
+    folder = answered("pairwise")
+    database = Database.open(sqlite_url(folder.responses))
+    with database.reading() as session:
+        token = session.scalars(select(StudySession.token).where(StudySession.id == 2)).one()
+    withdraw(database, token, SetClock())
+    database.close()
+
+    done = share(folder, tmp_path / "out")
+
+    assert done.participants == 2
+    stored = read_answers(StudyFolder(done.study), "participants").stored
+    assert stored is not None
+    assert stored.study_sessions["withdrawn"].tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize("name", ["answers.csv", "stated.toml", "answers.json"])
+def test_files_that_were_changed_are_refused(
+    passed_on: tuple[StudyFolder, Path], tmp_path: Path, name: str
+) -> None:
+    copy = StudyFolder(tmp_path)
+    shutil.copytree(passed_on[1] / "sourcedata" / "study" / "shared_answers", copy.shared_answers)
+    file = copy.shared_answers / name
+    file.write_bytes(file.read_bytes()[:-2])
+
+    with pytest.raises(InputError, match="Get the folder again"):
+        read_answers(copy, "participants")
+
+
+def test_a_database_beside_answers_that_were_passed_on_is_refused(answered: Answered) -> None:
+    folder = answered("pairwise")
+    folder.shared_answers.mkdir()
+
+    with pytest.raises(InputError, match="Move one of them elsewhere"):
+        read_answers(folder, "participants")
+
+
+def test_what_was_passed_on_is_not_exported_again(
+    passed_on: tuple[StudyFolder, Path], tmp_path: Path
+) -> None:
+    copy = StudyFolder(passed_on[1] / "sourcedata" / "study")
+
+    for again in (lambda: share(copy, tmp_path / "out"), lambda: export(copy, tmp_path / "a.csv")):
+        with pytest.raises(InputError, match="has been passed on"):
+            again()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_is_written_over(answered: Answered, tmp_path: Path) -> None:
+    folder = answered("pairwise")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "precious").write_text("mine")
+
+    with pytest.raises(InputError, match="something at this place"):
+        share(folder, tmp_path / "out")
+    with pytest.raises(InputError, match="within the study"):
+        share(folder, folder.root / "out")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["precious"]
+
+
+def test_a_study_in_which_nobody_took_part_is_not_passed_on(
+    finished_study: Callable[[str], Path], tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match="nobody has taken part"):
+        share(StudyFolder(finished_study("rating")), tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,271 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import Event
+from studyapp.results.export.answer_columns import ANSWERS
+from studyapp.results.export.columns import TableColumns
+from studyapp.results.export.other_columns import (
+    FORM,
+    LOG,
+    PARTICIPANTS,
+    RECRUITER_IDS,
+    REFUSALS,
+    WATCHING,
+)
+from studyapp.results.export.writing import export
+from studyapp.services.audit import log_change
+from studyapp.services.database import Database, sqlite_url
+from tests.finished_study import PROTOCOLS
+from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
+from tests.studyapp.taking_part_steps import SetClock
+
+Answered = Callable[[str], StudyFolder]
+
+TABLES = (ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG)
+
+
+def read(folder: Path, table: TableColumns = ANSWERS) -> pd.DataFrame:
+    name = f"answers_{table.name}" if table.name else "answers"
+    return pd.read_csv(folder / f"{name}.csv", keep_default_na=False, na_values=[""])
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_every_column_value_and_question_has_its_entry_in_the_codebook(
+    answered: Answered, protocol: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "out" / "answers.csv"
+    folder = answered(protocol)
+
+    export(folder, out, formats=("csv", "parquet"), with_recruiter_ids=True)
+
+    book = json.loads(out.with_name("answers_codebook.json").read_text("utf-8"))
+    described = {
+        file: {column["name"]: column for column in table["columns"]}
+        for table in book["tables"]
+        for file in table["files"]
+    }
+    page = out.with_name("answers_codebook.md").read_text("utf-8")
+    files = sorted([*out.parent.glob("*.csv"), *out.parent.glob("*.parquet")])
+    assert {path.name for path in files} == set(described)
+    assert len(files) == 2 * len(TABLES) + 1
+    for path in files:
+        about = described[path.name]
+        if path.suffix == ".parquet":
+            schema = pq.read_schema(path)
+            assert schema.names == list(about)
+            assert all(schema.field(name).metadata[b"meaning"] for name in about)
+            continue
+        cells = pd.read_csv(path, dtype=str, keep_default_na=False)
+        assert list(cells.columns) == list(about)
+        for name, column in about.items():
+            assert column["meaning"] and f"| `{name}` |" in page
+            if not column["missing"]:
+                assert (cells[name] != "").all(), (path.name, name)
+            if column["values"] and name not in ("part", "condition"):
+                given = {cell.removeprefix("'") for cell in cells[name]} - {""}
+                assert given <= set(column["values"]), (path.name, name)
+    wording = {question["name"]: question for question in book["questions"]}
+    answers = read(out.parent)
+    for question in folder.study().questions:
+        entry = wording[question.name]
+        assert entry["text"] == question.text
+        assert set(entry["reasons"]) == set(question.reason_names)
+        for value in answers.loc[answers["question"] == question.name, "value"]:
+            assert any(_covers(label, int(value)) for label in entry["values"])
+
+
+def _covers(label: str, value: int) -> bool:
+    """Tell whether ``3``, ``20 to 39`` or ``2 and on`` is said of `value`."""
+    low, _, high = label.replace(" and on", " to 1000").partition(" to ")
+    return int(low) <= value <= int(high or low)
+
+
+def test_text_and_parquet_hold_the_same_cells(answered: Answered, tmp_path: Path) -> None:
+    out = tmp_path / "out" / "answers.csv"
+
+    export(answered("pairwise"), out, formats=("csv", "parquet"))
+
+    typed = pd.read_parquet(out.with_suffix(".parquet"), dtype_backend="numpy_nullable")
+    assert str(typed["answered_at"].dtype) == "datetime64[us, UTC]"
+    assert {str(typed[name].dtype) for name in ("position", "value")} == {"Int64"}
+    text = read(out.parent)
+    for name in ("participant", "left_condition", "value", "seconds", "watched", "excluded"):
+        assert text[name].tolist() == typed[name].tolist()
+    assert pd.to_datetime(text["answered_at"]).tolist() == typed["answered_at"].tolist()
+
+
+def test_nobody_can_be_found_by_what_is_exported(answered: Answered, tmp_path: Path) -> None:
+    folder = answered("pairwise")
+    out = tmp_path / "out" / "answers.csv"
+
+    done = export(folder, out, formats=("csv", "parquet"))
+
+    text = text_of(list(done.files))
+    assert {name for name in (*NAMES, *secrets_of(folder)) if name in text} == set()
+
+
+def test_the_recruiters_names_are_in_a_file_of_their_own_for_its_owner(
+    answered: Answered, tmp_path: Path
+) -> None:
+    folder = answered("pairwise")
+    out = tmp_path / "out" / "answers.csv"
+
+    done = export(folder, out, with_recruiter_ids=True)
+
+    ids = out.with_name("recruiter_ids.csv")
+    table = pd.read_csv(ids)
+    assert list(table.columns) == list(RECRUITER_IDS.names)
+    assert table["recruiter_participant"].tolist() == [NAMES[0]]
+    people = read(out.parent, PARTICIPANTS)
+    assert table["participant"].tolist() == people["participant"].tolist()[2:]
+    assert ids.stat().st_mode & 0o777 == 0o600
+    others = text_of([file for file in done.files if file != ids])
+    assert not any(name in others for name in NAMES)
+
+
+def test_a_participant_has_one_pseudonym_in_all_tables_and_exports(
+    answered: Answered, tmp_path: Path
+) -> None:
+    folder = answered("pairwise")
+    for name in ("first", "second"):
+        export(folder, tmp_path / name / "answers.csv")
+
+    first, second = (
+        [(tmp_path / name / f"answers{table}.csv").read_bytes() for table in ("", "_participants")]
+        for name in ("first", "second")
+    )
+    assert first == second
+    people = read(tmp_path / "first", PARTICIPANTS).set_index("study_session")["participant"]
+    assert people.is_unique and len(people) == 3
+    for table in (ANSWERS, FORM, WATCHING):
+        rows = read(tmp_path / "first", table)
+        assert (rows["participant"] == rows["study_session"].map(people)).all()
+    assert folder.pseudonym_key.stat().st_mode & 0o777 == 0o600
+
+
+def test_each_answer_says_whether_it_is_analysed_and_by_which_rule_it_is_not(
+    answered: Answered, tmp_path: Path
+) -> None:
+    folder = answered("pairwise")
+    export(folder, tmp_path / "answers.csv")
+
+    people = read(tmp_path, PARTICIPANTS)
+    assert people["excluded"].tolist()[:2] == [False, True]
+    # The third has answered nothing.
+    assert people["excluded"].isna().tolist() == [False, False, True]
+    assert people["exclusion_rule"].tolist()[1] == "incomplete"
+    assert people["exclusion_kind"].tolist()[1] == "planned"
+    answers = read(tmp_path)
+    kept = answers[answers["study_session"] == 1]
+    assert set(kept.loc[kept["analysed"], "kind"]) == {"main", "repeat"}
+    assert set(kept.loc[~kept["analysed"], "kind"]) == {"practice", "catch", "attention"}
+    left_out = answers[answers["study_session"] == 2]
+    assert not left_out["analysed"].any()
+    assert left_out["exclusion_reason"].tolist() == ["1 of 6 trials answered"]
+
+
+def test_a_rule_that_came_afterwards_is_called_exploratory(
+    answered: Answered, tmp_path: Path
+) -> None:
+    folder = answered("pairwise")
+    text = folder.definition.read_text("utf-8")
+    rule = '[[exclusions]]\nrule = "time"\nbelow = 60\n'
+    folder.definition.write_text(text + rule, "utf-8")
+
+    export(folder, tmp_path / "answers.csv")
+
+    people = read(tmp_path, PARTICIPANTS)
+    assert people["exclusion_rule"].tolist()[0] == "time"
+    assert people["exclusion_kind"].tolist()[0] == "exploratory"
+
+
+def test_answers_that_contradict_the_study_are_exported_all_the_same(
+    answered: Answered, tmp_path: Path
+) -> None:
+    folder = answered("pairwise")
+    text = folder.definition.read_text("utf-8")
+    folder.definition.write_text(text.replace('name = "fit"', 'name = "other"'), "utf-8")
+
+    done = export(folder, tmp_path / "answers.csv")
+
+    assert done.answers > 0
+    assert read(tmp_path)["excluded"].isna().all() == bool(done.remark)
+
+
+def test_each_answer_says_how_its_videos_were_watched(answered: Answered, tmp_path: Path) -> None:
+    export(answered("pairwise"), tmp_path / "answers.csv")
+
+    answers = read(tmp_path)
+    assert set(answers["watched_each"]) == {"1.0 1.0"}
+    assert set(answers["times_played"]) == {1.0}
+    assert set(answers["stalls"]) == {0}
+    watching = read(tmp_path, WATCHING)
+    assert len(watching) == 2 * (len(answers) + 1)
+
+
+def test_what_a_spreadsheet_would_run_is_text(answered: Answered, tmp_path: Path) -> None:
+    folder = answered("pairwise")
+    database = Database.open(sqlite_url(folder.responses))
+    with database.writing() as session:
+        log_change(session, SetClock().now(), Event.EXCLUDED, by="@ada", reason="+1")
+    database.close()
+
+    export(folder, tmp_path / "answers.csv", formats=("csv", "parquet"))
+
+    said = read(tmp_path, FORM).set_index("question")["value"]
+    assert said.to_dict()["comment"] == "'" + FORMULA
+    assert read(tmp_path, LOG)["researcher"].dropna().tolist() == ["'@ada"]
+    typed = pd.read_parquet(tmp_path / "answers_form.parquet")
+    assert FORMULA in typed["value"].tolist()
+
+
+def test_before_anybody_comes_there_are_tables_without_rows_and_no_key(
+    finished_study: Callable[[str], Path], tmp_path: Path
+) -> None:
+    folder = StudyFolder(finished_study("rating"))
+    before = sorted(folder.root.iterdir())
+
+    done = export(folder, tmp_path / "answers.csv")
+
+    assert done.answers == 0
+    assert sorted(folder.root.iterdir()) == before
+    for table in TABLES:
+        assert list(read(tmp_path, table).columns) == list(table.names)
+
+
+def test_a_damaged_key_stops_the_export(answered: Answered, tmp_path: Path) -> None:
+    folder = answered("pairwise")
+    folder.pseudonym_key.write_text("no key\n")
+    folder.pseudonym_key.chmod(0o600)
+
+    with pytest.raises(InputError, match="no key of pseudonyms"):
+        export(folder, tmp_path / "answers.csv")
+    assert not (tmp_path / "answers.csv").exists()
+
+
+def test_free_text_is_flagged(answered: Answered, tmp_path: Path) -> None:
+    export(answered("pairwise"), tmp_path / "answers.csv")
+
+    book: dict[str, Any] = json.loads((tmp_path / "answers_codebook.json").read_text("utf-8"))
+    flagged = {
+        (table["name"], column["name"])
+        for table in book["tables"]
+        for column in table["columns"]
+        if column["free_text"]
+    }
+    assert {("form", "value"), ("log", "reason"), ("log", "researcher")} <= flagged
+    assert [q["name"] for q in book["form"] if q["free_text"]] == ["comment"]
+    page = (tmp_path / "answers_codebook.md").read_text("utf-8")
+    assert (
+        "**`comment`** (consent, text, may be left open; **free text**): Who are \\| you?" in page
+    )

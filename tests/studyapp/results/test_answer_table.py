@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import pytest
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.results.answer_table import MIDDLE, StudyAnswers, empty_answers, study_answers
+from studyapp.results.export.answer_rows import responses_table
+from studyapp.results.stored_answers import StoredAnswers, stored_answers
+from studyapp.services.database import Database, sqlite_url
+from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
+from tests.studyapp.answered_study import answer_study
+from tests.studyapp.read_once import read_once
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, StudyFolder]:
+    """Return a study of each protocol that two participants answered."""
+    video = tmp_path_factory.mktemp("video") / "short.mp4"
+    write_short_video(video)
+    found = {}
+    for protocol in PROTOCOLS:
+        folder = tmp_path_factory.mktemp(protocol)
+        write_finished_study(folder, protocol, video)
+        answer_study(folder, people=2)
+        found[protocol] = StudyFolder(folder)
+    return found
+
+
+def read(folder: StudyFolder) -> tuple[StoredAnswers, StudyAnswers]:
+    database = Database.open_for_reading(sqlite_url(folder.responses))
+    assert database is not None
+    stored = read_once(database, stored_answers)
+    database.close()
+    return stored, study_answers(folder.study(), stored)
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_the_same_answers_stand_in_the_table_and_in_the_export(
+    folders: dict[str, StudyFolder], protocol: str
+) -> None:
+    folder = folders[protocol]
+    _, given = read(folder)
+    database = Database.open_for_reading(sqlite_url(folder.responses))
+    assert database is not None
+    exported = read_once(database, responses_table)
+    database.close()
+
+    count = sum(len(table) for table in given.tables.values())
+    assert count == len(exported)
+    for name, table in given.tables.items():
+        answer = "rank" if name == "ranking" else "response"
+        shift = 0 if name in ("rating", "ranking") else MIDDLE
+        part = exported
+        if protocol == "mismatch":
+            part = exported[exported["part"] == ("fit" if name == "mismatch" else "realism")]
+        assert table[answer].astype(int).tolist() == (part["value"] + shift).tolist()
+        assert table["participant"].tolist() == part["study_session"].tolist()
+        assert table["trial"].astype(int).tolist() == part["position"].tolist()
+        assert table["watched"].astype(float).tolist() == part["watched"].tolist()
+
+
+def test_sides_and_right_answers_of_pairs_are_those_shown(folders: dict[str, StudyFolder]) -> None:
+    _, given = read(folders["pairwise"])
+    table = given.tables["pairwise"]
+
+    catch = table[table["kind"] == "catch"]
+    assert len(catch) == 2
+    for row in catch.itertuples():
+        assert getattr(row, str(row.correct_side)) == "real"
+    asked = table[table["kind"] == "attention"]["instructed"].astype(int)
+    assert set(asked) <= {1, 2, 4, 5}
+    assert (table[table["kind"] == "main"]["correct_side"] == "").all()
+
+
+def test_a_mismatch_table_says_which_side_had_its_own_speech(
+    folders: dict[str, StudyFolder],
+) -> None:
+    _, given = read(folders["mismatch"])
+
+    table = given.tables["mismatch"]
+    assert {
+        frozenset(pair) for pair in zip(table["left_speech"], table["right_speech"], strict=True)
+    } == {frozenset({"own", "other"})}
+    assert set(given.tables) == {"mismatch", "pairwise"}
+
+
+def test_failures_are_those_that_the_protocol_finds(folders: dict[str, StudyFolder]) -> None:
+    stored, given = read(folders["pairwise"])
+    table = given.tables["pairwise"]
+
+    for session, known in given.known.items():
+        own = table[table["participant"] == session]
+        catch = own[own["kind"] == "catch"].iloc[0]
+        towards = int(catch["response"]) - MIDDLE
+        right = towards > 0 if catch["correct_side"] == "right" else towards < 0
+        assert known.failed_catch == int(not right)
+        asked = own[own["kind"] == "attention"].iloc[0]
+        assert known.failed_attention == int(asked["response"] != asked["instructed"])
+        assert (known.trials, known.settled) == (6, 6)
+    assert len(stored.study_sessions) == 2
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_before_anybody_comes_there_are_the_same_tables_without_rows(
+    folders: dict[str, StudyFolder], protocol: str
+) -> None:
+    study = folders[protocol].study()
+    _, given = read(folders[protocol])
+
+    empty = empty_answers(study)
+
+    assert set(empty.tables) == set(given.tables)
+    for name, table in empty.tables.items():
+        assert table.empty
+        assert set(given.tables[name].columns) <= set(table.columns)

@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from sqlalchemy import select
+
+from motion.errors import InputError
+from studyapp.command.main import group
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import StudySession
+from studyapp.results.answers import answers_to_report, read_answers, read_rehearsal
+from studyapp.results.export.writing import export
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
+from studyapp.services.withdrawing import withdraw
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+@pytest.fixture
+def folder(tiny_study: Path, monkeypatch: pytest.MonkeyPatch) -> StudyFolder:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    return StudyFolder(tiny_study)
+
+
+def answer_once(folder: StudyFolder, database_file: Path) -> None:
+    """Let somebody answer the first trial and stop."""
+    database = Database.open(sqlite_url(database_file))
+    participant = Participant(database, ServedStudy.read(folder.root), SetClock())
+    open_study(database, participant.served, participant.clock)
+    participant.enrol().begin().take_trial()
+    database.close()
+
+
+def names(folder: StudyFolder) -> set[str]:
+    return {path.name for path in folder.root.iterdir()}
+
+
+def test_looking_for_answers_makes_no_database(folder: StudyFolder) -> None:
+    before = names(folder)
+
+    assert answers_to_report(folder).origin == "none"
+    assert names(folder) == before
+
+
+def test_looking_for_answers_makes_no_database_elsewhere(
+    folder: StudyFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    elsewhere = tmp_path / "elsewhere.db"
+    monkeypatch.setenv("DATABASE_URL", sqlite_url(elsewhere))
+
+    assert read_answers(folder, "participants").origin == "none"
+    assert not elsewhere.exists()
+
+
+def test_the_rehearsal_is_reported_on_request_beside_real_answers(folder: StudyFolder) -> None:
+    with pytest.raises(InputError, match="nothing has been rehearsed"):
+        read_rehearsal(folder)
+    answer_once(folder, folder.rehearsal)
+    answer_once(folder, folder.responses)
+
+    assert read_rehearsal(folder).origin == "rehearsal"
+    assert "--rehearsal" in CliRunner().invoke(group, ["report", "--help"]).output
+
+
+def test_real_answers_come_before_those_of_a_rehearsal(folder: StudyFolder) -> None:
+    answer_once(folder, folder.rehearsal)
+    assert answers_to_report(folder).origin == "rehearsal"
+
+    answer_once(folder, folder.responses)
+    assert answers_to_report(folder).origin == "participants"
+
+
+def test_export_writes_either_the_real_answers_or_the_rehearsals(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    answer_once(folder, folder.rehearsal)
+
+    assert export(folder, tmp_path / "real.csv", rehearsal=False).answers == 0
+    assert pd.read_csv(tmp_path / "real.csv").empty
+    assert export(folder, tmp_path / "rehearsed.csv", rehearsal=True).answers == 2
+    assert len(pd.read_csv(tmp_path / "rehearsed.csv")) == 2
+
+
+def test_a_table_that_became_empty_is_not_left_as_it_was(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    answer_once(folder, folder.responses)
+    earlier = tmp_path / "real_refusals.csv"
+    earlier.write_text("study_session\n1\n", "utf-8")
+
+    export(folder, tmp_path / "real.csv", rehearsal=False)
+
+    assert pd.read_csv(earlier).empty
+
+
+def test_an_unfinished_study_session_does_not_count_as_completed(folder: StudyFolder) -> None:
+    answer_once(folder, folder.responses)
+
+    answers = answers_to_report(folder)
+
+    assert answers.stored is not None
+    assert answers.stored.study_sessions["completed"].tolist() == [False]
+    assert answers.stored.study_sessions["arm"].tolist() == ["rule_based-mismatched"]
+    assert answers.stored.study_sessions["settled"].tolist() == [1]
+
+
+def test_what_was_kept_of_who_withdrew_is_exported_apart(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    definition = folder.definition
+    text = definition.read_text("utf-8").replace("[page]\n", '[page]\nwithdrawn = "kept"\n')
+    definition.write_text(text, "utf-8")
+    answer_once(folder, folder.responses)
+    database = Database.open(sqlite_url(folder.responses))
+    with database.reading() as session:
+        token = session.scalars(select(StudySession.token)).one()
+    withdraw(database, token, SetClock())
+    database.close()
+
+    assert export(folder, tmp_path / "responses.csv").answers == 0
+    assert export(folder, tmp_path / "withdrawn.csv", withdrawn=True).answers == 2
+    stored = answers_to_report(folder).stored
+    assert stored is not None
+    assert stored.answers.empty
+    assert stored.study_sessions["withdrawn"].tolist() == [True]

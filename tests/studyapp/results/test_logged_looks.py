@@ -1,0 +1,182 @@
+"""Reports say which looks at results there were before, and are looks themselves."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+from sqlalchemy import update
+
+from analysis.peeking import equally_spaced, false_positive_rate
+from analysis.report import ink
+from analysis.results.looks import NOT_LOGGED, LooksBefore
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import StudySession
+from studyapp.results.answers import read_answers
+from studyapp.results.export.sharing import share
+from studyapp.results.export.writing import export
+from studyapp.results.logged_looks import earlier_looks, note_way_out
+from studyapp.results.report import report
+from studyapp.services.database import Database, sqlite_url
+from studyapp.services.looks import StudyState, looks, note_look
+from tests.studyapp.answered_study import answer_study
+
+NOON = datetime(2026, 5, 4, 12, tzinfo=UTC)
+
+
+@pytest.fixture(autouse=True)
+def quick_fonts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spare the parts of fonts that only those need who print figures."""
+    monkeypatch.setitem(ink.STYLE, "pdf.fonttype", 3)
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+
+
+@pytest.fixture(scope="module")
+def answered_once(
+    finished_study: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    root = tmp_path_factory.mktemp("looked-at") / "rating"
+    shutil.copytree(finished_study("rating"), root)
+    answer_study(root, people=3, stop_after=1)
+    return root
+
+
+@pytest.fixture
+def folder(answered_once: Path, tmp_path: Path) -> StudyFolder:
+    return StudyFolder(shutil.copytree(answered_once, tmp_path / "study"))
+
+
+def stored_looks(folder: StudyFolder) -> list[tuple[str, str, str, int]]:
+    database = Database.open(sqlite_url(folder.responses))
+    try:
+        return [(one.way, one.researcher, one.reason, one.finished) for one in looks(database)]
+    finally:
+        database.close()
+
+
+def looked(folder: StudyFolder, *, by: str, finished: int, reason: str, times: int = 1) -> None:
+    """Log earlier looks on a page."""
+    database = Database.open(sqlite_url(folder.responses))
+    with database.writing() as session:
+        for _ in range(times):
+            state = StudyState(finished=finished, planned=25, answers=10 * finished)
+            note_look(session, NOON, state, way="page", by=by, reason=reason)
+    database.close()
+
+
+def complete(folder: StudyFolder) -> None:
+    """Let everybody have finished."""
+    database = Database.open(sqlite_url(folder.responses))
+    with database.writing() as session:
+        last = update(StudySession).where(StudySession.completed_at.is_(None))
+        session.execute(last.values(completed_at=NOON, completion_code="CODE-OF-THE-LAST"))
+    database.close()
+
+
+def noted(folder: StudyFolder, reason: str = "") -> str:
+    return note_way_out(
+        folder, folder.study(), read_answers(folder, "participants"), way="report", reason=reason
+    )
+
+
+def before(folder: StudyFolder) -> LooksBefore:
+    return earlier_looks(folder.study(), read_answers(folder, "participants"))
+
+
+def test_reports_say_which_looks_there_were_before_and_another_lab_repeats_them(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    looked(folder, by="Ada Lovelace", finished=1, reason="=videos <stalled>", times=3)
+    looked(folder, by="Charles", finished=0, reason="curious")
+    share(folder, tmp_path / "out")
+    there = StudyFolder(tmp_path / "out" / "sourcedata" / "study")
+    said: list[str] = []
+
+    page = report(folder, reason="a video broke", warn=said.append)
+    repeated = report(there, warn=said.append)
+
+    results = page.with_name("results.json").read_bytes()
+    assert repeated.with_name("results.json").read_bytes() == results
+    found = json.loads(results)["looks"]
+    assert (found["count"], found["finished"]) == (4, [0, 1])
+    assert found["false_positive_rate"] == pytest.approx(equally_spaced(2))
+    assert [(one["day"], one["by"], one["reason"], one["times"]) for one in found["looks"]] == [
+        ("2026-05-04", "researcher 1", "=videos <stalled>", 3),
+        ("2026-05-04", "researcher 2", "curious", 1),
+    ]
+    text = page.read_text("utf-8")
+    assert "Looks at results before the end" in text and "videos &lt;stalled&gt;" in text
+    assert text.count("Results were looked at 4 times before these answers were complete") >= 2
+    passed_on = (there.shared_answers / "looks.csv").read_text("utf-8")
+    assert "Lovelace" not in text + passed_on and "Charles" not in text + passed_on
+    assert (page.parent / "tables" / "looks.csv").exists()
+    assert len(said) == 1 and said[0].startswith("2 of 3 planned participants have finished")
+    assert stored_looks(folder)[0] == ("report", "", "a video broke", 2)
+
+
+def test_a_report_is_logged_and_no_look_before_itself(folder: StudyFolder) -> None:
+    said = noted(folder, "a video broke"), noted(folder)
+
+    assert stored_looks(folder) == [("report", "", "", 2), ("report", "", "a video broke", 2)]
+    assert "That you looked is logged" in said[0] and said[0] == said[1]
+    assert (before(folder).count, before(folder).reason) == (0, "no look is logged")
+
+
+def test_once_everybody_has_finished_nothing_is_said_and_earlier_reports_are_looks(
+    folder: StudyFolder,
+) -> None:
+    noted(folder)
+    complete(folder)
+
+    assert noted(folder) == ""
+    assert len(stored_looks(folder)) == 2
+    [look] = before(folder).looks
+    assert (look.by, look.finished, look.planned) == ("command line", 2, 3)
+    assert before(folder).false_positive_rate == pytest.approx(false_positive_rate([2, 3]))
+
+
+def test_a_look_that_cannot_be_logged_is_said_to_be_so(
+    folder: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr("studyapp.results.logged_looks.note_look", refuse)
+
+    assert "could not be logged that you looked: the disk is full" in noted(folder)
+
+
+def test_a_study_that_nobody_has_answered_has_no_looks(
+    finished_study: Callable[[str], Path],
+) -> None:
+    folder = StudyFolder(finished_study("rating"))
+
+    assert (noted(folder), before(folder)) == ("", NOT_LOGGED)
+    assert not folder.responses.exists()
+
+
+def test_an_export_is_a_look_that_later_reports_tell_of(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    tables = export(folder, tmp_path / "answers.csv", reason="for the talk")
+    other_lab = share(folder, tmp_path / "first")
+    share(folder, tmp_path / "second")
+    export(folder, tmp_path / "withdrawn.csv", withdrawn=True)
+    export(folder, tmp_path / "rehearsed.csv", rehearsal=True)
+
+    unsaid = ("export", "", "", 2)
+    assert stored_looks(folder) == [unsaid, unsaid, ("export", "", "for the talk", 2)]
+    assert tables.look.startswith("2 of 3 planned participants have finished")
+    assert "what the answers show" in tables.look and other_lab.remarks[-1] == tables.look
+    passed_on = "sourcedata/study/shared_answers/looks.csv"
+    assert (tmp_path / "second" / passed_on).read_text("utf-8").count("\n") == 1
+    complete(folder)
+    found = json.loads(report(folder).with_name("results.json").read_bytes())["looks"]
+    assert [(one["way"], one["by"], one["reason"], one["times"]) for one in found["looks"]] == [
+        ("export", "command line", "for the talk", 1),
+        ("export", "command line", "", 2),
+    ]

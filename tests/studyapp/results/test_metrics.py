@@ -1,0 +1,179 @@
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import BODY_JOINTS
+from studyapp.definition.folder import StudyFolder
+from studyapp.results.metrics import measure_folders, measure_study
+from studyapp.stimuli.recordings import Take, import_take
+from tests.analysis.evaluators.conftest import write_checkpoint
+
+QUICK = {"presets": ("genea", "s2ue"), "processes": 1}
+
+
+@pytest.fixture
+def folders(motion_file: Callable[..., Path], tmp_path: Path) -> Callable[..., Path]:
+    """Return a maker of folders of motion files; a name with a slash makes a folder in it."""
+
+    def make(folder: str, *names: str) -> Path:
+        for number, name in enumerate(names):
+            target = tmp_path / folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(motion_file(1.0 + number / 30, name="made"), target)
+        return tmp_path / folder
+
+    return make
+
+
+def test_a_study_is_measured_beside_its_ground_truth_and_keeps_its_positions(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take())
+    other = next(name for name in folder.study().conditions if name != "ground_truth")
+    for segment in folder.segments():
+        copied = folder.clip(other, segment.name)
+        copied.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(folder.clip("ground_truth", segment.name), copied)
+    metrics = measure_study(folder, **QUICK)
+    found = {(s.condition, s.name): s for s in metrics.conditions}
+    assert found[other, "mean absolute error (MAJE, s2ue)"].value == 0
+    assert ("ground_truth", "mean absolute error (MAJE, s2ue)") not in found
+    assert found["ground_truth", "jerk (genea)"].clips == 3
+    assert list(folder.joint_positions.iterdir())
+
+
+def test_a_study_is_measured_with_the_published_evaluator_that_it_names(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take(speech=9.0, motion=9.0, segment=3.0))
+    other = next(name for name in folder.study().conditions if name != "ground_truth")
+    shutil.copytree(folder.root / "motion" / "ground_truth", folder.root / "motion" / other)
+    text = folder.definition.read_text("utf-8")
+    named = 'evaluator = { preset = "ted", file = "ted.bin" }\n'
+    folder.definition.write_text(named + text, "utf-8")
+    with pytest.raises(InputError, match="no such file"):
+        measure_study(folder, **QUICK)
+    write_checkpoint(folder.root, "ted")
+    scores = {
+        score.name: score
+        for score in measure_study(folder, **QUICK).conditions
+        if score.condition == other and "TED's evaluator" in score.name
+    }
+    ours, theirs = (
+        scores[name]
+        for name in ("FGD (TED's evaluator)", "FGD by the published rule (TED's evaluator)")
+    )
+    assert ours.value == pytest.approx(theirs.value, abs=1e-6)
+    assert "fewer than 2 x 32 dimensions" in ours.remark
+    assert "do not fill 32 dimensions" in theirs.remark
+    assert "matrix square root" in theirs.settings["covariance"]
+    assert "every 10 frames" in ours.settings["window"]
+
+
+def test_a_study_without_motion_says_how_to_get_some(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take())
+    shutil.rmtree(folder.root / "motion")
+    with pytest.raises(InputError, match=r"no motion file.*motionjury generate"):
+        measure_study(folder, **QUICK)
+
+
+def test_a_folder_of_motion_is_one_condition_and_folders_in_it_are_several(
+    folders: Callable[..., Path],
+) -> None:
+    flat = folders("flat", "a.npz", "b.npz")
+    deep = folders("deep", "ours/a.npz", "theirs/a.npz")
+    (deep / ".hidden").mkdir()
+    for folder, named in ((flat, ["flat"]), (deep, ["ours", "theirs"])):
+        metrics = measure_folders(folder, None, None, **QUICK)
+        assert list(dict.fromkeys(s.condition for s in metrics.conditions)) == named
+
+
+def test_the_reference_is_measured_too_and_compared_with(folders: Callable[..., Path]) -> None:
+    metrics = measure_folders(
+        folders("ours", "a.npz"), folders("recorded", "a.npz", "b.npz"), None, **QUICK
+    )
+    found = {(s.condition, s.name): s for s in metrics.conditions}
+    assert found["ours", "mean absolute error (MAJE, s2ue)"].value == 0
+    assert found["recorded", "jerk (genea)"].clips == 2
+
+
+@pytest.mark.slow
+def test_motion_and_speech_of_any_format_are_taken_by_their_names(
+    folders: Callable[..., Path],
+    speech_file: Callable[..., Path],
+    shared_data: Path,
+) -> None:
+    folder = folders("brought", "take.npz")
+    shutil.copy(shared_data / "aitviewer_sample.bvh", folder / "other.bvh")
+    speech = speech_file(1.0).parent / "spoken"
+    speech.mkdir()
+    shutil.copy(speech_file(1.0), speech / "take.wav")
+    metrics = measure_folders(folder, None, speech, presets=("amuse",), processes=1)
+    names = {(s.segment, s.result.name.split(" (")[0]) for s in metrics.clips}
+    assert {("take", "jerk"), ("other", "jerk"), ("take", "beat alignment")} <= names
+    assert ("other", "beat alignment") not in names
+
+
+def test_tables_of_joint_positions_are_motion_and_other_tables_are_not(tmp_path: Path) -> None:
+    joints = REST_JOINTS[: len(BODY_JOINTS)]
+    heading = [f"{name}_{axis}" for name in BODY_JOINTS for axis in "xyz"]
+    rows = ["time", *heading], *([frame / 30, *joints.ravel()] for frame in range(30))
+    (tmp_path / "a.csv").write_text("\n".join(",".join(map(str, row)) for row in rows))
+    (tmp_path / "segments.csv").write_text("segment,wav\na,a.wav\n")
+    metrics = measure_folders(tmp_path, None, None, presets=("genea",), processes=1)
+    assert {score.segment for score in metrics.clips} == {"a"}
+    assert not metrics.skipped
+
+
+@pytest.mark.parametrize(
+    ("made", "reference", "said"),
+    [
+        ((), None, "no such folder"),
+        (("notes.txt",), None, "no motion file"),
+        (("a.npz", "a.bvh"), None, "a.bvh and a.npz are of one segment"),
+        (("a.npz",), ("b.npz",), "no reference has the name"),
+    ],
+)
+def test_folders_that_do_not_fit_are_refused(
+    folders: Callable[..., Path],
+    made: tuple[str, ...],
+    reference: tuple[str, ...] | None,
+    said: str,
+) -> None:
+    generated = folders("ours", *made)
+    recorded = folders("recorded", *reference) if reference else None
+    with pytest.raises(InputError, match=said):
+        measure_folders(generated, recorded, None, **QUICK)
+
+
+def test_conditions_that_are_called_as_the_reference_are_refused(
+    folders: Callable[..., Path],
+) -> None:
+    with pytest.raises(InputError, match="called 'same'"):
+        measure_folders(folders("one/same", "a.npz"), folders("two/same", "a.npz"), None, **QUICK)
+
+
+def test_semantic_scores_are_found_by_their_names(
+    folders: Callable[..., Path], tmp_path: Path
+) -> None:
+    scores = tmp_path / "semantics"
+    scores.mkdir()
+    (scores / "a.txt").write_text("beat\t0\t1\t1\t0.3\t", encoding="utf-8")
+    metrics = measure_folders(
+        folders("ours", "a.npz"),
+        folders("recorded", "a.npz"),
+        None,
+        semantics=scores,
+        presets=("amuse",),
+        processes=1,
+    )
+    recalled = next(s for s in metrics.clips if "recall" in s.result.name)
+    assert (recalled.condition, recalled.result.value) == ("ours", 1)

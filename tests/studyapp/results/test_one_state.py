@@ -1,0 +1,100 @@
+"""Whatever is read of a study's answers belongs to one moment, on both databases."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from sqlalchemy import Engine, event
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.models import StudySession
+from studyapp.results.answers import answers_to_report
+from studyapp.results.export.sharing import share
+from studyapp.results.export.writing import export
+from studyapp.results.so_far import agreement_so_far
+from studyapp.services.database import Database
+from studyapp.services.served_study import ServedStudy
+from studyapp.services.versions import open_study
+from studyapp.services.withdrawing import withdraw
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+Reader = Callable[[StudyFolder, Path], object]
+
+
+def reported(folder: StudyFolder, _out: Path) -> object:
+    stored = answers_to_report(folder).stored
+    assert stored is not None
+    frames = (each for each in vars(stored).values() if isinstance(each, pd.DataFrame))
+    return [frame.to_csv() for frame in frames]
+
+
+def exported(folder: StudyFolder, out: Path) -> object:
+    export(folder, out / "answers.csv", with_recruiter_ids=True)
+    return {
+        path.name: path.read_text("utf-8") for path in out.glob("*.csv") if "log" not in path.name
+    }
+
+
+def shared(folder: StudyFolder, out: Path) -> object:
+    share(folder, out / "folder")
+    return (out / "folder" / "SHA256SUMS").read_text("utf-8")
+
+
+def live(folder: StudyFolder, _out: Path) -> object:
+    return agreement_so_far(folder)
+
+
+@pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
+@pytest.mark.parametrize("reader", [reported, exported, shared, live])
+def test_somebody_who_withdraws_meanwhile_is_in_all_of_it_or_in_nothing(
+    tiny_study: Path,
+    tmp_path: Path,
+    database_url: str,
+    reader: Reader,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("DATABASE_URL", database_url)
+    folder = StudyFolder(tiny_study)
+    with closing(Database.open(database_url)) as database:
+        tokens = [take_part(folder, database, name) for name in ("one", "two")]
+        before = reader(folder, made(tmp_path / "before"))
+        with leaving_at_first_sight(database, tokens[1]) as left:
+            assert reader(folder, made(tmp_path / "meanwhile")) == before
+    assert left
+
+
+@contextmanager
+def leaving_at_first_sight(database: Database, token: str) -> Iterator[list[str]]:
+    """Let a participant withdraw right after anybody has first read of study sessions."""
+    left: list[str] = []
+
+    def leave(_connection: Any, _cursor: Any, statement: str, *_rest: Any) -> None:
+        if not left and StudySession.__tablename__ in statement:
+            left.append(token)
+            withdraw(database, token, SetClock())
+
+    event.listen(Engine, "after_cursor_execute", leave)
+    try:
+        yield left
+    finally:
+        event.remove(Engine, "after_cursor_execute", leave)
+
+
+def take_part(folder: StudyFolder, database: Database, name: str) -> str:
+    """Let somebody answer two trials and stop."""
+    participant = Participant(database, ServedStudy.read(folder.root), SetClock())
+    open_study(database, participant.served, participant.clock)
+    participant.enrol(name).begin()
+    for _ in range(2):
+        participant.take_trial()
+    return participant.token
+
+
+def made(folder: Path) -> Path:
+    folder.mkdir()
+    return folder

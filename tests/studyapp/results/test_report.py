@@ -1,0 +1,165 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from analysis.report import ink
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.results.report import report, report_table
+from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
+from tests.studyapp.answered_study import answer_study
+
+
+@pytest.fixture(autouse=True)
+def quick_fonts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spare the parts of fonts that only those need who print figures."""
+    monkeypatch.setitem(ink.STYLE, "pdf.fonttype", 3)
+
+
+@pytest.fixture(scope="module")
+def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("video") / "short.mp4"
+    write_short_video(path)
+    return path
+
+
+@pytest.fixture
+def make(tmp_path: Path, video: Path, monkeypatch: pytest.MonkeyPatch):
+    """Return a maker of studies of a protocol, some of them answered."""
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+
+    def write(protocol: str, *, people: int = 0, stop_after: int | None = None) -> StudyFolder:
+        folder = tmp_path / protocol
+        folder.mkdir()
+        write_finished_study(folder, protocol, video)
+        if people:
+            answer_study(folder, people=people, stop_after=stop_after)
+        return StudyFolder(folder)
+
+    return write
+
+
+def shares(results: dict[str, Any]) -> dict[tuple[str, ...], float]:
+    """Return every win share and strength, whichever of two conditions was named first."""
+    found: dict[tuple[str, ...], float] = {}
+    for one in results["comparisons"]:
+        a, b = sorted((one["a"], one["b"]))
+        share = one["win_share"]["estimate"]
+        found[a, b, one["question"]] = share if a == one["a"] else 1 - share
+    for question, fitted in results["bradley_terry"].items():
+        for name, strength in fitted["strengths"].items():
+            found[name, question] = -1.0 if strength is None else strength
+    return found
+
+
+def results_of(page: Path) -> dict[str, Any]:
+    return json.loads(page.with_name("results.json").read_text("utf-8"))
+
+
+def without_scales(conditions: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return means and all else that no scale limits."""
+    limited = ("low", "high", "counts", "at_least")
+    return [{key: one[key] for key in one if key not in limited} for one in conditions]
+
+
+ORDER = ["ours", "theirs", "real"]
+
+RESULTS = {
+    "rating": ("conditions", "clmm", "contrasts"),
+    "ranking": ("conditions", "plackett_luce", "kendall_w"),
+    "mismatch": ("conditions", "side_bias", "agreement"),
+}
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_a_study_and_the_table_that_its_report_writes_give_the_same_results(
+    make, protocol: str, tmp_path: Path
+) -> None:
+    page = report(make(protocol, people=3, stop_after=1))
+    table = page.parent / "tables" / "answers.csv"
+    of_study = results_of(page)
+    rows = pd.read_csv(table)
+    if "condition" in rows:
+        # A table names conditions in the order of its rows, a study in that of its file.
+        rows = rows.sort_values(
+            "condition", kind="stable", key=lambda names: names.map(ORDER.index)
+        )
+        rows.to_csv(table, index=False)
+
+    of_table = results_of(
+        report_table(table, protocol, tmp_path / "again", max_catch_failures=1, margin=None)
+    )
+
+    assert of_study["study"]["origin"] == "participants"
+    assert of_study["participants"] == of_table["participants"] == {"recruited": 3, "attentive": 2}
+    assert of_study["exclusions"] == of_table["exclusions"]
+    if protocol == "pairwise":
+        assert shares(of_study) == pytest.approx(shares(of_table))
+        return
+    for key in RESULTS[protocol]:
+        if (protocol, key) == ("rating", "conditions"):
+            # Only the study knows that its two questions have different scales.
+            assert without_scales(of_study[key]) == without_scales(of_table[key])
+        else:
+            assert of_study[key] == of_table[key]
+    if protocol == "mismatch":
+        assert of_study["realism"]["protocol"] == "pairwise"
+        assert of_study["realism"]["comparisons"]
+        assert (table.parent / "realism_answers.csv").exists()
+
+
+def test_a_study_that_nobody_has_answered_is_reported_as_such(make) -> None:
+    page = report(make("mismatch"))
+
+    assert "No participant has answered yet" in page.read_text("utf-8")
+    found = results_of(page)
+    assert found["study"]["origin"] == "none"
+    assert found["remark"]
+    assert found["participants"] == {"recruited": 0, "attentive": 0}
+
+
+def test_a_margin_that_the_study_file_did_not_state_is_called_exploratory(make) -> None:
+    folder = make("pairwise", people=2)
+
+    page = report(folder, margin=0.1)
+
+    assert len(results_of(page)["equivalence"]) == len(results_of(page)["comparisons"])
+    assert "given with the report, not in the study file" in page.read_text("utf-8")
+
+
+def test_a_margin_against_that_of_the_study_file_is_refused(make) -> None:
+    folder = make("pairwise")
+    text = folder.definition.read_text("utf-8")
+    folder.definition.write_text(f"margin = 0.05\n{text}", "utf-8")
+
+    with pytest.raises(InputError, match="contradicts the study file"):
+        report(folder, margin=0.1)
+
+
+def test_two_reports_of_a_study_are_the_same_bytes_and_leave_nothing_older(make) -> None:
+    folder = make("ranking", people=2)
+    stale = folder.report / "tables" / "earlier.csv"
+    stale.parent.mkdir(parents=True)
+    stale.write_text("x\n", "utf-8")
+    runs = []
+    for _ in range(2):
+        report(folder)
+        files = sorted(path for path in folder.report.rglob("*") if path.is_file())
+        runs.append({str(path): path.read_bytes() for path in files})
+
+    assert runs[0] == runs[1]
+    assert str(stale) not in runs[0]
+
+
+def test_who_did_not_finish_is_counted_in_the_flow_and_left_out(make) -> None:
+    page = report(make("pairwise", people=3, stop_after=2))
+
+    [flow] = results_of(page)["flow"]
+    assert (flow["places"], flow["opened"], flow["completed"], flow["answered"]) == (3, 3, 2, 3)
+    assert "2 of 6 trials" in results_of(page)["exclusions"]["3"]
+    assert "The study is not finished: 2 of 3 places are filled." in page.read_text("utf-8")

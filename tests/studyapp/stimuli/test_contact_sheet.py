@@ -1,0 +1,120 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import ClipVideo, Stimuli, read_stimuli, write_stimuli
+from studyapp.stimuli.contact_sheet import write_contact_sheet
+from tests.finished_study import (
+    PROTOCOLS,
+    SEGMENTS,
+    write_finished_study,
+    write_short_video,
+)
+from tests.renderer.figures.small_videos import write_block_video
+from tests.tiny_study import SECONDS
+
+CONDITIONS = ("rule_based", "mismatched", "broken")
+
+
+@pytest.fixture
+def study(tiny_study: Path) -> StudyFolder:
+    """Return the tiny study with a clip of a swaying block for each segment and condition."""
+    folder = StudyFolder(tiny_study)
+    clips = []
+    for number, (segment, condition) in enumerate(
+        (segment.name, condition) for segment in folder.segments() for condition in CONDITIONS
+    ):
+        file = f"videos/clips/{condition}/{segment}.mkv"
+        write_block_video(folder.root / file, [40 + k % (3 + number) for k in range(60)])
+        clips.append(
+            ClipVideo(
+                segment=segment, condition=condition, file=file, duration=SECONDS, key=f"{number}"
+            )
+        )
+    pairs = read_stimuli(folder.stimuli).pairs
+    write_stimuli(folder.stimuli, Stimuli(clips=tuple(clips), pairs=pairs))
+    return folder
+
+
+def kept_cells(study: StudyFolder) -> dict[Path, int]:
+    cells = (study.videos / "sheet" / ".cells").glob("*.webp")
+    return {path: path.stat().st_mtime_ns for path in cells}
+
+
+def test_the_sheet_shows_each_segment_in_each_condition(study: StudyFolder) -> None:
+    steps: list[tuple[int, int]] = []
+    page = write_contact_sheet(study, threads=2, on_done=lambda *step: steps.append(step))
+    assert page == study.videos / "sheet" / "index.html"
+    text = page.read_text(encoding="utf-8")
+    assert text.count("<img") == 12
+    for name in (*CONDITIONS, *(segment.name for segment in study.segments())):
+        assert name in text
+    assert steps[-1] == (12, 12)
+    with Image.open(page.with_name("sheet-01.png")) as picture:
+        assert picture.width > 3 * 448
+
+
+def test_what_has_not_changed_is_kept(study: StudyFolder) -> None:
+    page = write_contact_sheet(study, threads=2)
+    before, text = kept_cells(study), page.read_text(encoding="utf-8")
+    write_contact_sheet(study, threads=1)
+    assert kept_cells(study) == before
+    assert page.read_text(encoding="utf-8") == text
+
+
+def test_a_changed_clip_is_looked_at_again_and_its_old_cell_removed(study: StudyFolder) -> None:
+    write_contact_sheet(study, threads=1)
+    before = kept_cells(study)
+    stimuli = read_stimuli(study.stimuli)
+    changed = stimuli.clips[0].model_copy(update={"key": "new"})
+    write_block_video(study.root / changed.file, [40] * 60)
+    write_stimuli(
+        study.stimuli, stimuli.model_copy(update={"clips": (changed, *stimuli.clips[1:])})
+    )
+
+    page = write_contact_sheet(study, threads=1)
+
+    assert "never moves" in page.read_text(encoding="utf-8")
+    after = kept_cells(study)
+    assert len(after) == len(before)
+    assert len(set(after) - set(before)) == 1
+
+
+def test_missing_and_broken_videos_have_an_empty_cell_that_says_so(study: StudyFolder) -> None:
+    first, second = read_stimuli(study.stimuli).clips[:2]
+    (study.root / first.file).unlink()
+    (study.root / second.file).write_bytes(b"no video" * 30)
+
+    text = write_contact_sheet(study, threads=1).read_text(encoding="utf-8")
+
+    assert text.count("<img") == 10
+    assert "there is no video" in text
+    assert "the video cannot be read" in text
+
+
+def test_links_from_the_page_lead_to_the_clips(study: StudyFolder) -> None:
+    page = write_contact_sheet(study, threads=1)
+    clip = read_stimuli(study.stimuli).clips[0]
+    address = f"../../{clip.file}"
+    assert f'href="{address}"' in page.read_text(encoding="utf-8")
+    assert (page.parent / address).resolve() == (study.root / clip.file).resolve()
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_finished_videos_are_shown_with_their_roles(tmp_path: Path, protocol: str) -> None:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, protocol, tmp_path / "short.mp4")
+    folder = StudyFolder(tmp_path)
+    (folder.videos / "theirs" / "two.mp4").write_bytes(b"no video")
+
+    text = write_contact_sheet(folder, threads=1).read_text(encoding="utf-8")
+
+    shown = 4 if protocol == "pairwise" else 3
+    assert text.count("<img") == 3 * shown - 1
+    assert all(f"../../videos/ours/{name}.mp4" in text for name in SEGMENTS)
+    assert ("reference" in text) == (protocol in ("pairwise", "ranking"))
+    assert ("catch trials" in text) == (protocol == "pairwise")

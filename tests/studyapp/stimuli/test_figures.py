@@ -1,0 +1,205 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+import tomlkit
+from click.testing import CliRunner
+from PIL import Image
+
+from motion.errors import InputError
+from motion.formats import read_clip, write_clip
+from renderer.figures.moments import Moment
+from renderer.look import BACKGROUND
+from studyapp.command.main import group
+from studyapp.definition.folder import StudyFolder
+from studyapp.stimuli.figures.grids import write_grid_of
+from studyapp.stimuli.figures.material import FigureMaterial
+from studyapp.stimuli.figures.stills import Choice, Print, write_overlay, write_still, write_strip
+from studyapp.stimuli.recordings import Take, import_take
+
+pytestmark = pytest.mark.slow
+
+SEGMENT = "take_01"
+
+
+@pytest.fixture
+def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
+    """Return a study whose arm is raised in one condition and hangs in the others."""
+    import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
+    document = tomlkit.parse(folder.definition.read_text())
+    document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
+    folder.definition.write_text(tomlkit.dumps(document))
+    for segment in folder.segments():
+        clip = read_clip(folder.clip("ground_truth", segment.name))
+        still = replace(clip, poses=np.zeros_like(clip.poses), provenance={})
+        for condition in (*folder.study().conditions, "broken"):
+            if condition != "ground_truth":
+                write_clip(folder.clip(condition, segment.name), still)
+    return folder
+
+
+def a_print(*outputs: Path, inches: float = 1.5, clear: bool = False) -> Print:
+    return Print(inches=inches, clear=clear, whole=False, closeup=False, outputs=outputs)
+
+
+def figures_in(path: Path) -> np.ndarray:
+    with Image.open(path) as image:
+        pixels = np.asarray(image.convert("RGB")).astype(int)
+    return np.abs(pixels - BACKGROUND).max(axis=-1) > 20
+
+
+def test_a_still_has_the_size_asked_for_whatever_the_videos_have(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    path = tmp_path / "still.png"
+    common = {
+        "segment": SEGMENT,
+        "condition": "ground_truth",
+        "seconds": 0.9,
+        "size": 200,
+        "closeup": False,
+    }
+    write_still(study, **common, skeleton=None, clear=False, output=path)  # type: ignore[arg-type]
+    with Image.open(path) as image:
+        assert (image.size, image.mode) == ((200, 200), "RGB")
+    write_still(study, **common, skeleton="beside", clear=True, output=path)  # type: ignore[arg-type]
+    with Image.open(path) as image:
+        assert (image.size, image.mode) == ((400, 200), "RGBA")
+        assert image.getpixel((0, 0))[3] == 0  # type: ignore[index]
+
+
+def test_a_strip_shows_the_conditions_that_participants_compare(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    path = tmp_path / "strip.png"
+    choice = Choice(segment=SEGMENT, moments=(Moment(seconds=0.9), Moment(seconds=0.1, word="no")))
+    write_strip(study, choice, a_print(path), count=6, even=False, wave=True, skeleton=False)
+    shown = [name for name in (*study.study().conditions, "broken") if name != "broken"]
+    assert list(FigureMaterial.of(study).conditions([])) == shown
+    first = path.read_bytes()
+    write_strip(study, choice, a_print(path), count=6, even=False, wave=True, skeleton=False)
+    assert path.read_bytes() == first
+
+
+def test_a_figure_may_call_conditions_otherwise(study: StudyFolder) -> None:
+    material = FigureMaterial.of(study)
+    called = material.conditions(["ground_truth=Recording", "mismatched"])
+    assert called == {"ground_truth": "Recording", "mismatched": "mismatched"}
+    for twice in (["rule_based=Ours", "mismatched=Ours"], ["rule_based", "rule_based=Ours"]):
+        with pytest.raises(InputError, match="Call each something else"):
+            material.conditions(twice)
+
+
+def test_an_overlay_shows_where_variations_differ(study: StudyFolder, tmp_path: Path) -> None:
+    alone, both = tmp_path / "alone.png", tmp_path / "both.png"
+    moments = (Moment(seconds=0.9),)
+    for path, conditions in ((alone, ("ground_truth",)), (both, ("ground_truth", "rule_based"))):
+        choice = Choice(segment=SEGMENT, conditions=conditions, moments=moments)
+        write_overlay(study, choice, replace(a_print(path), whole=True), motions=())
+    seen = [figures_in(path)[:400] for path in (alone, both)]
+    assert seen[1].sum() > 1.03 * seen[0].sum()
+
+
+def test_motion_files_are_variations_too(study: StudyFolder, tmp_path: Path) -> None:
+    seed = tmp_path / "seed-7.npz"
+    write_clip(seed, read_clip(study.clip("rule_based", SEGMENT)))
+    path = tmp_path / "overlay.pdf"
+    choice = Choice(segment=SEGMENT, conditions=("ground_truth",), moments=(Moment(seconds=0.5),))
+    write_overlay(study, choice, a_print(path, clear=True), motions=((seed, "seed 7"),))
+    assert path.read_bytes().startswith(b"%PDF")
+
+
+def test_variations_of_one_file_name_are_told_apart(study: StudyFolder) -> None:
+    seed = str(study.clip("rule_based", SEGMENT))
+    command = ["--debug", "figure", "overlay", str(study.root), "--segment", SEGMENT, "--at", "0.5",
+               "--inches", "1", "--motion", f"{seed}=seed 1"]  # fmt: skip
+    shown = CliRunner().invoke(group, [*command, "--motion", f"{seed}=seed 2"])
+    assert shown.exit_code == 0, shown.output
+    with pytest.raises(InputError, match="'seed 1'"):
+        CliRunner().invoke(group, [*command, "--motion", f"{seed}=seed 1"], catch_exceptions=False)
+    with pytest.raises(InputError, match="at most 7"):
+        CliRunner().invoke(
+            group, command + [f"--motion={seed}={k}" for k in range(7)], catch_exceptions=False
+        )
+
+
+def test_a_slow_grid_lasts_as_much_longer_as_it_is_slower(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    path = tmp_path / "grid.mp4"
+    write_grid_of(
+        study, segment=SEGMENT, conditions=("rule_based", "ground_truth"), speed=0.5,
+        skeleton="over", size=64, closeup=False, output=path,
+    )  # fmt: skip
+    with av.open(str(path)) as video:
+        stream = video.streams.video[0]
+        assert sum(1 for _ in video.decode(stream)) == 20
+        assert stream.average_rate == 10
+        assert stream.width == 128
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["still", "--segment", "no", "--condition", "static", "--at", "0"], "take_01, take_02"),
+        (["still", "--segment", SEGMENT, "--condition", "no", "--at", "0"], "ground_truth, "),
+        (["still", "--segment", SEGMENT, "--condition", "broken", "--at", "1.5"], "0 to 1.00 s"),
+        (["strip", "--segment", SEGMENT, "--at", "x=1.5"], "0 to 1.00 s"),
+        (["strip", "--segment", SEGMENT, *["--at", "0.1"] * 17], "1 to 16"),
+        (["still", "--segment", SEGMENT, "--condition", "broken=x", "--at", "0"], "ground_truth, "),
+        (["strip", "--segment", SEGMENT, "--at", "soon"], "'soon' is no moment"),
+        (["strip", "--segment", SEGMENT, "--output", "strip.svg"], ".pdf or .png"),
+        (
+            [
+                "still",
+                "--segment",
+                SEGMENT,
+                "--condition",
+                "broken",
+                "--at",
+                "1",
+                "--output",
+                "a.jpg",
+            ],
+            "as PNG",
+        ),
+        (["grid", "--segment", SEGMENT, "--output", "grid.avi"], ".mp4"),
+    ],
+)
+def test_what_a_study_does_not_have_is_refused_with_what_it_has(
+    study: StudyFolder, arguments: list[str], said: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        CliRunner().invoke(
+            group,
+            ["--debug", "figure", arguments[0], str(study.root), *arguments[1:]],
+            catch_exceptions=False,
+        )
+    assert said in str(refused.value)
+    assert not study.figures.exists()
+
+
+def test_the_command_says_where_the_figure_is(study: StudyFolder) -> None:
+    shown = CliRunner().invoke(
+        group,
+        ["figure", "strip", str(study.root), "--segment", SEGMENT, "--inches", "1.2",
+         "--moments", "2", "--condition", "ground_truth"],
+    )  # fmt: skip
+    assert shown.exit_code == 0, shown.output
+    for ending in (".pdf", ".png"):
+        path = study.figures / f"strip-{SEGMENT}{ending}"
+        assert path.exists()
+        assert str(path) in shown.output
+
+
+def test_rendering_with_a_sheet_ends_with_the_sheet(study: StudyFolder) -> None:
+    shown = CliRunner().invoke(group, ["render", str(study.root), "--sheet", "--processes", "1"])
+    assert shown.exit_code == 0, shown.output
+    page = study.videos / "sheet" / "index.html"
+    assert str(page) in shown.output
+    assert page.read_text().count("<img") == 2 * len((*study.study().conditions, "broken"))

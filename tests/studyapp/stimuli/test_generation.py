@@ -1,0 +1,140 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomlkit
+
+from motion.errors import InputError
+from motion.formats import read_clip
+from motion.placement import place
+from studyapp.definition.folder import StudyFolder
+from studyapp.stimuli.generation import generate
+from studyapp.stimuli.recordings import Take, import_take
+
+MakeTake = Callable[..., Take]
+
+
+@pytest.fixture
+def study(folder: StudyFolder, take: MakeTake) -> StudyFolder:
+    import_take(folder, take())
+    return folder
+
+
+def generated_files(folder: StudyFolder) -> dict[Path, bytes]:
+    made = ("rule_based", "mismatched", "broken")
+    return {
+        path: path.read_bytes()
+        for condition in made
+        for path in sorted((folder.root / "motion" / condition).glob("*.npz"))
+    }
+
+
+def set_seed(folder: StudyFolder, seed: int) -> None:
+    document = tomlkit.parse(folder.definition.read_text())
+    document["seed"] = seed
+    folder.definition.write_text(tomlkit.dumps(document))
+
+
+def test_every_generated_condition_gets_a_clip_of_its_speech(study: StudyFolder) -> None:
+    reported: list[tuple[int, int]] = []
+    count = generate(study, on_clip=lambda done, total: reported.append((done, total)))
+    assert (count.made, count.kept) == (9, 0)
+    assert reported == [(n, 9) for n in range(1, 10)]
+    for path in generated_files(study):
+        clip = read_clip(path)
+        assert clip.duration == pytest.approx(2.0)
+        assert clip.provenance["generator"] == path.parent.name
+
+
+def test_mismatched_motion_belongs_to_another_segment(study: StudyFolder) -> None:
+    generate(study)
+    for segment in study.segments():
+        own = read_clip(study.clip("rule_based", segment.name))
+        other = read_clip(study.clip("mismatched", segment.name))
+        assert (own.poses != other.poses).any()
+
+
+def test_generated_motion_is_placed_like_imported_motion(study: StudyFolder) -> None:
+    generate(study)
+    for path in generated_files(study):
+        clip = read_clip(path)
+        placed, _ = place(clip)
+        np.testing.assert_allclose(clip.poses, placed.poses, atol=1e-5)
+        np.testing.assert_allclose(clip.trans, placed.trans, atol=1e-5)
+
+
+def test_catch_motion_starts_from_the_ground_truth(study: StudyFolder) -> None:
+    assert study.study().generated()["broken"].source == "ground_truth"
+
+
+def test_a_second_run_makes_nothing(study: StudyFolder) -> None:
+    generate(study)
+    before = generated_files(study)
+    assert generate(study).made == 0
+    assert generated_files(study) == before
+
+
+def test_an_interrupted_run_goes_on_where_it_was(study: StudyFolder) -> None:
+    def interrupt(done: int, total: int) -> None:
+        if done == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        generate(study, on_clip=interrupt)
+    count = generate(study)
+    assert (count.made, count.kept) == (5, 4)
+
+
+def test_the_same_seed_gives_the_same_files_and_another_one_others(study: StudyFolder) -> None:
+    generate(study)
+    before = generated_files(study)
+    set_seed(study, 2)
+    assert generate(study).made == 9
+    moved = study.clip("rule_based", "take_01")
+    assert moved.read_bytes() != before[moved]
+    set_seed(study, 1)
+    generate(study)
+    assert generated_files(study) == before
+
+
+def test_changed_source_motion_is_followed(study: StudyFolder) -> None:
+    generate(study)
+    ground_truth = study.clip("ground_truth", "take_01")
+    ground_truth.write_bytes(study.clip("ground_truth", "take_02").read_bytes())
+    count = generate(study)
+    assert count.made == 3
+    assert count.kept == 6
+
+
+def test_imported_motion_is_never_overwritten(study: StudyFolder) -> None:
+    imported = study.clip("rule_based", "take_01")
+    imported.parent.mkdir(parents=True)
+    imported.write_bytes(study.clip("ground_truth", "take_01").read_bytes())
+    before = imported.read_bytes()
+    with pytest.raises(InputError, match="this motion was imported"):
+        generate(study)
+    assert imported.read_bytes() == before
+
+
+def test_a_source_without_motion_is_named(study: StudyFolder) -> None:
+    study.clip("ground_truth", "take_02").unlink()
+    with pytest.raises(InputError, match=r"take_02.*motionjury import"):
+        generate(study)
+
+
+def test_a_study_without_speech_says_what_to_do(folder: StudyFolder) -> None:
+    with pytest.raises(InputError, match="motionjury import"):
+        generate(folder)
+
+
+def test_a_segment_that_reaches_past_its_recording_is_named(study: StudyFolder) -> None:
+    table = study.speech / "segments.csv"
+    table.write_text(
+        table.read_text().replace("take_03,take.wav,4.0,6.0", "late,take.wav,4.0,60.0")
+    )
+
+    with pytest.raises(InputError, match=r"take\.wav, segment late: an excerpt from 4 s to 60 s"):
+        generate(study)

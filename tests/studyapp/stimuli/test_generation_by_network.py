@@ -1,0 +1,144 @@
+"""Conditions that a learned generator moves."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import tomlkit
+
+from generators.diffsheg.settings import DiffShegSettings, SamplingSettings
+from generators.registry import load_generator
+from motion.errors import InputError
+from motion.formats import read_clip
+from studyapp.definition.creation import new_study
+from studyapp.definition.folder import StudyFolder
+from studyapp.stimuli.generation import generate, settings_of
+from studyapp.stimuli.recordings import Take, import_take
+from tests.generators.diffsheg.small_network import written_network
+from training.hearing.hubert import stand_in
+
+
+@pytest.fixture
+def study(folder: StudyFolder, take: Callable[..., Take]) -> StudyFolder:
+    """One segment; a network moves one condition and nothing else is generated."""
+    import_take(folder, take(speech=2.0, motion=2.0))
+    (folder.root / "models").mkdir()
+    written_network(folder.root / "models" / "small.safetensors")
+    document = tomlkit.parse(folder.definition.read_text())
+    document["reference"] = "ground_truth"
+    document["conditions"] = {
+        "ground_truth": {},
+        "learned": {"generator": "diffsheg", "checkpoint": "models/small.safetensors"},
+    }
+    document["catch"]["trials"] = 0
+    folder.definition.write_text(tomlkit.dumps(document))
+    return folder
+
+
+def set_key(folder: StudyFolder, key: str, value: object) -> None:
+    document = tomlkit.parse(folder.definition.read_text())
+    document["conditions"]["learned"][key] = value
+    folder.definition.write_text(tomlkit.dumps(document))
+
+
+def test_a_network_moves_the_segment_and_is_kept_while_nothing_changes(
+    study: StudyFolder,
+) -> None:
+    assert generate(study).made == 1
+    for segment in study.segments():
+        facts = read_clip(study.clip("learned", segment.name)).provenance
+        assert facts["generator"] == "diffsheg"
+        assert "stand-in for HuBERT" in facts["stand_ins"]
+    assert generate(study).made == 0
+
+
+def test_another_speaker_sampling_or_checkpoint_makes_all_clips_anew(study: StudyFolder) -> None:
+    generate(study)
+    set_key(study, "speaker", 2)
+    assert generate(study).made == 1
+    set_key(study, "sampling", "plain")
+    assert generate(study).made == 1
+    path = study.root / "models" / "small.safetensors"
+    path.write_bytes(path.read_bytes())
+    assert generate(study).made == 0
+    written_network(path, "show")
+    assert generate(study).made == 1
+
+
+def test_a_study_that_was_moved_keeps_its_clips(study: StudyFolder, tmp_path: Path) -> None:
+    generate(study)
+    shutil.copytree(study.root, tmp_path / "elsewhere")
+    assert generate(StudyFolder(tmp_path / "elsewhere")).made == 0
+
+
+def test_a_missing_checkpoint_is_named_with_its_condition(study: StudyFolder) -> None:
+    set_key(study, "checkpoint", "models/absent.pt")
+    with pytest.raises(InputError, match=r"conditions\.learned: .*no such checkpoint") as refusal:
+        generate(study)
+    assert str(study.root / "models" / "absent.pt") in str(refusal.value)
+
+
+def test_all_keys_of_a_condition_reach_the_generator(study: StudyFolder) -> None:
+    for name in ("stats", "hubert"):
+        (study.root / name).mkdir()
+        set_key(study, name, name)
+    set_key(study, "dataset", "show")
+    set_key(study, "speaker", 3)
+    set_key(study, "sampling", {"preset": "careful", "overlap": 6})
+    condition = study.study().conditions["learned"]
+    model = settings_of(study, "learned", condition)
+    assert isinstance(model, DiffShegSettings)
+    assert (model.dataset, model.speaker) == ("show", 3)
+    assert model.sampling == SamplingSettings(preset="careful", overlap=6)
+    assert (model.stats, model.hubert) == (study.root / "stats", study.root / "hubert")
+    with pytest.raises(InputError, match="no config"):
+        load_generator("diffsheg", model)
+
+
+def test_a_study_whose_reference_is_called_as_a_network_expects_files(tmp_path: Path) -> None:
+    made = new_study(tmp_path / "study.toml", name="study", reference="diffsheg")
+    assert made.conditions["diffsheg"].generator is None
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "what"),
+    [
+        ("sampling", "hasty", r"conditions\.learned\.sampling: there is no sampling called"),
+        ("sampling", {"steps": 30}, r"conditions\.learned\.sampling: 30 steps do not divide"),
+        ("sampling", {"stride": 30}, r"conditions\.learned\.sampling\.stride: unknown key"),
+        ("speaker", 0, r"conditions\.learned\.speaker: give the speaker's number"),
+    ],
+)
+def test_what_a_study_states_wrongly_is_said_before_anything_runs(
+    study: StudyFolder, key: str, value: object, what: str
+) -> None:
+    set_key(study, key, value)
+    with pytest.raises(InputError, match=what):
+        study.study()
+
+
+def test_how_far_a_clip_is_is_shown_while_it_is_made(study: StudyFolder) -> None:
+    shown: list[tuple[int, int, str]] = []
+
+    def show(done: int, total: int, detail: str = "") -> None:
+        shown.append((done, total, detail))
+
+    generate(study, on_clip=show)
+    first = study.segments()[0].name
+    assert (0, 1, f"learned/{first}: 100 %") in shown
+    assert shown[-1] == (1, 1, "")
+
+
+def test_long_speech_is_said_to_be_heard_in_parts(
+    study: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("training.hearing.speech_frames.LONGEST_WHOLE", 1.0)
+    remarks = generate(study).remarks
+    names = ", ".join(segment.name for segment in study.segments())
+    assert remarks[0] == (f"Stands in for something real: learned: {stand_in().description}")
+    assert remarks[1] == (
+        f"Long speech was heard 60 s at once with 4 s before and 4 s ahead: learned: {names}"
+    )

@@ -1,0 +1,264 @@
+"""A learned generator that other code adds is used as those that come with the package."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+import tomlkit
+from click.testing import CliRunner, Result
+from pydantic import Field
+
+from generators.interface import OnPart, SpeechSegment, StudyClips, unheard
+from generators.registry import GENERATORS, Entry
+from generators.settings import File, ModelSettings, Settings
+from generators.trainable import Trainable
+from motion.audio import Audio, write_wav
+from motion.clip import MotionClip
+from motion.formats import read_clip
+from studyapp.command.main import group
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.reading import read_study
+from studyapp.stimuli.recordings import Take, import_take
+
+
+class Pace(Settings):
+    """How fast it sways."""
+
+    kind: Literal["slow", "brisk"] = Field("slow", description="How fast.")
+    turns: int = Field(1, description="Turns a second.")
+    drum: File | None = Field(None, description="A recording that beats time.")
+
+
+class SwaySettings(ModelSettings):
+    """What a swaying body takes."""
+
+    emotion: str | None = Field(None, description="An emotion, or a recording of one.")
+    angle: float = Field(0.1, gt=0, le=1, description="Radians to either side.")
+    melody: File | None = Field(None, description="A recording to sway to.")
+    pace: Pace = Pace()
+
+
+class PairSettings(ModelSettings):
+    """What a body takes that hears by a network of its own."""
+
+    ear: File
+
+
+class Sway:
+    """Sways about the vertical; its weights are a number in a file."""
+
+    name = "sway"
+    version = "1"
+    needs_source = False
+
+    def __init__(self, settings: SwaySettings, device: str) -> None:
+        self._settings = settings
+        self._device = device
+
+    def generate(
+        self,
+        speech: SpeechSegment,
+        *,
+        seed: int,
+        frame_rate: float,
+        source: StudyClips | None = None,
+        on_part: OnPart = unheard,
+    ) -> MotionClip:
+        frames = speech.frame_count(frame_rate)
+        poses = np.zeros((frames, 55, 3))
+        learned = float(self._settings.checkpoint.read_text())
+        turns = learned * self._settings.pace.turns * np.arange(frames) / frame_rate
+        poses[:, 3, 1] = self._settings.angle * np.sin(turns)
+        clip = MotionClip(poses=poses, trans=np.zeros((frames, 3)), frame_rate=frame_rate)
+        told = self._settings.model_dump_json(exclude={"checkpoint"})
+        return clip.with_provenance(
+            generator=self.name, seed=str(seed), segment=speech.segment.name, told=told
+        )
+
+
+TRAINABLE = Trainable(
+    summary="Teach a body to sway.",
+    explanation="",
+    configs={"tiny": "one number"},
+    home="nowhere:x",
+    taken_by="motionjury generate --generator sway --checkpoint {out}",
+)
+
+
+@pytest.fixture(autouse=True)
+def weights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    entry = Entry(
+        home=f"{__name__}:Sway",
+        settings=f"{__name__}:SwaySettings",
+        trainable={"sway": f"{__name__}:TRAINABLE"},
+    )
+    monkeypatch.setitem(GENERATORS, "sway", entry)
+    path = tmp_path / "sway.txt"
+    path.write_text("6.3")
+    return path
+
+
+@pytest.fixture
+def speech(tmp_path: Path) -> Path:
+    path = tmp_path / "hello.wav"
+    times = np.arange(16_000) / 16_000
+    write_wav(path, Audio((0.3 * np.sin(2 * np.pi * 150 * times)).astype(np.float32), 16_000))
+    return path
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(group, [str(argument) for argument in arguments])
+
+
+def stated(folder: StudyFolder, **keys: Any) -> None:
+    document = tomlkit.parse(folder.definition.read_text())
+    document["reference"] = "ground_truth"
+    document["conditions"] = {"ground_truth": {}, "ours": {"generator": "sway", **keys}}
+    document["catch"]["trials"] = 0
+    folder.definition.write_text(tomlkit.dumps(document))
+
+
+def test_a_study_moves_by_it_and_makes_clips_anew_where_anything_it_is_told_changes(
+    folder: StudyFolder, take: Callable[..., Take], weights: Path
+) -> None:
+    import_take(folder, take(speech=2.0, motion=2.0))
+    (folder.root / "sway.txt").write_text("6.3")
+    made = []
+    for keys in (
+        {},
+        {},
+        {"angle": 0.2},
+        {"angle": 0.2, "pace": "brisk"},
+        {"angle": 0.2, "pace": {"kind": "brisk", "turns": 2}},
+    ):
+        stated(folder, checkpoint="sway.txt", **keys)
+        made.append(run("generate", folder.root).output)
+    (folder.root / "sway.txt").write_text("3")
+    made.append(run("generate", folder.root).output)
+
+    assert [("kept 1" in said, "Generated 1" in said) for said in made] == [
+        (False, True), (True, False), *[(False, True)] * 4,
+    ]  # fmt: skip
+    told = read_clip(next((folder.root / "motion" / "ours").glob("*.npz"))).provenance["told"]
+    assert '"angle":0.2' in told
+    assert '"pace":{"kind":"brisk","turns":2,"drum":null}' in told
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({}, "checkpoint: generator 'sway' needs a checkpoint"),
+        ({"chekpoint": "a"}, "chekpoint: unknown key (did you mean 'checkpoint'?)"),
+        (
+            {"generatve": True},
+            "generatve: unknown key (did you mean 'generative'?)",
+        ),
+        (
+            {"hubert": "a"},
+            "hubert: unknown key (known are checkpoint, emotion, angle, melody and pace)",
+        ),
+        ({"angle": 2}, "angle: Input should be less than or equal to 1"),
+        ({"angle": "wide"}, "angle: must be a number"),
+        ({"melody": ""}, "melody: must be a path in quotes"),
+        ({"pace": "hasty"}, "pace.kind: Input should be 'slow' or 'brisk'"),
+        ({"pace": {"turn": 2}}, "pace.turn: unknown key (did you mean 'turns'?)"),
+    ],
+)
+def test_check_says_what_a_condition_tells_it_wrongly(
+    folder: StudyFolder, keys: dict[str, Any], said: str
+) -> None:
+    given = {"checkpoint": "sway.txt"} if keys and "chekpoint" not in keys else {}
+    stated(folder, **given, **keys)
+    refusal = run("check", folder.root)
+    assert refusal.exit_code == 1
+    told = " ".join(refusal.output.split())
+    assert f"study.toml: conditions.ours.{said}." in told
+
+
+def test_the_command_line_moves_by_it(speech: Path, weights: Path, tmp_path: Path) -> None:
+    options = ("--checkpoint", weights, "--angle", 0.3, "--pace", "brisk", "--turns", 3)
+    said = run(
+        "generate", "--generator", "sway", "--speech", speech, "--out", tmp_path / "out",
+        *options, "--melody", speech, "--drum", speech, "--emotion", "laughter.wav",
+    )  # fmt: skip
+    assert said.exit_code == 0, said.output
+    told = read_clip(tmp_path / "out" / "hello.npz").provenance["told"]
+    assert '"emotion":"laughter.wav","angle":0.3' in told
+    assert f'"pace":{{"kind":"brisk","turns":3,"drum":"{speech}"}}' in told
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("diffsheg", "--angle", 0.1), "--angle is of a learned generator, not of diffsheg"),
+        (("diffsheg", "--angle", 0.1), "give --generator sway"),
+        (("sway", "--hubert", "."), "--hubert is of a learned generator, not of sway"),
+        (("sway", "--checkpoint", "absent.txt"), "there is no such checkpoint"),
+        (("sway", "--checkpoint", "{weights}", "--drum", "a.wav"), "there is no such drum"),
+        (("sway", "--checkpoint", "{weights}", "--angle", 2), "angle: Input should be less than"),
+        (("static", "--emotion", "laughter.wav"), "there is no emotion 'laughter.wav'"),
+    ],
+)
+def test_the_command_line_says_which_option_does_not_fit(
+    speech: Path, weights: Path, tmp_path: Path, options: tuple[object, ...], said: str
+) -> None:
+    given = [str(option).replace("{weights}", str(weights)) for option in options]
+    refusal = run("generate", "--speech", speech, "--out", tmp_path / "out", "--generator", *given)
+    assert refusal.exit_code == 1
+    assert said in refusal.output
+
+
+def test_commands_list_its_options_and_those_of_others_once() -> None:
+    for command in ("generate", "init"):
+        said = " ".join(run(command, "--help").output.split())
+        assert "--angle FLOAT Radians to either side." in said
+        assert "--pace [slow|brisk] How fast." in said
+        assert said.count("--checkpoint FILE") == 1
+    assert "sway" in run("train", "--help").output
+
+
+def test_a_new_study_has_it_as_a_condition(tmp_path: Path, weights: Path) -> None:
+    made = run(
+        "init", tmp_path / "a", "--condition", "real=files", "--condition", f"ours=sway:{weights}"
+    )
+    ranked = run(
+        "init", tmp_path / "b", "--template", "ranking", "--generator", "sway",
+        "--checkpoint", weights, "--turns", 2,
+    )  # fmt: skip
+    asked = CliRunner().invoke(
+        group, ["init", str(tmp_path / "c"), "--ask"], input="pairwise\nown\n"
+    )
+
+    assert made.exit_code == ranked.exit_code == 0, made.output + ranked.output
+    assert "type sway:FILE" in asked.output
+    ours = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
+    assert ours == SwaySettings(checkpoint=weights)
+    study = read_study(tmp_path / "b" / "study.toml")
+    assert study.conditions["sway"].settings == SwaySettings(checkpoint=weights, pace=Pace(turns=2))
+
+
+def test_a_network_of_two_files_is_a_condition_by_both(
+    tmp_path: Path, weights: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entry = Entry(home=f"{__name__}:Sway", settings=f"{__name__}:PairSettings")
+    monkeypatch.setitem(GENERATORS, "pair", entry)
+    (tmp_path / "ear.txt").write_text("1")
+
+    made = run(
+        *("init", tmp_path / "a", "--condition", "real=files"),
+        *("--condition", f"ours=pair:{weights},{tmp_path / 'ear.txt'}"),
+    )
+    half = run("init", tmp_path / "b", "--condition", f"ours=pair:{weights}")
+    answers = "pairwise\nown\nreal\nfiles\nours\npair:" + f"{weights},{tmp_path / 'ear.txt'}\n"
+    asked = CliRunner().invoke(group, ["init", str(tmp_path / "c"), "--ask"], input=answers)
+
+    assert made.exit_code == 0, made.output
+    said = read_study(tmp_path / "a" / "study.toml").conditions["ours"].settings
+    assert said == PairSettings(checkpoint=weights, ear=tmp_path / "ear.txt")
+    assert "Give pair:FILE,FILE, its checkpoint and ear" in half.output
+    assert "type pair:FILE,FILE" in asked.output
+    assert "needs its weights" not in asked.output

@@ -1,0 +1,173 @@
+"""Videos come into a store whole, under names and in an order that tell nothing."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import av
+import pytest
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import read_stimuli
+from studyapp.services.media_store.record import FILE, Place, Published, read_published
+from studyapp.services.media_store.store import digests_of
+from studyapp.services.served_study import ServedStudy
+from studyapp.stimuli.publishing import MARK_BYTES, Publication, let_in, publish, remove
+from tests.studyapp.s3_stand_in import BUCKET, SECRET, Store, forget_keys
+from tests.tiny_study import SECONDS, write_pair_video
+
+ORIGIN = "https://study.example.org"
+
+
+def place_in(store: Store, folder: str = "my-study/") -> Place:
+    return Place(bucket=BUCKET, folder=folder, endpoint=store.endpoint)
+
+
+def silent(_done: int, _total: int) -> None:
+    """Show nothing."""
+
+
+def published_of(study: Path) -> Published:
+    found = read_published(study)
+    assert found is not None
+    return found
+
+
+def names_of(study: Path) -> set[str]:
+    return {name for video in published_of(study).videos.values() for name in video.names}
+
+
+def test_every_video_is_stored_as_often_as_anybody_sees_it(
+    tiny_study: Path, s3_store: Store
+) -> None:
+    done = publish(StudyFolder(tiny_study), place_in(s3_store), silent)
+
+    # Sixteen videos; the practice trial's comes again at the end.
+    assert done == Publication(stored=32, kept=0, unused=())
+    assert names_of(tiny_study) == set(s3_store.objects)
+    served = ServedStudy.read(tiny_study)
+    for content, digest in digests_of(served).items():
+        first, second = published_of(tiny_study).videos[digest].names
+        own = served.videos[content].file.read_bytes()
+        for name in (first, second):
+            stored = s3_store.objects[name]
+            assert stored.content[:-MARK_BYTES] == own
+            assert stored.headers["Content-Type"] == "video/mp4"
+            assert not [header for header in stored.headers if "meta" in header.lower()]
+        assert s3_store.objects[first].etag != s3_store.objects[second].etag
+
+
+def test_a_stored_video_plays_as_the_study_s_own(tiny_study: Path, s3_store: Store) -> None:
+    publish(StudyFolder(tiny_study), place_in(s3_store), silent)
+
+    stored = next(iter(s3_store.objects.values()))
+    with av.open(io.BytesIO(stored.content)) as video:
+        frames = sum(1 for _ in video.decode(video=0))
+        assert frames == round(SECONDS * float(video.streams.video[0].average_rate or 0))
+
+
+def test_names_say_nothing_and_are_equally_long(tiny_study: Path, s3_store: Store) -> None:
+    publish(StudyFolder(tiny_study), place_in(s3_store), silent)
+
+    assert len({len(name) for name in s3_store.objects}) == 1
+    record = (tiny_study / FILE).read_text()
+    for told in (*(pair.file for pair in read_stimuli(tiny_study / "stimuli.json").pairs), SECRET):
+        assert told not in record
+        assert not [name for name in s3_store.objects if told in name]
+
+
+def test_the_order_of_storing_tells_no_copy_and_no_condition(
+    tiny_study: Path, s3_store: Store
+) -> None:
+    publish(StudyFolder(tiny_study), place_in(s3_store), silent)
+
+    by_record = [
+        name
+        for which in (0, 1)
+        for name in (video.names[which] for video in published_of(tiny_study).videos.values())
+    ]
+    by_age = list(s3_store.objects)
+    assert sorted(by_age) == sorted(by_record)
+    # By chance once in 10^35: 32 names have so many orders.
+    assert by_age not in (by_record, sorted(by_record))
+
+
+def test_an_interrupted_run_goes_on_and_a_second_one_does_nothing(
+    tiny_study: Path, s3_store: Store
+) -> None:
+    folder = StudyFolder(tiny_study)
+    s3_store.takes = 10
+    with pytest.raises(InputError, match=r"the store does not store .*QuotaExceeded") as found:
+        publish(folder, place_in(s3_store), silent)
+    assert SECRET not in str(found.value)
+    before = dict(s3_store.objects)
+    s3_store.takes = None
+
+    assert publish(folder, None, silent) == Publication(stored=22, kept=10, unused=())
+    assert publish(folder, None, silent) == Publication(stored=0, kept=32, unused=())
+    assert before.items() <= s3_store.objects.items()
+
+
+def test_a_video_that_is_made_anew_has_all_of_them_stored_anew(
+    tiny_study: Path, s3_store: Store
+) -> None:
+    """Stored alone, its age would tell its condition."""
+    folder = StudyFolder(tiny_study)
+    publish(folder, place_in(s3_store), silent)
+    before = names_of(tiny_study)
+    write_pair_video(tiny_study / "videos" / "pairs" / "003.mp4", shade=5)
+
+    done = publish(folder, None, silent)
+
+    assert (done.stored, set(done.unused)) == (32, before)
+    assert not before & names_of(tiny_study)
+    remove(folder, done.unused)
+    assert set(s3_store.objects) == names_of(tiny_study)
+
+
+def test_nothing_else_in_the_bucket_is_ever_removed(tiny_study: Path, s3_store: Store) -> None:
+    folder = StudyFolder(tiny_study)
+    publish(folder, place_in(s3_store, ""), silent)
+
+    with pytest.raises(InputError, match="all that is in the bucket"):
+        remove(folder, ["somebody/elses.mp4"])
+
+
+def test_pages_of_the_study_are_let_in_beside_those_that_were(
+    tiny_study: Path, s3_store: Store
+) -> None:
+    folder = StudyFolder(tiny_study)
+    publish(folder, place_in(s3_store), silent)
+
+    let_in(folder, ORIGIN)
+    let_in(folder, "https://other.example.org")
+    let_in(folder, ORIGIN)
+
+    assert s3_store.origins == [ORIGIN, "https://other.example.org"]
+
+
+def test_a_bucket_that_is_open_to_all_is_refused(tiny_study: Path, s3_store: Store) -> None:
+    folder = StudyFolder(tiny_study)
+    publish(folder, place_in(s3_store), silent)
+    s3_store.public = True
+
+    with pytest.raises(InputError, match="anybody can load from it"):
+        let_in(folder, ORIGIN)
+
+
+def test_wrong_keys_and_an_absent_store_are_said(
+    tiny_study: Path, s3_store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = StudyFolder(tiny_study)
+    with pytest.raises(InputError, match=r"Give the bucket, such as s3://"):
+        publish(folder, None, silent)
+    monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "wrong")
+    forget_keys(monkeypatch)
+    with pytest.raises(InputError, match=r"does not list what it holds: SignatureDoesNotMatch"):
+        publish(folder, place_in(s3_store), silent)
+    monkeypatch.setenv("AWS_MAX_ATTEMPTS", "1")
+    nowhere = Place(bucket=BUCKET, folder="x/", endpoint="http://127.0.0.1:9")
+    with pytest.raises(InputError, match=r"cannot be asked .* AWS_ACCESS_KEY_ID"):
+        publish(folder, nowhere, silent)

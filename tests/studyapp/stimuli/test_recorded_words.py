@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
+from motion.segments_table import write_segments
+from studyapp.definition.folder import StudyFolder
+from studyapp.results.export.study_copy import copy_study
+from studyapp.results.metrics import measure_study
+from studyapp.stimuli.recordings import Take, import_take
+
+MakeTake = Callable[..., Take]
+
+
+def beside(take: Take, ending: str, text: str) -> Path:
+    path = take.motion.with_suffix(ending)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_whole_take_has_the_words_that_lie_beside_it(folder: StudyFolder, take: MakeTake) -> None:
+    whole = take(segment=None)
+    beside(whole, ".lab", "Good morning,\neverybody.\n")
+    (segment,), notes = import_take(folder, whole)
+    assert segment.transcript == "Good morning, everybody."
+    assert list(folder.segments()) == [segment]
+    assert "motion.npz: the words are those of motion.lab" in notes
+
+
+def test_each_segment_has_the_words_that_are_said_in_it(
+    folder: StudyFolder, take: MakeTake
+) -> None:
+    cut = take()
+    beside(cut, ".csv", "word,start,end\nGood,0.5,0.9\nmorning,1.9,2.3\nall,4.1,4.5\n")
+    segments, _ = import_take(folder, cut)
+    assert [segment.transcript for segment in segments] == ["good", "morning", "all"]
+
+
+def test_a_transcript_of_other_speech_is_named_and_left_out(
+    folder: StudyFolder, take: MakeTake
+) -> None:
+    cut = take()
+    beside(cut, ".csv", "word,start,end\nlate,50,51\n")
+    segments, notes = import_take(folder, cut)
+    assert {segment.transcript for segment in segments} == {""}
+    assert any("is left out: the transcript is of other speech" in note for note in notes)
+
+
+def test_words_that_are_known_stay_where_another_motion_brings_none(
+    folder: StudyFolder, take: MakeTake
+) -> None:
+    first = take(segment=None)
+    (segment,), _ = import_take(folder, first)
+    write_segments(folder.speech, [replace(segment, transcript="Known.")])
+    import_take(folder, replace(first, condition="ours"))
+    assert [one.transcript for one in folder.segments()] == ["Known."]
+
+
+def test_semantic_scores_come_along_and_are_measured_with(
+    folder: StudyFolder, take: MakeTake
+) -> None:
+    cut = take()
+    beside(cut, ".txt", "beat\t1.500\t2.500\t1.000\t0.700\t\n")
+    import_take(folder, cut)
+    import_take(folder, replace(cut, condition="ours"))
+    assert read_semantic_scores(folder.semantics("take_01")) == (
+        SemanticSpan(start=1.5, end=2, score=0.7),
+    )
+    assert read_semantic_scores(folder.semantics("take_02")) == (
+        SemanticSpan(start=0, end=0.5, score=0.7),
+    )
+    assert read_semantic_scores(folder.semantics("take_03")) == ()
+    copied = StudyFolder(folder.root.with_name("copied"))
+    copy_study(folder, folder.study(), copied, videos=False)
+    assert copied.semantics("take_01").read_text() == folder.semantics("take_01").read_text()
+    scores = measure_study(folder, presets=("amuse",), processes=1).conditions
+    recall = "semantic-relevant gesture recall (amuse)"
+    assert [score.value for score in scores if score.name == recall] == [pytest.approx(1)]

@@ -1,0 +1,280 @@
+from __future__ import annotations
+
+import shutil
+from collections import namedtuple
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+import tomlkit
+
+from motion.audio import Audio, read_audio, write_wav
+from motion.errors import InputError
+from motion.formats import read_clip, write_clip
+from studyapp.definition.creation import new_study
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import read_stimuli
+from studyapp.stimuli.generation import generate
+from studyapp.stimuli.recordings import Take, import_take
+from studyapp.stimuli.render_record import RenderCount, RenderProgress
+from studyapp.stimuli.rendering import render
+from tests.studyapp.takes import write_motion, write_speech
+
+pytestmark = pytest.mark.slow
+
+Disk = namedtuple("Disk", "total used free")
+
+
+def own(folder: StudyFolder, tmp_path: Path) -> StudyFolder:
+    """Return a copy of a study of the test's own; times of its files are kept."""
+    return StudyFolder(Path(shutil.copytree(folder.root, tmp_path / "own")))
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    """A study of two segments whose clips are there, made once."""
+    root = tmp_path_factory.mktemp("generated")
+    folder = StudyFolder(root / "study")
+    new_study(folder.definition, name="study", trials=2)
+    document = tomlkit.parse(folder.definition.read_text())
+    document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
+    folder.definition.write_text(tomlkit.dumps(document))
+    import_take(
+        folder,
+        Take(
+            motion=write_motion(root / "motion.npz", seconds=2.0),
+            speech=write_speech(root / "take.wav", seconds=2.0),
+            frame_rate=None,
+            segment_seconds=1.0,
+            condition="ground_truth",
+            speaker="scott",
+            emotion="neutral",
+        ),
+    )
+    generate(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def first_run(
+    generated: StudyFolder, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[StudyFolder, RenderCount, list[RenderProgress]]:
+    """The study rendered, what was counted, and what was told meanwhile."""
+    folder = own(generated, tmp_path_factory.mktemp("rendered"))
+    told: list[RenderProgress] = []
+    return folder, render(folder, processes=1, on_progress=told.append), told
+
+
+@pytest.fixture
+def study(generated: StudyFolder, tmp_path: Path) -> StudyFolder:
+    """A copy of the study without videos."""
+    return own(generated, tmp_path)
+
+
+@pytest.fixture
+def rendered(
+    first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]], tmp_path: Path
+) -> StudyFolder:
+    """A copy of the study with its videos."""
+    return own(first_run[0], tmp_path)
+
+
+def videos_of(folder: StudyFolder) -> Iterator[Path]:
+    stimuli = read_stimuli(folder.stimuli)
+    return (folder.root / record.file for record in (*stimuli.clips, *stimuli.pairs))
+
+
+def test_every_clip_and_both_orders_of_every_pair_are_rendered(
+    first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]],
+) -> None:
+    study, count, told = first_run
+    assert count.failures == ()
+    assert count.notes == ()
+    assert (count.made, count.kept) == (8 + 12, 0)
+    assert (told[0].videos, told[0].frames) == (0, 0)
+    assert (told[-1].videos, told[-1].all_videos, told[-1].failed) == (20, 20, 0)
+    assert told[-1].frames == told[-1].all_frames == 20 * 10
+    stimuli = read_stimuli(study.stimuli)
+    for segment in study.segments():
+        for left, right in study.study().pairs:
+            pair = stimuli.pair(segment.name, left, right)
+            assert pair is not None
+            with av.open(str(study.root / pair.file)) as video:
+                stream = video.streams.video[0]
+                assert (stream.width, stream.height) == (192, 96)
+                assert sum(1 for _ in video.decode(stream)) == 10
+
+
+def test_neither_name_nor_size_of_a_pair_tells_what_it_shows(rendered: StudyFolder) -> None:
+    stimuli = read_stimuli(rendered.stimuli)
+    names = [*rendered.study().conditions, "broken", "take"]
+    for segment in rendered.segments():
+        files = [rendered.root / p.file for p in stimuli.pairs if p.segment == segment.name]
+        assert len({file.stat().st_size for file in files}) == 1
+        for file in files:
+            assert not any(name in file.name for name in names)
+            assert not any(name.encode() in file.read_bytes() for name in names)
+
+
+def test_a_second_run_renders_nothing_and_changed_clips_only_what_shows_them(
+    rendered: StudyFolder,
+) -> None:
+    before = {path: path.stat().st_mtime_ns for path in videos_of(rendered)}
+    assert render(rendered, processes=1).made == 0
+    assert {path: path.stat().st_mtime_ns for path in videos_of(rendered)} == before
+
+    # Exchanged clips leave the framing, which all clips decide together, as it was.
+    one, two = (rendered.clip("mismatched", segment.name) for segment in rendered.segments())
+    content = one.read_bytes(), two.read_bytes()
+    two.write_bytes(content[0])
+    one.write_bytes(content[1])
+    count = render(rendered, processes=1)
+    assert count.made == 2 * (1 + 2)
+    assert count.kept == 14
+
+
+def test_an_interrupted_run_goes_on_where_it_was(study: StudyFolder) -> None:
+    def interrupt(progress: RenderProgress) -> None:
+        if progress.videos == 10:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        render(study, processes=1, on_progress=interrupt)
+    count = render(study, processes=1)
+    assert count.kept >= 10
+    assert count.made + count.kept == 20
+
+
+def test_a_missing_clip_is_named_before_anything_is_rendered(study: StudyFolder) -> None:
+    study.clip("mismatched", "take_02").unlink()
+    with pytest.raises(InputError, match=r"1 of 8 .*'mismatched' for segment take_02.*generate"):
+        render(study, processes=1)
+    assert not study.videos.exists()
+
+
+def test_a_study_without_any_usable_clip_is_refused(study: StudyFolder) -> None:
+    for condition in study.study().conditions:
+        for segment in study.segments():
+            study.clip(condition, segment.name).write_text("torn")
+    with pytest.raises(InputError, match=r"take_01\.npz: the file is no \.npz archive"):
+        render(study, processes=1)
+    assert not study.videos.exists()
+
+
+def test_speech_that_cannot_be_read_is_reported_video_by_video(study: StudyFolder) -> None:
+    (study.speech / "take.wav").write_bytes(b"no sound")
+    count = render(study, processes=1)
+    assert (len(count.failures), count.left_out, count.made) == (8, 12, 0)
+    assert all("take.wav" in failure for failure in count.failures)
+
+
+def test_videos_that_cannot_be_made_are_reported_and_the_rest_goes_on(study: StudyFolder) -> None:
+    blocked = study.videos / "clips" / "mismatched" / "take_01.mp4"
+    blocked.mkdir(parents=True)
+    truncated = study.clip("mismatched", "take_02")
+    truncated.write_bytes(truncated.read_bytes()[:2000])
+    lengthened = study.clip("broken", "take_01")
+    clip = read_clip(lengthened)
+    write_clip(lengthened, replace(clip, frame_rate=clip.frame_rate / 2))
+    told: list[RenderProgress] = []
+    count = render(study, processes=1, on_progress=told.append)
+    broken = {
+        f"videos/clips/{name}.mp4"
+        for name in ("mismatched/take_01", "mismatched/take_02", "broken/take_01")
+    }
+    assert len(count.failures) == 3
+    assert {failure.split(":")[0] for failure in count.failures} == broken
+    assert (count.left_out, count.made) == (6, 11)
+    assert (told[-1].videos, told[-1].failed) == (20, 9)
+    known = read_stimuli(study.stimuli)
+    assert len(known.clips) == 5
+    assert not broken & {clip.file for clip in known.clips}
+
+
+def frames_of(folder: StudyFolder) -> dict[str, int]:
+    return {path.name: path.stat().st_size for path in (folder.videos / ".frames").glob("*.mkv")}
+
+
+def test_without_room_for_frames_the_same_pairs_come_out_and_no_frames_stay(
+    study: StudyFolder, first_run: tuple[StudyFolder, RenderCount, list[RenderProgress]]
+) -> None:
+    roomy, most = first_run[0], 0
+
+    def look(progress: RenderProgress) -> None:
+        nonlocal most
+        most = max(most, len(frames_of(study)))
+
+    count = render(study, processes=1, frames_cache=0, on_progress=look)
+    assert (count.made, count.failures) == (20, ())
+    assert frames_of(study) == {}
+    assert len(frames_of(roomy)) == 8
+    assert most == 4
+    for here, there in zip(videos_of(study), videos_of(roomy), strict=True):
+        assert here.read_bytes() == there.read_bytes()
+
+    # Frames that were let go are made again where a new pair needs them.
+    pair = read_stimuli(study.stimuli).pairs[0]
+    before = (study.root / pair.file).read_bytes()
+    (study.root / pair.file).unlink()
+    count = render(study, processes=1, frames_cache=0)
+    assert (count.made, count.failures) == (3, ())
+    assert (study.root / pair.file).read_bytes() == before
+
+
+def test_a_disk_that_is_too_small_is_told_before_anything_is_rendered(
+    study: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: Disk(10**9, 10**9 - 1000, 1000))
+    with pytest.raises(InputError, match=r"may need .*B, and 1.0 kB are free.*--frames-cache"):
+        render(study, processes=1)
+    assert list(study.videos.iterdir()) == []
+
+
+def test_what_a_killed_process_left_half_written_is_swept_away(rendered: StudyFolder) -> None:
+    drafts = [
+        rendered.videos / ".frames" / ".draft.mkv",
+        rendered.videos / "pairs" / ".draft.mp4",
+    ]
+    for draft in drafts:
+        draft.parent.mkdir(parents=True, exist_ok=True)
+        draft.write_bytes(b"half")
+    render(rendered, processes=1)
+    assert not any(draft.exists() for draft in drafts)
+
+
+def test_a_study_is_rendered_by_one_run_at_a_time(study: StudyFolder) -> None:
+    tried: list[str] = []
+
+    def render_again(progress: RenderProgress) -> None:
+        if progress.videos == 0:
+            with pytest.raises(InputError, match="rendered already") as refusal:
+                render(study, processes=1)
+            tried.append(str(refusal.value))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        render(study, processes=1, on_progress=render_again)
+    assert len(tried) == 1
+
+
+def test_faces_that_the_body_cannot_show_and_speech_that_cannot_be_as_loud_are_told(
+    study: StudyFolder,
+) -> None:
+    text = study.definition.read_text("utf-8")
+    moving = text.replace('freeze = ["face", ', "freeze = [")
+    assert moving != text
+    study.definition.write_text(moving, "utf-8")
+    path = study.clip("mismatched", "take_01")
+    clip = read_clip(path)
+    faces = np.full((len(clip), 100), 0.5)
+    write_clip(path, replace(clip, expressions=faces, arkit=None))
+    speech = read_audio(study.speech / "take.wav")
+    samples = speech.samples.copy()
+    samples[: speech.sample_rate] = 0
+    write_wav(study.speech / "take.wav", Audio(samples, speech.sample_rate))
+    face, sound = sorted(render(study, processes=1).notes)
+    assert face.startswith("mismatched: the clip's face is given as SMPL-X expression")
+    assert sound == "the speech of segment take_01: it is silent; left as it is"

@@ -1,0 +1,81 @@
+"""Each template's study, from speech to videos that can be served."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+
+import av
+import pytest
+import tomlkit
+
+from motion.errors import InputError
+from studyapp.definition.creation import new_study
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.stimuli import read_stimuli
+from studyapp.preflight.check import check
+from studyapp.preflight.finding import Severity
+from studyapp.services.served_study import ServedStudy
+from studyapp.stimuli.generation import generate
+from studyapp.stimuli.recordings import Take, import_take
+from studyapp.stimuli.render_plan import RenderPlan
+from studyapp.stimuli.rendering import render
+from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("template", PROTOCOLS)
+def test_a_template_runs_as_it_is(tmp_path: Path, take: Callable[..., Take], template: str) -> None:
+    folder = StudyFolder(tmp_path / "study")
+    new_study(folder.definition, template=template, name="study")
+    document = tomlkit.parse(folder.definition.read_text())
+    document["video"].update({"size": 64, "frame_rate": 10})  # type: ignore[union-attr]
+    folder.definition.write_text(tomlkit.dumps(document))
+    import_take(folder, take(speech=2.0, motion=2.0, segment=1.0))
+    generate(folder)
+
+    count = render(folder, processes=1)
+
+    assert count.failures == ()
+    sizes = defaultdict(set)
+    for content, video in ServedStudy.read(folder.root).videos.items():
+        sizes[content[0].segment].add(video.file.stat().st_size)
+    assert [len(different) for different in sizes.values()] == [1, 1]
+    assert not [finding for finding in check(folder) if finding.severity is Severity.ERROR]
+    assert render(folder, processes=1).made == 0
+    pictures = defaultdict(set)
+    for clip in read_stimuli(folder.stimuli).clips:
+        pictures[clip.condition, clip.segment].add(encoded_picture(folder.root / clip.file))
+    assert {len(different) for different in pictures.values()} == {1}
+
+
+def encoded_picture(video: Path) -> bytes:
+    with av.open(str(video)) as container:
+        return b"".join(bytes(packet) for packet in container.demux(video=0))
+
+
+def test_a_finished_video_that_is_missing_says_where_it_belongs(tmp_path: Path) -> None:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, "mismatch", tmp_path / "short.mp4")
+    folder = StudyFolder(tmp_path)
+    (gone,) = list((folder.videos / "ours").glob("one@*.mp4"))
+    gone.unlink()
+
+    count = render(folder, processes=1)
+
+    assert [str(gone.relative_to(tmp_path)) in failure for failure in count.failures] == [True]
+    (error,) = [finding for finding in check(folder) if finding.severity is Severity.ERROR]
+
+    assert "with the speech of" in error.what
+    assert str(gone) in error.remedy
+
+
+def test_a_study_of_finished_videos_has_no_motion_to_draw(tmp_path: Path) -> None:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, "rating", tmp_path / "short.mp4")
+    folder = StudyFolder(tmp_path)
+
+    with pytest.raises(InputError, match="brought finished, and there is no motion to draw"):
+        RenderPlan.of(folder)

@@ -1,0 +1,109 @@
+from __future__ import annotations
+
+import hashlib
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import InputError
+from studyapp.definition.folder import StudyFolder
+from studyapp.stimuli.recordings import Take, import_take
+from studyapp.stimuli.training_recordings import recordings_of
+
+
+@pytest.fixture
+def folder_of_motion(motion_file: Callable[..., Path], tmp_path: Path) -> Path:
+    folder = tmp_path / "recorded"
+    for name in ("a.npz", "deep/b.npz", ".hidden/c.npz"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(motion_file(1.0), folder / name)
+    (folder / "notes.txt").write_text("no motion")
+    return folder
+
+
+def test_a_studys_recordings_keep_their_take_emotion_and_what_is_held_still(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take())
+    text = folder.definition.read_text(encoding="utf-8")
+    held_still = re.sub(r"^freeze = .*$", 'freeze = ["hands"]', text, flags=re.MULTILINE)
+    folder.definition.write_text(held_still, encoding="utf-8")
+    found = recordings_of(folder.root, condition="ground_truth")
+    assert [source.name for source in found.sources] == ["take_01", "take_02", "take_03"]
+    assert {(s.recording, s.emotion) for s in found.sources} == {("take.wav", "neutral")}
+    assert found.frozen == ("hands",)
+    assert found.networks == folder.root / "evaluators"
+    stored = folder.clip("ground_truth", "take_01")
+    assert found.sources[0].sha256 == hashlib.sha256(stored.read_bytes()).hexdigest()
+    assert len(found.sources[0].read()) == 60
+    assert found.read_body().has_arkit_slots
+
+
+def test_a_study_without_recordings_says_how_to_get_some(
+    folder: StudyFolder, take: Callable[..., Take]
+) -> None:
+    import_take(folder, take())
+    with pytest.raises(InputError, match=r"'ours' has no motion.*motionjury import"):
+        recordings_of(folder.root, condition="ours")
+    with pytest.raises(InputError, match="--fps and --body are for folders"):
+        recordings_of(folder.root, condition="ground_truth", file_rate=30)
+
+
+def test_motion_is_found_in_folders_of_folders_and_is_a_recording_each(
+    folder_of_motion: Path,
+) -> None:
+    found = recordings_of(folder_of_motion, condition="", file_rate=15)
+    assert [(s.name, s.recording, s.emotion) for s in found.sources] == [
+        ("a.npz", "a", ""),
+        ("deep/b.npz", "b", ""),
+    ]
+    assert found.sources[1].read().frame_rate == 15
+    assert found.frozen == ()
+
+
+def test_a_table_tells_emotions_and_which_clips_are_of_one_recording(
+    folder_of_motion: Path,
+) -> None:
+    table = folder_of_motion / "segments.csv"
+    table.write_text("name,emotion,wav\na,anger,take.wav\nb,calm,take.wav\n")
+    found = recordings_of(folder_of_motion, condition="")
+    assert [(s.recording, s.emotion) for s in found.sources] == [
+        ("take.wav", "anger"),
+        ("take.wav", "calm"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"name,feeling\na,calm\n", "no column 'emotion'"),
+        (b"", "no column 'emotion'"),
+        (b"name,emotion\na,\xff\n", "no CSV in UTF-8"),
+    ],
+)
+def test_a_table_that_cannot_be_used_is_named(
+    content: bytes, said: str, folder_of_motion: Path
+) -> None:
+    (folder_of_motion / "segments.csv").write_bytes(content)
+    with pytest.raises(InputError, match=rf"segments\.csv: .*{said}"):
+        recordings_of(folder_of_motion, condition="")
+
+
+def test_a_folder_without_motion_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no motion file"):
+        recordings_of(tmp_path, condition="")
+    with pytest.raises(InputError, match="no such folder"):
+        recordings_of(tmp_path / "none", condition="")
+
+
+def test_a_real_capture_is_read_at_the_rate_that_is_given(
+    shared_data: Path, tmp_path: Path
+) -> None:
+    shutil.copy(shared_data / "2_scott_0_1_1.bvh", tmp_path)
+    clip = recordings_of(tmp_path, condition="", file_rate=15).sources[0].read()
+    assert (len(clip), clip.frame_rate) == (957, 15)
+    assert np.ptp(clip.poses[:, 16], axis=0).max() > 0.1

@@ -1,0 +1,217 @@
+"""Finished videos of any tool reach participants alike in all but picture and sound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from motion.audio import Audio
+from renderer.encoder import SOUND_RATE
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.media import Media
+from studyapp.definition.stimuli import read_stimuli
+from studyapp.design.stimulus import Stimulus
+from studyapp.preflight.finding import Severity
+from studyapp.preflight.finished_video_checks import finished_video_findings
+from studyapp.preflight.material import Material
+from studyapp.preflight.shown_video_checks import shown_video_findings
+from studyapp.preflight.sound_checks import sound_findings
+from studyapp.services.served_study import ServedStudy
+from studyapp.stimuli.contact_sheet import write_contact_sheet
+from studyapp.stimuli.rendering import render
+from studyapp.stimuli.video_copies import copy_videos
+from tests.encoded import Told, write_video
+from tests.finished_study import write_finished_study
+
+LOUD = Audio((0.4 * np.sin(np.arange(2 * SOUND_RATE) / 20)).astype(np.float32), SOUND_RATE)
+LONGER = Audio((0.1 * np.sin(np.arange(98_000) / 25)).astype(np.float32), SOUND_RATE)
+
+
+@pytest.fixture(scope="module")
+def usual(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("video") / "usual.mp4"
+    write_video(path, Told())
+    return path
+
+
+@pytest.fixture
+def study(tmp_path: Path, usual: Path) -> Callable[..., StudyFolder]:
+    """Return a function that makes a study in which one video of 'ours' is another one."""
+
+    def make(protocol: str = "rating", ours: Told | None = None) -> StudyFolder:
+        write_finished_study(tmp_path, protocol, usual)
+        folder = StudyFolder(tmp_path)
+        if ours is not None:
+            write_video(folder.videos / "ours" / "one.mp4", ours)
+        return folder
+
+    return make
+
+
+def errors(folder: StudyFolder, severity: Severity = Severity.ERROR) -> list[str]:
+    material = Material.of(folder, folder.study())
+    found = [
+        *finished_video_findings(material),
+        *shown_video_findings(material),
+        *sound_findings(material),
+    ]
+    return [finding.what for finding in found if finding.severity is severity]
+
+
+def shown(folder: StudyFolder, condition: str, segment: str = "one") -> Path:
+    found = Media.of(folder, folder.study()).find((Stimulus.own(condition, segment),))
+    assert found is not None
+    return found.file
+
+
+def test_files_that_told_who_made_them_become_alike(study: Callable[..., StudyFolder]) -> None:
+    told = Told(name="groundtruth", language="jpn", frames=62)
+    folder = study(ours=told)
+    original = folder.videos / "ours" / "one.mp4"
+    before = original.read_bytes()
+
+    assert render(folder, processes=1).failures == ()
+
+    files = [shown(folder, condition) for condition in ("ours", "theirs", "real")]
+    assert len({file.stat().st_size for file in files}) == 1
+    assert not any(b"groundtruth" in file.read_bytes() for file in files)
+    assert not any(name in str(file) for file in files for name in ("ours", "theirs", "real"))
+    lengths = set()
+    for file in files:
+        with av.open(str(file)) as container:
+            lengths.add(container.duration)
+    assert len(lengths) == 1
+    assert original.read_bytes() == before
+    assert errors(folder) == []
+
+
+def test_what_is_copied_and_fits_is_kept(study: Callable[..., StudyFolder]) -> None:
+    folder = study("mismatch")
+    before = {path: path.stat().st_mtime_ns for path in (folder.videos / "copies").iterdir()}
+
+    count = render(folder, processes=1)
+
+    assert (count.made, count.kept) == (0, len(before))
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+
+
+def test_a_changed_original_is_told_and_copied_anew(study: Callable[..., StudyFolder]) -> None:
+    folder = study(ours=Told(sound=LOUD))
+
+    assert errors(folder) == [
+        "the video of 'ours' for segment one has changed since it was copied for the participants"
+    ]
+    assert render(folder, processes=1).made == 1
+    assert errors(folder) == []
+
+
+def test_copies_that_a_newer_release_makes_anew_are_no_other_design(
+    study: Callable[..., StudyFolder], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = study("mismatch")
+    before = ServedStudy.read(folder.root).design
+    monkeypatch.setattr("studyapp.stimuli.video_copies.COPY_VERSION", "newer")
+
+    assert render(folder, processes=1).made > 0
+    assert ServedStudy.read(folder.root).design == before
+
+
+def test_a_misspelt_original_is_told_with_the_file_that_may_be_meant(
+    study: Callable[..., StudyFolder],
+) -> None:
+    folder = study()
+    file = folder.videos / "theirs" / "two.mp4"
+    file.rename(file.with_name("Two.mp4"))
+
+    assert copy_videos(folder).failures == (
+        "videos/theirs/two.mp4 is missing (is it videos/theirs/Two.mp4?)",
+    )
+    sheet = write_contact_sheet(folder, threads=1).read_text("utf-8")
+    assert "there is no video: bring it" in sheet
+
+
+def test_copies_that_nothing_shows_any_more_are_removed(study: Callable[..., StudyFolder]) -> None:
+    folder = study("ranking")
+    gone = shown(folder, "theirs", "two")
+    text = folder.definition.read_text().replace('"theirs"]', '"real"]')
+    folder.definition.write_text(text.replace('reference = "real"\n', ""))
+
+    render(folder, processes=1)
+
+    assert not gone.exists()
+    assert (folder.videos / "theirs" / "two.mp4").exists()
+
+
+def test_without_sound_a_video_has_no_sound_in_its_file(study: Callable[..., StudyFolder]) -> None:
+    folder = study("mismatch")
+    silent = [copy for copy in read_stimuli(folder.stimuli).copies if copy.heard is None]
+
+    assert silent
+    for copy in silent:
+        with av.open(str(folder.root / copy.file)) as container:
+            assert not container.streams.audio
+    assert errors(folder) == []
+
+
+def test_a_study_is_not_served_from_the_originals(study: Callable[..., StudyFolder]) -> None:
+    served = ServedStudy.read(study().root)
+
+    assert {video.file.parent.name for video in served.videos.values()} == {"copies"}
+
+
+@pytest.mark.parametrize(
+    ("ours", "said"),
+    [
+        (Told(rate=25, frames=50), "the number of frames per second differs"),
+        (Told(size=80), "the size of the picture differs"),
+        (Told(codec="mpeg4"), "is encoded as mpeg4"),
+        (Told(sound=None), "videos/ours/one.mp4 has no sound"),
+        (Told(frames=80), "videos/ours/one.mp4 lasts 2.67 s, its segment 2.00 s"),
+    ],
+)
+def test_what_a_copy_cannot_make_alike_is_an_error(
+    study: Callable[..., StudyFolder], ours: Told, said: str
+) -> None:
+    # Without speech, a segment is as long as the first condition's video of it.
+    folder = study()
+    text = folder.definition.read_text().replace("[conditions.real]\nvideos = true\n", "")
+    folder.definition.write_text(
+        text.replace("[conditions.ours]", "[conditions.real]\nvideos = true\n[conditions.ours]")
+    )
+    write_video(folder.videos / "ours" / "one.mp4", ours)
+    render(folder, processes=1)
+
+    assert any(said in error for error in errors(folder))
+
+
+@pytest.mark.parametrize(
+    ("ours", "said"),
+    [
+        (Told(frames=62), "how many pictures there are"),
+        (Told(encoder={"g": "10"}), "which pictures are encoded from which others"),
+        (Told(encoder={"crf": "30"}), "settings of the encoder"),
+        (Told(sound=LONGER), "how long the sound lasts"),
+    ],
+)
+def test_what_only_tools_would_see_is_warned_of(
+    study: Callable[..., StudyFolder], ours: Told, said: str
+) -> None:
+    folder = study(ours=ours)
+    render(folder, processes=1)
+
+    warnings = [w for w in errors(folder, Severity.WARNING) if w.startswith("files tell")]
+
+    assert [said in warning for warning in warnings] == [True]
+
+
+def test_a_louder_finished_video_is_warned_of(study: Callable[..., StudyFolder]) -> None:
+    folder = study(ours=Told(sound=LOUD))
+    render(folder, processes=1)
+
+    (warning,) = [w for w in errors(folder, Severity.WARNING) if "louder" in w]
+
+    assert warning.startswith("videos/ours/one.mp4 is 12.1 LU louder than videos/")

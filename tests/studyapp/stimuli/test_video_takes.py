@@ -1,0 +1,190 @@
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from motion.audio import Audio
+from motion.errors import InputError
+from motion.formats import read_motion, write_clip
+from motion.points.detection import Detection
+from motion.rest_pose import REST_JOINTS
+from motion.skeleton import joint_index
+from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
+from studyapp.command.main import group
+from studyapp.stimuli import video_takes
+from studyapp.stimuli.video_takes import LEFT_OUT, import_video
+from tests.motion.random_clips import random_clip
+from training.data.any_folder import read_takes
+
+SECONDS = 8
+RATE = 15
+
+
+@pytest.fixture(scope="module")
+def video(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a grey video of eight seconds with sound."""
+    path = tmp_path_factory.mktemp("video") / "talk.mp4"
+    sound = Audio(0.1 * np.sin(np.arange(SECONDS * SOUND_RATE) / 40), SOUND_RATE)
+    with VideoWriter(path, 64, 64, RATE, sound) as writer:
+        for _ in range(SECONDS * RATE):
+            writer.write(video_frame(np.full((64, 64, 3), 90, np.uint8)))
+    return path
+
+
+def somebody() -> Detection:
+    """Return what is found of a person who is away from the third to the fourth second."""
+    frames = SECONDS * RATE
+    pose = np.zeros((frames, 33, 3))
+    for part, first in zip(("shoulder", "elbow", "wrist", "hip"), (11, 13, 15, 23), strict=True):
+        for side, place in (("left", first), ("right", first + 1)):
+            pose[:, place] = REST_JOINTS[joint_index(f"{side}_{part}")] * [1, -1, -1]
+    pose[:, 0], pose[:, 7], pose[:, 8] = (
+        (0, -0.26, -0.19),
+        (0.08, -0.28, -0.07),
+        (-0.08, -0.28, -0.07),
+    )
+    face = np.tile(np.random.default_rng(0).normal(0, 40, (478, 3)), (frames, 1, 1))
+    pose[3 * RATE : 4 * RATE] = face[3 * RATE : 4 * RATE] = np.nan
+    visibility = np.broadcast_to(np.arange(33) < 25, (frames, 33)).astype(float)  # no legs
+    return Detection(frame_rate=RATE, pose=pose, visibility=visibility, face=face)
+
+
+@pytest.fixture
+def found(monkeypatch: pytest.MonkeyPatch) -> Detection:
+    """Let a detector find somebody in any video."""
+    result = somebody()
+    monkeypatch.setattr(video_takes, "detect", lambda video, told: result)
+    return result
+
+
+def quietly(done: int, total: int) -> None:
+    """Show nothing."""
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.*"))
+
+
+@pytest.mark.usefixtures("found")
+def test_a_video_becomes_takes_that_training_reads(video: Path, tmp_path: Path) -> None:
+    made = import_video(video, tmp_path / "takes", speaker="anna", told=quietly)
+    assert made.takes == ("talk_01", "talk_02")
+    assert made.seconds == pytest.approx(7)
+    assert "left out 3.0 to 4.0 s: nobody was found" in made.notes
+    takes = read_takes(tmp_path / "takes")
+    assert [(take.name, take.speaker) for take in takes.takes] == [
+        ("talk_01", "anna"),
+        ("talk_02", "anna"),
+    ]
+    assert not takes.skipped
+    clip = read_motion(takes.takes[1].motion)
+    assert clip.duration == pytest.approx(4) and clip.arkit is not None
+    assert clip.provenance["source"] == "talk.mp4"
+    with (tmp_path / "takes" / LEFT_OUT).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert rows == [
+        {"video": "talk.mp4", "start": "3.000", "end": "4.000", "reason": "nobody was found"}
+    ]
+
+
+@pytest.mark.usefixtures("found")
+def test_another_video_is_added_and_the_same_one_refused(video: Path, tmp_path: Path) -> None:
+    import_video(video, tmp_path / "takes", speaker=None, told=quietly)
+    other = tmp_path / "other.mp4"
+    other.write_bytes(video.read_bytes())
+    import_video(other, tmp_path / "takes", speaker=None, told=quietly)
+    assert len((tmp_path / "takes" / LEFT_OUT).read_text().splitlines()) == 3
+    before = files(tmp_path / "takes")
+    with pytest.raises(InputError, match="is there already"):
+        import_video(other, tmp_path / "takes", speaker=None, told=quietly)
+    assert files(tmp_path / "takes") == before
+
+
+def without_sound(path: Path, video: Path) -> None:
+    """Write a video without any sound."""
+    import av
+
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("mpeg4", rate=RATE)
+        stream.width = stream.height = 64
+        frame = av.VideoFrame.from_ndarray(np.zeros((64, 64, 3), np.uint8), format="rgb24")
+        for packet in [*stream.encode(frame), *stream.encode()]:
+            container.mux(packet)
+
+
+@pytest.mark.parametrize(
+    ("write", "sentence"),
+    [
+        (lambda path, video: path.write_bytes(b"no video"), "broken.mp4"),
+        (without_sound, "no audio"),
+        (lambda path, video: path.write_bytes(video.read_bytes()[:4000]), "broken.mp4"),
+    ],
+)
+@pytest.mark.usefixtures("found")
+def test_a_broken_video_gets_one_sentence_and_nothing_is_written(
+    write: Callable[[Path, Path], object], sentence: str, video: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "broken.mp4"
+    write(path, video)
+    with pytest.raises(InputError) as caught:
+        import_video(path, tmp_path / "takes", speaker="anna", told=quietly)
+    assert sentence in str(caught.value) and caught.value.remedy
+    assert not (tmp_path / "takes").exists()
+
+
+def test_a_video_of_nobody_says_so_and_nothing_is_written(
+    video: Path, tmp_path: Path, found: Detection
+) -> None:
+    found.face[:] = np.nan
+    with pytest.raises(InputError, match="no face was found in 8"):
+        import_video(video, tmp_path / "takes", speaker="anna", told=quietly)
+    assert not (tmp_path / "takes").exists()
+
+
+def invoke(*arguments: object) -> Result:
+    return CliRunner().invoke(group, [str(argument) for argument in arguments])
+
+
+@pytest.mark.usefixtures("found")
+def test_the_command_says_what_it_made_and_what_comes_next(video: Path, tmp_path: Path) -> None:
+    done = invoke("import", "--from-video", video, "--speaker", "anna", tmp_path / "takes")
+    assert done.exit_code == 0, done.output
+    assert "note: left out 3.0 to 4.0 s: nobody was found" in done.output
+    assert f"2 takes of 7.0 s in {tmp_path / 'takes'}. Next: 'motionjury train'." in done.output
+
+
+@pytest.mark.usefixtures("found")
+def test_takes_do_not_go_into_a_study(video: Path, tmp_path: Path) -> None:
+    invoke("init", tmp_path / "s")
+    done = invoke("import", "--from-video", video, tmp_path / "s")
+    assert done.exit_code == 1 and "this is a study folder" in done.output
+
+
+def test_flags_that_do_not_belong_to_a_video_are_named(video: Path, tmp_path: Path) -> None:
+    done = invoke("import", "--from-video", video, "--fps", 15, tmp_path / "takes")
+    assert done.exit_code == 2 and "--from-video goes with" in done.output
+    done = invoke("import", tmp_path / "takes")
+    assert done.exit_code == 2 and "or --from-video" in done.output
+
+
+@pytest.mark.slow
+def test_the_detector_finds_an_avatar_of_ours(tmp_path: Path) -> None:
+    pytest.importorskip("mediapipe")
+    clip = random_clip(90, 30)
+    poses = 0.15 * np.sin(np.arange(90) / 10)[:, None, None] * np.ones((90, 55, 3))
+    for side, sign in (("left", 1), ("right", -1)):
+        poses[:, joint_index(f"{side}_shoulder"), 2] -= sign * 1.1
+    still = type(clip)(poses=poses, trans=np.zeros((90, 3)), frame_rate=30, arkit=0 * clip.arkit)
+    write_clip(tmp_path / "clip.npz", still)
+    shown = invoke(
+        "preview", tmp_path / "clip.npz", "--size", 360, "--framing", "upper_body",
+        "--out", tmp_path,
+    )  # fmt: skip
+    assert shown.exit_code == 0, shown.output
+    made = import_video(tmp_path / "clip.mp4", tmp_path / "takes", speaker=None, told=quietly)
+    assert made.seconds == pytest.approx(3, abs=0.1)
