@@ -1,19 +1,17 @@
-"""Study sessions: one participant's sitting."""
+"""Study sessions, the places that they hold, and what participants say about themselves."""
 
 from __future__ import annotations
 
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from sqlalchemy import JSON, CheckConstraint, ForeignKey, String, text
+from sqlalchemy import JSON, CheckConstraint, ForeignKey, String, Text, UniqueConstraint, text
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from studyapp.models.base import Base
 from studyapp.models.study_version import StudyVersion
 
 if TYPE_CHECKING:
-    from studyapp.models.form_answer import FormAnswer
-    from studyapp.models.place import Place
     from studyapp.models.trial import Trial
 
 
@@ -102,3 +100,60 @@ class StudySession(Base):
     form_answers: Mapped[list[FormAnswer]] = relationship(
         back_populates="study_session", order_by="FormAnswer.id", cascade="all, delete-orphan"
     )
+
+
+class Place(Base):
+    """One participant's place in an arm.
+
+    A place names the study session that holds it, so it cannot be held by two; and no study
+    session can hold two places.
+
+    Attributes
+    ----------
+    arm : str
+        The arm's name.
+    design : str
+        Digest of what the arm's participants are asked. A new version of the study that changes
+        it opens new places; where it does not, the places that are filled stay filled.
+    number : int
+        From 0 within the arm; it decides the trials.
+    """
+
+    __tablename__ = "places"
+    __table_args__ = (UniqueConstraint("arm", "design", "number"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    arm: Mapped[str] = mapped_column(String(202))
+    design: Mapped[str] = mapped_column(String(64))
+    number: Mapped[int]
+    study_session_id: Mapped[int | None] = mapped_column(
+        ForeignKey("study_sessions.id", ondelete="SET NULL"), unique=True
+    )
+
+    study_session: Mapped[StudySession | None] = relationship(back_populates="place")
+
+
+class FormAnswer(Base):
+    """One answer to one question about the participant; there can be no second.
+
+    Attributes
+    ----------
+    stage : str
+        ``eligibility``, ``consent``, ``demographics`` or ``closing``.
+    value : str
+        As it was given; empty where a question that need not be answered was left open.
+    """
+
+    __tablename__ = "form_answers"
+    __table_args__ = (UniqueConstraint("study_session_id", "question"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    study_session_id: Mapped[int] = mapped_column(
+        ForeignKey("study_sessions.id", ondelete="CASCADE")
+    )
+    stage: Mapped[str] = mapped_column(String(20))
+    question: Mapped[str] = mapped_column(String(100))
+    value: Mapped[str] = mapped_column(Text)
+    answered_at: Mapped[datetime]
+
+    study_session: Mapped[StudySession] = relationship(back_populates="form_answers")

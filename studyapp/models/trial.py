@@ -1,20 +1,24 @@
-"""Trials: what is shown to a participant, in which order."""
+"""Trials, their stimuli, and the answers to them."""
 
 from __future__ import annotations
 
 from datetime import datetime
-from typing import TYPE_CHECKING
 
-from sqlalchemy import CheckConstraint, ForeignKey, String, UniqueConstraint
+from sqlalchemy import (
+    JSON,
+    CheckConstraint,
+    ForeignKey,
+    ForeignKeyConstraint,
+    Index,
+    String,
+    UniqueConstraint,
+    text,
+)
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from studyapp.models.base import Base
 from studyapp.models.study_session import StudySession
-
-if TYPE_CHECKING:
-    from studyapp.models.response import Response
-    from studyapp.models.trial_stimulus import TrialStimulus
-    from studyapp.models.video import Video
+from studyapp.models.video import Video
 
 
 class Trial(Base):
@@ -95,3 +99,81 @@ class Trial(Base):
     def conditions(self) -> tuple[str, ...]:
         """The conditions judged, number 1 first; the reference is not."""
         return tuple(shown.condition for shown in self.stimuli if shown.number > 0)
+
+
+class TrialStimulus(Base):
+    """One stimulus that a trial presents.
+
+    Attributes
+    ----------
+    number : int
+        1, 2, … are labelled A, B, … and judged; 0 is the reference that is shown apart.
+    condition, segment : str
+        Whose motion, and for which segment it was made.
+    speech : str or None
+        The segment that is heard with it; None for silence.
+    """
+
+    __tablename__ = "trial_stimuli"
+    __table_args__ = (UniqueConstraint("trial_id", "number"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    trial_id: Mapped[int] = mapped_column(ForeignKey("trials.id", ondelete="CASCADE"))
+    video_id: Mapped[int] = mapped_column(ForeignKey("videos.id", ondelete="CASCADE"))
+    number: Mapped[int]
+    condition: Mapped[str] = mapped_column(String(100))
+    segment: Mapped[str] = mapped_column(String(100))
+    speech: Mapped[str | None] = mapped_column(String(100))
+
+    trial: Mapped[Trial] = relationship(back_populates="stimuli")
+    video: Mapped[Video] = relationship(back_populates="stimuli")
+
+
+ABOUT_THE_TRIAL = text("stimulus IS NULL")
+
+
+class Response(Base):
+    """One answer to one question of one trial or of one of its stimuli; there can be no second.
+
+    Attributes
+    ----------
+    stimulus : int or None
+        Number of the stimulus it is about; None where it is about the whole trial.
+    value : int
+        What it means is the question's: a preference from -2, clearly A, to 2, clearly B; a
+        label from 1 to 5; a slider from 0 to 100; a rank from 1.
+    reasons : list of str
+        Names of the reasons ticked beside it; beside each rank of an order, those ticked once for
+        all of it.
+    """
+
+    __tablename__ = "responses"
+    __table_args__ = (
+        UniqueConstraint("trial_id", "question", "stimulus"),
+        # To a unique constraint, two missing stimuli are two different ones.
+        Index(
+            "uq_responses_trial_id_question",
+            "trial_id",
+            "question",
+            unique=True,
+            sqlite_where=ABOUT_THE_TRIAL,
+            postgresql_where=ABOUT_THE_TRIAL,
+        ),
+        ForeignKeyConstraint(
+            ["trial_id", "stimulus"],
+            ["trial_stimuli.trial_id", "trial_stimuli.number"],
+            name="fk_responses_stimulus",
+            ondelete="CASCADE",
+        ),
+        CheckConstraint("value BETWEEN -2 AND 100", name="value"),
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    trial_id: Mapped[int] = mapped_column(ForeignKey("trials.id", ondelete="CASCADE"))
+    question: Mapped[str] = mapped_column(String(100))
+    stimulus: Mapped[int | None]
+    value: Mapped[int]
+    reasons: Mapped[list[str]] = mapped_column(JSON)
+    answered_at: Mapped[datetime]
+
+    trial: Mapped[Trial] = relationship(back_populates="responses", foreign_keys=[trial_id])

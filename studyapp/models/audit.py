@@ -1,11 +1,11 @@
-"""Audit lines: what was changed while the study ran, when, by whom and why."""
+"""What researchers did: the log of changes, looks at results, exclusions by hand."""
 
 from __future__ import annotations
 
 from datetime import datetime
 from enum import StrEnum
 
-from sqlalchemy import String, Text, text
+from sqlalchemy import CheckConstraint, ForeignKey, String, Text, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from studyapp.models.base import Base
@@ -68,3 +68,62 @@ class AuditLine(Base):
     detail: Mapped[str] = mapped_column(Text)
     researcher: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
     reason: Mapped[str] = mapped_column(Text, default="", server_default=text("''"))
+
+
+class Look(Base):
+    """One look at results; rows are only ever added.
+
+    Attributes
+    ----------
+    way : str
+        ``page`` of researchers, ``report``, or ``export``.
+    researcher : str
+        Who looked; empty where the command line did.
+    reason : str
+        In their words; empty where the command line was given none.
+    finished, planned : int
+        Participants who had finished, and how many were wanted at that time.
+    answers : int
+        Answers that the results rested on, before anybody was left out.
+    """
+
+    __tablename__ = "looks"
+    __table_args__ = (
+        CheckConstraint("way IN ('page', 'report', 'export')", name="way"),
+        CheckConstraint("finished >= 0 AND planned >= 0 AND answers >= 0", name="counts"),
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    at: Mapped[datetime]
+    way: Mapped[str] = mapped_column(String(10))
+    researcher: Mapped[str] = mapped_column(String(100))
+    reason: Mapped[str] = mapped_column(Text)
+    finished: Mapped[int]
+    planned: Mapped[int]
+    answers: Mapped[int]
+
+
+class ExclusionDecision(Base):
+    """One decision about one study session; the newest one holds, older ones are kept.
+
+    Attributes
+    ----------
+    study_session_id : int
+        Whom it is about.
+    excluded : bool
+        Whether the participant is left out from then on. Before, it was the opposite: nothing is
+        decided that is so already.
+    researcher, reason : str
+        Who decided it, empty for the command line; and why.
+    """
+
+    __tablename__ = "exclusion_decisions"
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    at: Mapped[datetime]
+    study_session_id: Mapped[int] = mapped_column(
+        ForeignKey("study_sessions.id", ondelete="CASCADE"), index=True
+    )
+    excluded: Mapped[bool]
+    researcher: Mapped[str] = mapped_column(String(100))
+    reason: Mapped[str] = mapped_column(Text)

@@ -1,10 +1,10 @@
-"""Interim figures: what was last computed of the answers so far, for whoever asks next."""
+"""Figures of the answers so far, and alarms that were sent."""
 
 from __future__ import annotations
 
 from datetime import datetime
 
-from sqlalchemy import CheckConstraint, String, Text, text
+from sqlalchemy import CheckConstraint, String, Text, UniqueConstraint, text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from studyapp.models.base import Base
@@ -39,3 +39,23 @@ class InterimFigures(Base):
     state: Mapped[str] = mapped_column(String(100), default="", server_default=text("''"))
     document: Mapped[str] = mapped_column(Text, default="", server_default=text("''"))
     problem: Mapped[str] = mapped_column(Text, default="", server_default=text("''"))
+
+
+class Alarm(Base):
+    """One alarm; the server process that stores it sends it.
+
+    Attributes
+    ----------
+    kind : str
+        ``full``, ``stalled`` or ``one address``.
+    about : str
+        What makes it another event than an earlier one of its kind.
+    """
+
+    __tablename__ = "alarms"
+    __table_args__ = (UniqueConstraint("kind", "about"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    kind: Mapped[str] = mapped_column(String(20))
+    about: Mapped[str] = mapped_column(String(100))
+    at: Mapped[datetime]
