@@ -16,9 +16,9 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from studyapp.clock import Clock
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.researchers.links import first_owner_link
+from studyapp.researchers.links import first_owner_link
 
 PICTURES = DOCS / "guide"
 FROM_PROLIFIC = "?PROLIFIC_PID=5f3c1d9e7a2b4c6d8e0f1a2b&STUDY_ID=6a1b2c3d&SESSION_ID=7e8f9a0b"

@@ -23,9 +23,9 @@ import httpx
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
+from studyapp.database.engine import sqlite_url
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
-from studyapp.services.database import sqlite_url
 from tools.avatars.sheet import everyone
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -13,15 +13,15 @@ from babel.messages.extract import extract_from_file
 from babel.messages.pofile import read_po, write_po
 
 from motion.files import write_text
-from studyapp.services import refusal
-from studyapp.services.refusal import RefusalError
+from studyapp.session import refusal
+from studyapp.session.refusal import RefusalError
 from studyapp.web.language import catalogue_path
 
 ROOT: Final = Path(__file__).parents[1]
 TRANSLATED: Final = ("de", "ja")
 """Languages that have a catalogue; the texts themselves are in English."""
 
-ROOMS: Final = ("design", "definition", "services", "recruitment", "web")
+ROOMS: Final = ("design", "definition", "session", "recruitment", "web")
 """Rooms of ``studyapp`` that say something to participants."""
 
 PLURAL: Final = frozenset({"ngettext"})

@@ -11,10 +11,8 @@ import soundfile
 from sqlalchemy import Connection, Table, create_engine, insert
 
 from benchmarks.report.made_answers import CONDITIONS, QUESTIONS, THRESHOLDS
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.reading import parse_text
-from studyapp.definition.versioning import operation_part
-from studyapp.models import (
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import (
     Response,
     StudySession,
     StudyVersion,
@@ -23,7 +21,9 @@ from studyapp.models import (
     Video,
     WatchRecord,
 )
-from studyapp.services.database import Database, sqlite_url
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.reading import parse_text
+from studyapp.definition.versioning import operation_part
 
 TRIALS: Final = 48
 SECONDS: Final = 6.0

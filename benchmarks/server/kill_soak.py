@@ -19,8 +19,8 @@ from typing import Final
 
 from sqlalchemy import select
 
-from studyapp.models import Response, StudySession, Trial
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
+from studyapp.database.tables import Response, StudySession, Trial
 from tests.support.databases import Backend, fresh_database
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.said import secrets_in

@@ -15,8 +15,8 @@ from typing import Final
 
 from sqlalchemy import select
 
-from studyapp.models import Base, RefusalLine
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
+from studyapp.database.tables import Base, RefusalLine
 from tests.support.databases import Backend, fresh_database
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.malformed_requests import Known, malformed_requests

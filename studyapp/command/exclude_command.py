@@ -9,12 +9,12 @@ import click
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.command.arguments import study_folder
+from studyapp.database.engine import Database, database_url_of
 from studyapp.definition.folder import StudyFolder
+from studyapp.monitoring.naming import number_called
+from studyapp.researchers.exclusion_decisions import decide_exclusion
+from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import snapshot
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.exclusion_decisions import decide_exclusion
-from studyapp.services.monitoring.naming import number_called
-from studyapp.services.pseudonyms import PseudonymKey
 
 
 def decide_about(folder: StudyFolder, name: str, *, excluded: bool, reason: str) -> int:

@@ -10,10 +10,10 @@ import click
 from motion.errors import InputError
 from studyapp.command.arguments import study_folder
 from studyapp.definition.folder import StudyFolder
+from studyapp.researchers.audit import reason_given
 from studyapp.results.export.sharing import Shared, share
 from studyapp.results.export.typed import Format
 from studyapp.results.export.writing import export
-from studyapp.services.audit import reason_given
 
 FORMATS: Final[dict[str, tuple[Format, ...]]] = {
     "csv": ("csv",),

@@ -10,8 +10,8 @@ from motion.errors import InputError
 from studyapp.command.arguments import public_address, study_folder
 from studyapp.command.progress import progress
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.media_store.record import Place
 from studyapp.stimuli.publishing import let_in, publish, remove
+from studyapp.web.media_store.record import Place
 
 _SCHEME = "s3"
 

@@ -13,8 +13,8 @@ from motion.errors import InputError
 from studyapp.command.arguments import optional_study_folder
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.written_exclusion import read_exclusion
+from studyapp.researchers.audit import reason_given
 from studyapp.results.report import report, report_table
-from studyapp.services.audit import reason_given
 
 
 @click.command("report")

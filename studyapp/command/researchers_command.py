@@ -8,13 +8,13 @@ import click
 
 from studyapp.command.arguments import public_address, study_folder
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.researchers.management import (
+from studyapp.researchers.management import (
     invitation,
     link_for_new_password,
     listed_researchers,
     without_second_factor,
 )
-from studyapp.services.researchers.roles import ROLES, Role
+from studyapp.researchers.roles import ROLES, Role
 
 address = public_address(
     default="http://127.0.0.1:8000/", help="Where the study is served; the link begins with it."

@@ -11,15 +11,15 @@ import click
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.command.arguments import public_address, study_folder
+from studyapp.database.engine import Database, database_url_of
 from studyapp.definition.folder import StudyFolder
 from studyapp.recruitment.tries import make_test_participation
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.looks import COMMAND_LINE
-from studyapp.services.researchers.links import first_owner_link
-from studyapp.services.served_study import ServedStudy
-from studyapp.serving import THREADS, WORKERS, run_server
+from studyapp.researchers.links import first_owner_link
+from studyapp.researchers.looks import COMMAND_LINE
+from studyapp.session.served_study import ServedStudy
+from studyapp.web.participants.trying import path_to_try
+from studyapp.web.server import THREADS, WORKERS, run_server
 from studyapp.web.sub_path import checked_prefix
-from studyapp.web.trying import path_to_try
 
 
 @click.command("serve")

@@ -19,9 +19,9 @@ from studyapp.custody.archive import ENDINGS, OnFile, is_compressed, read_manife
 from studyapp.custody.manifest import DATABASE, Manifest
 from studyapp.custody.study_files import found_file, media_files, small_files
 from studyapp.custody.verification import check_archive
+from studyapp.database.copies import rows_of_copy, schema_of_copy, write_copy
+from studyapp.database.engine import database_url_of, shown_address
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import database_url_of, shown_address
-from studyapp.services.database_copies import rows_of_copy, schema_of_copy, write_copy
 
 _UNFINISHED: Final = "unfinished-backup-"
 

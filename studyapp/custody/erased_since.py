@@ -15,11 +15,11 @@ from sqlalchemy.orm import Session
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.custody.forgetting import erase
-from studyapp.models import AuditLine, Event, ScreenOut, StudySession, StudyVersion
-from studyapp.services.audit import log_change
-from studyapp.services.database import Database
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.withdrawing import take_back
+from studyapp.database.engine import Database
+from studyapp.database.tables import AuditLine, Event, ScreenOut, StudySession, StudyVersion
+from studyapp.researchers.audit import log_change
+from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.session.withdrawal import take_back
 
 
 @dataclass(frozen=True, kw_only=True)

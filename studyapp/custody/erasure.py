@@ -7,10 +7,10 @@ from contextlib import contextmanager
 
 from studyapp.clock import Clock
 from studyapp.custody.forgetting import Remembered, forget, has_forgotten, remembered
+from studyapp.database.engine import Database, database_url_of
+from studyapp.database.scrubbing import leave_nothing
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.scrubbing import leave_nothing
+from studyapp.researchers.pseudonyms import PseudonymKey
 
 
 def remembered_of(folder: StudyFolder, name: str) -> tuple[Remembered, ...]:

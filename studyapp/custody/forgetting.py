@@ -11,7 +11,8 @@ from sqlalchemy import JSON, Column, Table, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock
-from studyapp.models import (
+from studyapp.database.engine import Database
+from studyapp.database.tables import (
     AuditLine,
     Base,
     Event,
@@ -26,12 +27,11 @@ from studyapp.models import (
     Video,
     WatchRecord,
 )
-from studyapp.services.audit import ERASED, log_change
-from studyapp.services.database import Database
-from studyapp.services.exclusion_decisions import erase_decisions
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.sitting import state_of
-from studyapp.services.trial_rows import new_token
+from studyapp.researchers.audit import ERASED, log_change
+from studyapp.researchers.exclusion_decisions import erase_decisions
+from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.session.arrival.trial_rows import new_token
+from studyapp.session.state import state_of
 
 LEFT: Final = frozenset({"id", "version_id", "arm", "arm_design"})
 """Columns of a study session that stay: they are of the study, not of the person. All others are
@@ -57,7 +57,7 @@ class Remembered:
         Its number, which the report and the exports name it by; None of who was screened out
         and has none.
     arm, state : str
-        See `studyapp.services.sitting.state_of`; or ``screened out``.
+        See `studyapp.session.state.state_of`; or ``screened out``.
     answers, form_answers, watch_records, refusals : int
         How many rows of each there are.
     known_as : str
@@ -120,7 +120,7 @@ def forget(
     a name; names that stand in earlier lines are replaced. Forgetting twice changes nothing.
 
     What the participant sends meanwhile either comes before, and is erased, or is refused: the
-    address belongs to nobody any more. `studyapp.services.scrubbing.leave_nothing` is to be
+    address belongs to nobody any more. `studyapp.database.scrubbing.leave_nothing` is to be
     called after it.
 
     Parameters

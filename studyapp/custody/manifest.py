@@ -10,7 +10,7 @@ from pydantic import AfterValidator, AwareDatetime, BaseModel, ConfigDict, Field
 
 NAME: Final = "manifest.json"
 DATABASE: Final = "responses.db"
-"""The copy of the database; see `studyapp.services.database_copies`."""
+"""The copy of the database; see `studyapp.database.copies`."""
 
 SMALL_FILES: Final = (
     "study.toml",

@@ -18,18 +18,18 @@ from studyapp.custody.erased_since import ErasedAgain, erase_again, note_restore
 from studyapp.custody.manifest import DATABASE, MEDIA, Manifest
 from studyapp.custody.study_files import media_amiss
 from studyapp.custody.verification import require_sound
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.lock import held_alone
-from studyapp.definition.stimuli import read_stimuli
-from studyapp.services.database import (
+from studyapp.database.copies import compact, fill_from_copy, require_empty
+from studyapp.database.engine import (
     Database,
     database_url_of,
     shown_address,
     sqlite_file,
     sqlite_url,
 )
-from studyapp.services.database_copies import compact, fill_from_copy, require_empty
-from studyapp.services.pseudonyms import PseudonymKey
+from studyapp.definition.folder import StudyFolder
+from studyapp.definition.lock import held_alone
+from studyapp.definition.stimuli import read_stimuli
+from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.stimuli.disk_space import as_text
 
 _UNFINISHED: Final = ".unfinished-restore-"

@@ -10,7 +10,7 @@ from motion.errors import InputError
 from motion.listing import listed
 from studyapp.custody.archive import REMEDY, OnFile, read_archive
 from studyapp.custody.manifest import DATABASE, Manifest
-from studyapp.services.database_copies import flaws_of_copy, rows_of_copy, schema_of_copy
+from studyapp.database.copies import flaws_of_copy, rows_of_copy, schema_of_copy
 
 
 def check_archive(archive: Path, on_file: OnFile) -> Manifest:

@@ -13,7 +13,7 @@ from studyapp.definition.study import Study
 from studyapp.design.planned_trial import PlannedTrial
 from studyapp.design.stimulus import Content
 from studyapp.preflight.material import Material
-from studyapp.services.time_left import expected_seconds
+from studyapp.session.time_left import expected_seconds
 
 SECONDS_FOR_A_FORM_QUESTION: Final = 8.0
 SECONDS_FOR_INSTRUCTIONS: Final = 60.0

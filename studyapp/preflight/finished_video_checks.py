@@ -12,7 +12,7 @@ from studyapp.definition.finished_videos import finished_video, similar_file
 from studyapp.design.stimulus import Content
 from studyapp.preflight.finding import Finding, FindingKind, error, warning
 from studyapp.preflight.material import Material
-from studyapp.services.served_study import described
+from studyapp.session.served_study import described
 from studyapp.stimuli.media_probe import (
     DURATION_TOLERANCE,
     Flaw,

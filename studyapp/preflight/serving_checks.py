@@ -17,21 +17,21 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.clock import Clock
+from studyapp.database.engine import Database, database_url_of, sqlite_url
+from studyapp.database.tables import Video
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.form import Form
 from studyapp.definition.study import Study
 from studyapp.definition.versioning import design_digest
-from studyapp.models import Video
 from studyapp.preflight.finding import Finding, error, note, warning
 from studyapp.preflight.material import Material
 from studyapp.preflight.time_checks import arrivals
 from studyapp.recruitment.prolific_draft import places_of
-from studyapp.services.database import Database, database_url_of, sqlite_url
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.intake import present_intake
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.taking_part import begin
-from studyapp.services.versions import must_be_new_version
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrival.intake import present_intake
+from studyapp.session.participation import begin
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import must_be_new_version
 from studyapp.stimuli.disk_space import as_text
 from studyapp.web.app import create_app
 from studyapp.web.running import running

@@ -21,7 +21,7 @@ from studyapp.preflight.finished_video_checks import (
     flaw_finding,
 )
 from studyapp.preflight.material import Material
-from studyapp.services.served_study import described
+from studyapp.session.served_study import described
 from studyapp.stimuli.media_probe import (
     VideoStructure,
     flaw_of,

@@ -19,10 +19,10 @@ from sqlalchemy import func, select
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.clock import Clock
+from studyapp.database.engine import Database, database_url_of
+from studyapp.database.tables import Invitation, StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Invitation, StudySession
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.researchers.tokens import token_hash
+from studyapp.researchers.tokens import token_hash
 
 COLUMNS: Final = ("for", "link")
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 from xml.sax.saxutils import escape
 
 from motion.errors import InputError
+from studyapp.database.engine import Database, database_url_of
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.recruitment.mturk_client import Assignment, Hit, MTurkClient
@@ -20,7 +21,6 @@ from studyapp.recruitment.payment import (
 )
 from studyapp.recruitment.prolific_draft import places_of, require_public
 from studyapp.recruitment.record import MadeThere, read_made_there, write_made_there
-from studyapp.services.database import Database, database_url_of
 
 SCHEMA: Final = (
     "http://mechanicalturk.amazonaws.com/AWSMechanicalTurkDataSchemas/2006-07-14/"

@@ -15,10 +15,10 @@ from typing import Final, Literal
 from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
+from studyapp.database.engine import Database
+from studyapp.database.tables import ScreenOut, StudySession
 from studyapp.definition.recruitment import Prolific
-from studyapp.models import ScreenOut, StudySession
-from studyapp.services.database import Database
-from studyapp.services.sitting import state_of
+from studyapp.session.state import state_of
 
 Ours = Literal[
     "completed",

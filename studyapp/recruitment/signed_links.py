@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 
 import jwt
 
-from studyapp.services.refusal import UnacceptableError
+from studyapp.session.refusal import UnacceptableError
 
 SIGNED: Final = "prolific_token"
 KEYS: Final = "https://api.prolific.com/.well-known/study/jwks.json"

@@ -9,16 +9,16 @@ from pathlib import Path
 from sqlalchemy import delete, func, select
 
 from studyapp.clock import Clock
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.scrubbing import leave_nothing
+from studyapp.database.tables import Base, StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Base, StudySession
 from studyapp.recruitment.invitations import make_invitations
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.intake import present_intake
-from studyapp.services.places import has_open_place
-from studyapp.services.scrubbing import leave_nothing
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.steering import extend
-from studyapp.services.versions import open_study
+from studyapp.session.arrival.intake import present_intake
+from studyapp.session.arrival.intake_decisions import extend
+from studyapp.session.arrival.places import has_open_place
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 
 
 def make_test_participation(root: Path, served: ServedStudy, clock: Clock, *, by: str) -> str:

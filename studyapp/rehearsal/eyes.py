@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session, joinedload, selectinload
 
+from studyapp.database.engine import Database
+from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, Video, WatchRecord
 from studyapp.design.asking import AnswerKey, Answers
 from studyapp.design.stimulus import Stimulus
-from studyapp.models import FormAnswer, Response, StudySession, Trial, Video, WatchRecord
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.players import token_candidates
 from studyapp.rehearsal.simulation.sight import SeenTrial, Sight
-from studyapp.services.database import Database
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ from studyapp.rehearsal.forms import FormData, FormFields
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.probes import Probe, Prober
 from studyapp.rehearsal.visit import Visit
-from studyapp.web.about_participant import FORM_FIELD
+from studyapp.web.participants.about_participant import FORM_FIELD
 
 
 def probe_form(

@@ -21,7 +21,7 @@ from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import Sight
 from studyapp.rehearsal.visit import Departure, Visit
-from studyapp.web.about_participant import FORM_FIELD
+from studyapp.web.participants.about_participant import FORM_FIELD
 
 SAME_PAGE_AT_MOST: Final = 3
 """A page that comes back this often, though it was answered, leads nowhere."""

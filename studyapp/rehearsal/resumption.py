@@ -15,10 +15,11 @@ from sqlalchemy.orm import selectinload
 from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.clock import Clock
+from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import Stimuli, read_stimuli
 from studyapp.definition.study import Study
-from studyapp.models import StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
@@ -26,7 +27,6 @@ from studyapp.rehearsal.simulation.conduct import Conduct
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.truth import expectations
-from studyapp.services.database import Database
 
 _SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
 

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Final
 
 from motion.errors import InputError
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.lock import held_alone
 from studyapp.definition.study import Study
@@ -25,8 +26,7 @@ from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import call_roster, let_time_pass, prepare
 from studyapp.rehearsal.server import rehearsal_server
 from studyapp.rehearsal.simulation.population import Population
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.served_study import ServedStudy
 
 SPEED: Final = 100.0
 """How much faster than real a rehearsal's clock runs."""

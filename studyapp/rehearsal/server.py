@@ -21,8 +21,8 @@ import httpx
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.connection import study_client
-from studyapp.serving import run_server
 from studyapp.web.health import HEALTH
+from studyapp.web.server import run_server
 
 HOST: Final = "127.0.0.1"
 PROCESSES: Final = 2

@@ -10,13 +10,13 @@ from typing import Literal
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
+from studyapp.database.engine import Database, database_url_of
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.shared_answers import read_shared_answers
 from studyapp.results.stated_study import stated_study
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
-from studyapp.services.database import Database, database_url_of
 
 Source = Literal["participants", "rehearsal"]
 

@@ -16,11 +16,7 @@ from analysis.results.so_far import AgreedSoFar, EstimateSoFar, agreed_so_far, e
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
-from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
-from studyapp.results.answers import read_answers
-from studyapp.results.report_arms import of_present_design
-from studyapp.results.stored_answers import StoredAnswers
-from studyapp.services.interim.documents import (
+from studyapp.researchers.interim.documents import (
     Agreed,
     AgreementDocument,
     Basis,
@@ -28,7 +24,11 @@ from studyapp.services.interim.documents import (
     Number,
     ResultsDocument,
 )
-from studyapp.services.looks import StudyState
+from studyapp.researchers.looks import StudyState
+from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
+from studyapp.results.answers import read_answers
+from studyapp.results.report_arms import of_present_design
+from studyapp.results.stored_answers import StoredAnswers
 
 
 def study_state(study: Study, stored: StoredAnswers) -> StudyState:

@@ -6,9 +6,9 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from motion.errors import InputError
+from studyapp.database.tables import StudyVersion
 from studyapp.definition.reading import parse_text
 from studyapp.definition.study import Study
-from studyapp.models import StudyVersion
 
 
 def stated_study(session: Session, version: int) -> Study | None:

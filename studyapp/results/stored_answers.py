@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sqlalchemy import Select, case, exists, func, select
 from sqlalchemy.orm import Session
 
-from studyapp.models import (
+from studyapp.database.tables import (
     Look,
     Place,
     Response,
@@ -28,11 +28,11 @@ from studyapp.models import (
     Video,
     WatchRecord,
 )
-from studyapp.services.exclusion import JUDGED
-from studyapp.services.exclusion_decisions import standing_exclusions
-from studyapp.services.intake import present_intake
-from studyapp.services.looks import COMMAND_LINE
-from studyapp.services.watch_evidence import watched_share
+from studyapp.researchers.exclusion_decisions import standing_exclusions
+from studyapp.researchers.looks import COMMAND_LINE
+from studyapp.session.arrival.intake import present_intake
+from studyapp.session.exclusion import JUDGED
+from studyapp.session.videos.watch_evidence import watched_share
 
 ROWS: Final = 20_000
 """Rows that are fetched at once."""
@@ -61,7 +61,7 @@ class StoredAnswers:
     looks : DataFrame
         One row for each time that results were seen, the first one first: `day` (UTC), `by`
         (``researcher 1``, ``researcher 2`` … or ``command line``), `way`, `reason`, `finished`,
-        `planned` and `answers` (see `studyapp.models.Look`).
+        `planned` and `answers` (see `studyapp.database.tables.Look`).
     more_places : int
         Places of each arm that researchers wanted beyond those of the study file.
     """

@@ -18,8 +18,10 @@ import httpx
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.design.stimulus import Content
-from studyapp.services.media_store.bucket import Bucket, connect
-from studyapp.services.media_store.record import (
+from studyapp.session.preview import planned_trials, players
+from studyapp.session.served_study import ServedStudy
+from studyapp.web.media_store.bucket import Bucket, connect
+from studyapp.web.media_store.record import (
     FILE,
     Place,
     Published,
@@ -28,9 +30,7 @@ from studyapp.services.media_store.record import (
     read_published,
     write_published,
 )
-from studyapp.services.media_store.store import SIGNED_SECONDS, digests_of
-from studyapp.services.previewing import planned_trials, players
-from studyapp.services.served_study import ServedStudy
+from studyapp.web.media_store.store import SIGNED_SECONDS, digests_of
 
 MARK_BYTES: Final = 24
 """A box behind the end that players pass over, as long in every file: eight bytes of head and

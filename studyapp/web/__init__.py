@@ -11,9 +11,9 @@ participant. What programs may rely on:
                                 consent form posts to ``/`` and leads to ``/take/<token>``. Both
                                 forms carry ``visit`` and the names that stood in the address, by
                                 which a recruiter or an invitation sends somebody (see
-                                `studyapp.web.sent_by`); questions about the participant are
-                                fields ``form:<question>``, and the consent form carries those of
-                                eligibility unseen.
+                                `studyapp.web.participants.sent_by`); questions about the
+                                participant are fields ``form:<question>``, and the consent form
+                                carries those of eligibility unseen.
 ``GET /take/<token>``           where the participant stands: sound check, questions,
                                 instructions, a trial, a break, the end.
 ``POST /take/<token>/sound-check``  the form ``<form id="sound-check">``: ``digits`` as they are
@@ -37,8 +37,8 @@ participant. What programs may rely on:
                                 JSON ``{"batch": n, "intervals": [[from, to], ...]}``, seconds of
                                 the video that were played; n counts the reports of a video from
                                 0. How they were played may be told beside them: see
-                                `studyapp.web.watch_report`. The answer holds ``missing``, the
-                                seconds still to be played.
+                                `studyapp.web.participants.watch_report`. The answer holds
+                                ``missing``, the seconds still to be played.
 ``POST /take/<token>/withdraw``  the form of the page at that address, linked from every other.
 ``GET /media/<video token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its
                                 length as ``data-duration``.

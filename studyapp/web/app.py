@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,23 +11,31 @@ from jinja2 import StrictUndefined
 
 from motion.errors import InputError
 from studyapp.clock import Clock
+from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.form import LONGEST_TEXT
-from studyapp.services.database import Database, database_url_of, sqlite_url
-from studyapp.services.interim.computing import FigureProcess
-from studyapp.services.media_store.store import MediaStore
-from studyapp.services.served_study import ServedStudy, VideoRecord
-from studyapp.services.versions import open_study
-from studyapp.web import entrance, health, media, participant, sound_check, withdrawal
+from studyapp.researchers.interim.computing import FigureProcess
+from studyapp.session.served_study import ServedStudy, VideoRecord
+from studyapp.session.versions import open_study
+from studyapp.web import health, media
 from studyapp.web.errors import register_error_pages
 from studyapp.web.headers import protect
 from studyapp.web.language import language_of, speak
+from studyapp.web.media_store.store import MediaStore
+from studyapp.web.participants import entrance, participant, sound_check, withdrawal
+from studyapp.web.participants.trying import WithTestParticipations
 from studyapp.web.report_pace import keep_pace
 from studyapp.web.research.pages import research_pages
 from studyapp.web.running import Running, attach
 from studyapp.web.sub_path import SubPath, checked_prefix
-from studyapp.web.trying import WithTestParticipations
-from studyapp.web.window_name import window_name
+
+LETTERS = 32
+
+
+def window_name(token: str) -> str:
+    """Return a name that is the same for all windows of a participant and leads nowhere."""
+    return hashlib.sha256(f"window {token}".encode()).hexdigest()[:LETTERS]
+
 
 LARGEST_REQUEST: Final = 64 * 1024
 SCRIPT_SECONDS: Final = 300
@@ -60,7 +69,7 @@ def create_app(
     folder : Path
         The study folder; its videos must be complete.
     database_url : str, optional
-        See `studyapp.services.database.database_url_of`.
+        See `studyapp.database.engine.database_url_of`.
     rehearsal_speed : float, optional
         Makes a rehearsal: seconds that count as passed for each real one.
     tried : bool

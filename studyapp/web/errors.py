@@ -11,8 +11,9 @@ from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from werkzeug.datastructures import MultiDict
 from werkzeug.exceptions import HTTPException
 
+from studyapp.database.waiting_line import LineHeldError
 from studyapp.design.message import Message
-from studyapp.services.refusal import (
+from studyapp.session.refusal import (
     ConflictError,
     CrowdedAddressError,
     IneligibleError,
@@ -25,8 +26,7 @@ from studyapp.services.refusal import (
     UnknownAddressError,
     UnprovenError,
 )
-from studyapp.services.refusals import note_refusal
-from studyapp.services.waiting_line import LineHeldError
+from studyapp.session.refusal_log import note_refusal
 from studyapp.web.language import _, say
 from studyapp.web.running import running
 

@@ -8,7 +8,7 @@ from typing import Final
 from flask import Flask, Response, request
 
 from studyapp.definition.recruitment import Recruitment
-from studyapp.services.leaving import MTURK_FRAMES, MTURK_SITES
+from studyapp.session.departure import MTURK_FRAMES, MTURK_SITES
 
 PROTECTION: Final = {
     # The address of a page holds the participant's token.

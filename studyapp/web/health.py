@@ -11,7 +11,7 @@ from flask import Blueprint, Response, current_app
 from sqlalchemy.exc import SQLAlchemyError
 
 from motion.errors import InputError
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
 from studyapp.web.running import running
 
 HEALTH: Final = "/healthz"

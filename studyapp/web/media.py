@@ -12,11 +12,38 @@ from werkzeug.wsgi import wrap_file
 
 from motion.errors import InputError
 from studyapp.design.stimulus import Content
-from studyapp.services.earlier_videos import earlier_contents
-from studyapp.services.media_store.store import KEPT_SECONDS as REDIRECT_SECONDS
-from studyapp.services.showing import content_of, content_to_send
-from studyapp.web.file_part import FilePart
+from studyapp.session.videos.video_access import content_of, content_to_send, earlier_contents
+from studyapp.web.media_store.store import KEPT_SECONDS as REDIRECT_SECONDS
 from studyapp.web.running import running
+
+
+class FilePart:
+    """The bytes of `path` from `start` up to, not including, `stop`.
+
+    A server that knows the number of bytes may also let the kernel send them, from where the
+    descriptor stands.
+    """
+
+    def __init__(self, path: Path, start: int, stop: int) -> None:
+        self._file = path.open("rb", buffering=0)
+        self._file.seek(start)
+        self._left = stop - start
+
+    def read(self, size: int = -1) -> bytes:
+        """Return the next bytes, at most `size` of them where it is not negative."""
+        wanted = self._left if size < 0 else min(size, self._left)
+        block = self._file.read(wanted) or b""
+        self._left -= len(block)
+        return block
+
+    def fileno(self) -> int:
+        """Return the file's descriptor."""
+        return self._file.fileno()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
 
 pages = Blueprint("media", __name__)
 

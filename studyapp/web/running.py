@@ -9,11 +9,11 @@ from typing import Final, cast
 from flask import Flask, current_app
 
 from studyapp.clock import Clock
+from studyapp.database.engine import Database
 from studyapp.definition.study import Study
-from studyapp.services.database import Database
-from studyapp.services.interim.computing import FigureProcess
-from studyapp.services.media_store.store import MediaStore
-from studyapp.services.served_study import ServedStudy, VideoRecord
+from studyapp.researchers.interim.computing import FigureProcess
+from studyapp.session.served_study import ServedStudy, VideoRecord
+from studyapp.web.media_store.store import MediaStore
 
 EXTENSION: Final = "motionjury"
 

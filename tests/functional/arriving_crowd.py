@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from threading import Event, Semaphore
 
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.eyes import Eyes
@@ -18,7 +19,6 @@ from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.visit import Visit
-from studyapp.services.database import Database, sqlite_url
 
 AS_REAL = 1.0
 """How fast the clock runs of a study that is not rehearsed."""

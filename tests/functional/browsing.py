@@ -49,7 +49,7 @@ def serving(study: Path, *, prefix: str = "", from_store: bool = False) -> Itera
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     code = (
-        "import sys; from pathlib import Path; from studyapp.serving import run_server; "
+        "import sys; from pathlib import Path; from studyapp.web.server import run_server; "
         "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2, prefix=sys.argv[3], "
         f"from_store={from_store})"
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
-from studyapp.services.database import Database, sqlite_url
+from studyapp.database.engine import Database, sqlite_url
 from tests.functional.browsing import launched, serving, watched_page
 from tests.tiny_study import write_tiny_study
 

@@ -12,12 +12,12 @@ from flask import Flask
 from playwright.sync_api import Page, expect
 from sqlalchemy import select
 
-from studyapp.models import StudySession
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.finishing import move_on
-from studyapp.services.noting import note
-from studyapp.services.sitting import current_trial, find
-from studyapp.services.taking_part import begin
+from studyapp.database.tables import StudySession
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.completion import move_on
+from studyapp.session.participation import begin
+from studyapp.session.rows import note
+from studyapp.session.state import current_trial, find
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.local_server import listening

@@ -5,8 +5,8 @@ from __future__ import annotations
 from playwright.sync_api import Page
 
 from studyapp.clock import Clock
-from studyapp.services.database import Database
-from studyapp.services.researchers.links import first_owner_link
+from studyapp.database.engine import Database
+from studyapp.researchers.links import first_owner_link
 from tests.studyapp.researchers_at_hand import PASSWORD
 
 NAME = "Ada Lovelace"

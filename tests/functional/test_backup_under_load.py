@@ -15,9 +15,9 @@ from sqlalchemy import select
 from studyapp.clock import Clock
 from studyapp.custody.backup import Backup, back_up
 from studyapp.custody.restoration import restore
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Place, Response, StudySession, Trial
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Place, Response, StudySession, Trial
-from studyapp.services.database import Database, sqlite_url
 from tests.support.databases import BACKENDS, Backend
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.study_server import HOST, study_server

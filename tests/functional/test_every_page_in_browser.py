@@ -15,7 +15,7 @@ from flask import Flask
 from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import update
 
-from studyapp.models import StudySession
+from studyapp.database.tables import StudySession
 from studyapp.web.running import attach, running
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import fill, shown, spoken_digits, walk

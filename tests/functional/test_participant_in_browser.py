@@ -14,8 +14,8 @@ import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 from sqlalchemy import select
 
-from studyapp.models import Response, StudySession, Trial
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
+from studyapp.database.tables import Response, StudySession, Trial
 from tests.functional.browsing import IN_A_BROWSER, PATIENCE_MS
 from tests.functional.looking import LAPTOP, SIZES, photograph
 from tests.functional.redefining import redefine

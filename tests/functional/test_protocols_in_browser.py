@@ -9,8 +9,8 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import select
 
-from studyapp.models import Response
-from studyapp.services.database import Database, sqlite_url
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Response
 from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,

@@ -13,10 +13,10 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from studyapp.clock import Clock
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.taking_part import begin, look
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.participation import begin, look
+from studyapp.session.served_study import ServedStudy
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown
 from tests.functional.joining import join, link_for_owner

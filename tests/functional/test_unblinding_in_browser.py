@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.looks import looks
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.researchers.looks import looks
 from studyapp.web.running import attach, running
 from tests.functional.browsing import IN_A_BROWSER, watched_page
 from tests.functional.every_page import shown

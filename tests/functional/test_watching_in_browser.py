@@ -13,8 +13,8 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, Response, Route, expect
 from sqlalchemy import select
 
-from studyapp.models import Trial, Video
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
+from studyapp.database.tables import Trial, Video
 from tests.finished_study import write_finished_study, write_short_video
 from tests.functional.browsing import (
     IN_A_BROWSER,

@@ -10,8 +10,8 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 from sqlalchemy import select
 
-from studyapp.models import FormAnswer, Response, StudySession, Trial, WatchRecord
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
+from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, WatchRecord
 from tests.functional.browsing import IN_A_BROWSER, playing_on
 from tests.functional.looking import LAPTOP, photograph
 from tests.functional.redefining import redefine

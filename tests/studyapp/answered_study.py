@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from studyapp.services.answering import answer
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.taking_part import ShownTrial
-from studyapp.services.versions import open_study
-from studyapp.services.watching import record_watched
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.session.answers import answer
+from studyapp.session.participation import ShownTrial
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.videos.watch_reports import record_watched
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 

@@ -14,11 +14,11 @@ import pytest
 from argon2 import PasswordHasher
 from flask import Flask
 
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.definition.creation import new_study
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from studyapp.stimuli.recordings import Take
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
@@ -37,7 +37,16 @@ from tests.support.throwaway_postgresql import (
 DatabaseKind = Literal["sqlite", "postgresql"]
 
 
-BOTH_DATABASES = ("custody", "recruitment", "results/export", "services")
+BOTH_DATABASES = (
+    "custody",
+    "database/test_copies",
+    "database/test_engine",
+    "monitoring",
+    "recruitment",
+    "researchers",
+    "results/export",
+    "session",
+)
 """Rooms whose tests are repeated on both databases: what is done with the tables."""
 
 
@@ -79,7 +88,7 @@ def cheap_passwords() -> Iterator[None]:
     """Hash passwords of researchers at next to no cost."""
     with pytest.MonkeyPatch.context() as patch:
         cheap = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
-        patch.setattr("studyapp.services.researchers.passwords.HASHER", cheap)
+        patch.setattr("studyapp.researchers.passwords.HASHER", cheap)
         yield
 
 

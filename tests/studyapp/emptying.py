@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from studyapp.models import Base
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
+from studyapp.database.tables import Base
 
 
 def empty(database: Database) -> None:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
+from studyapp.researchers.interim.computing import SECONDS, FigureProcess, NoFiguresError
+from studyapp.researchers.interim.documents import What
 from studyapp.results.so_far import DOCUMENTS
-from studyapp.services.interim.computing import SECONDS, FigureProcess, NoFiguresError
-from studyapp.services.interim.documents import What
 
 
 @dataclass(frozen=True)

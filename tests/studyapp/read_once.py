@@ -7,7 +7,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from sqlalchemy.orm import Session
 
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
 
 Asked = ParamSpec("Asked")
 Found = TypeVar("Found")

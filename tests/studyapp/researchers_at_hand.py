@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from studyapp.services.database import Database
-from studyapp.services.researchers.links import first_owner_link, invite, join
-from studyapp.services.researchers.logging_in import log_in
-from studyapp.services.researchers.logins import logged_in
-from studyapp.services.researchers.roles import Role
+from studyapp.database.engine import Database
+from studyapp.researchers.authentication import log_in
+from studyapp.researchers.links import first_owner_link, invite, join
+from studyapp.researchers.logins import logged_in
+from studyapp.researchers.roles import Role
 from tests.studyapp.taking_part_steps import SetClock
 
 PASSWORD = "correct horse battery"  # noqa: S105 - it opens nothing but tests

@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
 from studyapp.clock import Clock
-from studyapp.services.answering import answer, skip_unplayable
-from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.showing import content_to_send
-from studyapp.services.taking_part import ShownTrial, Situation, begin, look
-from studyapp.services.watch_evidence import AS_RECORDED, Playback
-from studyapp.services.watching import record_watched
+from studyapp.database.engine import Database
+from studyapp.session.answers import answer, skip_unplayable
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.participation import ShownTrial, Situation, begin, look
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.videos.video_access import content_to_send
+from studyapp.session.videos.watch_evidence import AS_RECORDED, Playback
+from studyapp.session.videos.watch_reports import record_watched
 
 ANSWERS = {"rhythm": "1", "emotion": "-2"}
 

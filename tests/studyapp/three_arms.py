@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from studyapp.definition.media import VideoFile
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.served_study import ServedStudy
 from tests.studyapp.made_study import make_segments, make_study
 
 LEASE_MINUTES: Final = 45

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
-from studyapp.services.database import sqlite_url
+from studyapp.database.engine import sqlite_url
 from tests.support.processes import family_cpu_seconds
 from tests.support.throwaway_postgresql import ThrowawayPostgresql, throwaway_postgresql
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from motion.errors import InputError
-from studyapp.serving import THREADS, WORKERS, run_server
+from studyapp.web.server import THREADS, WORKERS, run_server
 from tests.support.processes import children, cpu_seconds, is_running
 
 HOST: Final = "127.0.0.1"

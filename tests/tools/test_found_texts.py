@@ -56,7 +56,7 @@ def test_templates_scripts_and_all_rooms_of_code_are_searched() -> None:
     assert {file.split("/")[1] for file, _, _ in found} == {
         "definition",
         "recruitment",
-        "services",
+        "session",
         "web",
     }
     assert {file.rsplit(".", 1)[1] for file, _, _ in found} == {"html", "js", "py"}

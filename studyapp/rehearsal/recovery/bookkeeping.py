@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from studyapp.models import Place, Response, StudySession, Trial
+from studyapp.database.tables import Place, Response, StudySession, Trial
+from studyapp.monitoring.dropouts import dropouts
+from studyapp.monitoring.study_sessions import Sitting
 from studyapp.rehearsal.ledger import Acknowledged, AcknowledgedKey
 from studyapp.rehearsal.recovery.people import Person
-from studyapp.services.monitoring.dropouts import dropouts
-from studyapp.services.monitoring.sittings import Sitting
 
 
 @dataclass(frozen=True, kw_only=True)

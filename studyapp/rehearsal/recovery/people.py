@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from sqlalchemy import select
 from sqlalchemy.orm import Session, selectinload
 
-from studyapp.models import StudySession
+from studyapp.database.tables import StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.simulation.kinds import KINDS, UNSOUND, Kind

@@ -18,6 +18,7 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
+from studyapp.monitoring.study_sessions import Sitting, sittings
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.record import known_values, read_truth
 from studyapp.rehearsal.recovery.bookkeeping import Check, checks
@@ -25,8 +26,7 @@ from studyapp.rehearsal.recovery.people import KindRecovered, kinds_recovered, p
 from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
 from studyapp.results.answers import Answers, answers_in, snapshot
 from studyapp.results.report_arms import arm_of_each, arm_states
-from studyapp.services.monitoring.sittings import Sitting, sittings
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.served_study import ServedStudy
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,9 +8,9 @@ import pandas as pd
 from sqlalchemy import ColumnElement, select
 from sqlalchemy.orm import Session, selectinload
 
-from studyapp.models import FormAnswer, StudySession, Trial, TrialStimulus, Video
-from studyapp.services.sitting import state_of
-from studyapp.services.watch_evidence import watched_share
+from studyapp.database.tables import FormAnswer, StudySession, Trial, TrialStimulus, Video
+from studyapp.session.state import state_of
+from studyapp.session.videos.watch_evidence import watched_share
 
 PAIR_COLUMNS: Final = (
     "comparison",

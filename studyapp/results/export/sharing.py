@@ -14,9 +14,10 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from motion.files import write_text
+from studyapp.database.tables import StudyVersion
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.study import Study
-from studyapp.models import StudyVersion
+from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import Answers, Source, answers_in, snapshot
 from studyapp.results.export.bids_tables import (
     BIDS_VERSION,
@@ -39,7 +40,6 @@ from studyapp.results.export.tables import ExportedTable, exported_tables
 from studyapp.results.logged_looks import note_way_out, with_looks_before
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.shared_answers import write_shared_answers
-from studyapp.services.pseudonyms import PseudonymKey
 
 CHECKSUMS: Final = "SHA256SUMS"
 STUDY: Final = Path("sourcedata") / "study"

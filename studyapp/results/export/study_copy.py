@@ -15,7 +15,7 @@ from motion.segment import Segment
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.media import Media
 from studyapp.definition.study import Study
-from studyapp.services.served_study import described
+from studyapp.session.served_study import described
 
 
 @dataclass(frozen=True, kw_only=True)

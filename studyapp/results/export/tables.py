@@ -11,7 +11,9 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from analysis.trial_kinds import ANALYSED_KINDS
-from studyapp.models import AuditLine, StudySession
+from studyapp.database.tables import AuditLine, StudySession
+from studyapp.researchers.audit import told_detail
+from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.answer_columns import ANSWERS
 from studyapp.results.export.answer_rows import (
     form_answers_table,
@@ -30,8 +32,6 @@ from studyapp.results.export.other_columns import (
 )
 from studyapp.results.export.typed import typed
 from studyapp.results.export.watching_rows import refusals_table, watching_table
-from studyapp.services.audit import told_detail
-from studyapp.services.pseudonyms import PseudonymKey
 
 TRIAL: Final = ["study_session", "position"]
 

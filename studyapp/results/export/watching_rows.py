@@ -8,8 +8,8 @@ import pandas as pd
 from sqlalchemy import or_, select
 from sqlalchemy.orm import Session, selectinload
 
-from studyapp.models import RefusalLine, StudySession, Trial, Video
-from studyapp.services.watch_evidence import NOTHING_PLAYED, length, watched_so_far
+from studyapp.database.tables import RefusalLine, StudySession, Trial, Video
+from studyapp.session.videos.watch_evidence import NOTHING_PLAYED, length, watched_so_far
 
 WATCHING_COLUMNS: Final = (
     "study_session",

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.researchers.roles import Right
+from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.researchers.roles import Right
 from studyapp.web.research.visitor import researcher
 from studyapp.web.running import running
 

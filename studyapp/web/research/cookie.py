@@ -14,7 +14,7 @@ from typing import Final
 
 from flask import Response, request
 
-from studyapp.services.researchers.tokens import new_token
+from studyapp.researchers.tokens import new_token
 
 PREFIX: Final = "/research"
 FIELD: Final = "form_code"

@@ -8,15 +8,15 @@ from flask import Response, make_response, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.services.researchers.attempts import TooManyAttemptsError
-from studyapp.services.researchers.links import (
+from studyapp.researchers.attempts import TooManyAttemptsError
+from studyapp.researchers.authentication import WrongLoginError, log_in
+from studyapp.researchers.links import (
     UnusableLinkError,
     choose_password,
     join,
     link_of,
 )
-from studyapp.services.researchers.logging_in import WrongLoginError, log_in
-from studyapp.services.researchers.logins import end_login
+from studyapp.researchers.logins import end_login
 from studyapp.web.address import client_address
 from studyapp.web.research.next_page import address_after_login
 from studyapp.web.research.page import page, refusal_page

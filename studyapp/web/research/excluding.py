@@ -6,7 +6,7 @@ from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.services.exclusion_decisions import decide_exclusion
+from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.web.research.visitor import researcher
 from studyapp.web.research.watching import study_session_page
 from studyapp.web.running import running

@@ -8,7 +8,7 @@ from typing import Final
 from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
-from studyapp.services.researchers.roles import Right
+from studyapp.researchers.roles import Right
 from studyapp.web.research.cookie import came_from_our_page
 from studyapp.web.research.next_page import asked_page
 from studyapp.web.research.page import problem_page

@@ -9,8 +9,8 @@ from typing import Final, Literal
 from flask import abort
 
 from motion.errors import InputError
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, sqlite_url
 from studyapp.web.running import running
 
 Data = Literal["study", "rehearsal"]

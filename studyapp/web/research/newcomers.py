@@ -6,8 +6,8 @@ from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.services.intake import STATES
-from studyapp.services.steering import MOST_MORE, decided, extend, steer
+from studyapp.session.arrival.intake import STATES
+from studyapp.session.arrival.intake_decisions import MOST_MORE, decided, extend, steer
 from studyapp.web.research.page import page
 from studyapp.web.research.visitor import researcher
 from studyapp.web.running import running

@@ -10,8 +10,8 @@ from flask.typing import ResponseReturnValue
 from markupsafe import Markup
 
 from motion.errors import InputError
-from studyapp.services.researchers.logging_in import change_password
-from studyapp.services.researchers.second_factor import (
+from studyapp.researchers.authentication import change_password
+from studyapp.researchers.second_factor import (
     address_for_device,
     new_secret,
     turn_off,

@@ -8,7 +8,7 @@ from flask import render_template
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.services.researchers.roles import Right
+from studyapp.researchers.roles import Right
 from studyapp.web.research import wording
 from studyapp.web.research.cookie import FIELD
 from studyapp.web.research.visitor import code_for_forms, visitor

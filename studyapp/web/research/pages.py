@@ -11,7 +11,7 @@ from flask.typing import ResponseReturnValue
 from werkzeug.exceptions import HTTPException
 
 from motion.errors import InputError
-from studyapp.services.researchers.roles import Right
+from studyapp.researchers.roles import Right
 from studyapp.web.research import (
     entering,
     excluding,

@@ -15,14 +15,14 @@ from studyapp.recruitment.tries import (
     erase_test_participations,
     make_test_participation,
 )
-from studyapp.services.previewing import TOKEN, planned_trials, players, previewed_trial
+from studyapp.session.preview import TOKEN, planned_trials, players, previewed_trial
 from studyapp.web.errors import wants_json
 from studyapp.web.media import send_video
+from studyapp.web.participants.trial_page import trial_page
+from studyapp.web.participants.trying import address_to_try
 from studyapp.web.research.page import page
 from studyapp.web.research.visitor import researcher
 from studyapp.web.running import running
-from studyapp.web.trial_page import trial_page
-from studyapp.web.trying import address_to_try
 
 MOST_PLACES = 10_000
 

@@ -8,19 +8,19 @@ from flask import redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.services.researchers.links import (
+from studyapp.researchers.links import (
     invite,
     offer_new_password,
     take_back_link,
     usable_links,
 )
-from studyapp.services.researchers.membership import (
+from studyapp.researchers.membership import (
     accounts,
     change_role,
     let_in_again,
     shut_out,
 )
-from studyapp.services.researchers.roles import RIGHTS, ROLES, Role
+from studyapp.researchers.roles import RIGHTS, ROLES, Role
 from studyapp.web.research.page import page
 from studyapp.web.research.visitor import researcher
 from studyapp.web.running import running

@@ -9,12 +9,12 @@ from flask.typing import ResponseReturnValue
 
 from analysis.peeking import LEVEL, equally_spaced, false_positive_rate
 from motion.errors import InputError
-from studyapp.services.interim.documents import ResultsDocument
-from studyapp.services.interim.keeping import kept_figures
-from studyapp.services.looks import LoggedLook, looks, note_look
-from studyapp.services.monitoring.overview import places_so_far
-from studyapp.services.monitoring.place_counts import PlaceCounts
-from studyapp.services.researchers.unblinding import HOLDS, unblind, unblinded_because
+from studyapp.monitoring.overview import places_so_far
+from studyapp.monitoring.place_counts import PlaceCounts
+from studyapp.researchers.interim.documents import ResultsDocument
+from studyapp.researchers.interim.keeping import kept_figures
+from studyapp.researchers.looks import LoggedLook, looks, note_look
+from studyapp.researchers.unblinding import HOLDS, unblind, unblinded_because
 from studyapp.web.research.page import page
 from studyapp.web.research.visitor import researcher, visitor_cookie
 from studyapp.web.running import running

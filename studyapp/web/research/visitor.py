@@ -6,8 +6,8 @@ from typing import Final, cast
 
 from flask import Response, abort, g, request
 
-from studyapp.services.researchers.account import Account
-from studyapp.services.researchers.logins import logged_in
+from studyapp.researchers.account import Account
+from studyapp.researchers.logins import logged_in
 from studyapp.web.research.cookie import form_code, new_visitor, read_cookie, send_cookie
 from studyapp.web.running import running
 

@@ -10,16 +10,16 @@ from flask import abort, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
 from motion.errors import InputError
-from studyapp.services.audit import LINES, LONGEST_REASON, logged_changes
-from studyapp.services.database import Database
-from studyapp.services.exclusion import JUDGED
-from studyapp.services.interim.documents import AgreementDocument
-from studyapp.services.interim.keeping import Kept, kept_figures
-from studyapp.services.monitoring.choosing import Choice, chosen, page_of, pages_of
-from studyapp.services.monitoring.naming import number_called, pseudonyms_of
-from studyapp.services.monitoring.one_sitting import one_sitting
-from studyapp.services.monitoring.overview import overview as overview_of
-from studyapp.services.monitoring.sittings import STANDINGS
+from studyapp.database.engine import Database
+from studyapp.monitoring.naming import number_called, pseudonyms_of
+from studyapp.monitoring.one_study_session import one_sitting
+from studyapp.monitoring.overview import overview as overview_of
+from studyapp.monitoring.selection import Choice, chosen, page_of, pages_of
+from studyapp.monitoring.study_sessions import STANDINGS
+from studyapp.researchers.audit import LINES, LONGEST_REASON, logged_changes
+from studyapp.researchers.interim.documents import AgreementDocument
+from studyapp.researchers.interim.keeping import Kept, kept_figures
+from studyapp.session.exclusion import JUDGED
 from studyapp.web.research.called import Naming, naming
 from studyapp.web.research.looking import Data, is_rehearsed, looked_at
 from studyapp.web.research.page import page

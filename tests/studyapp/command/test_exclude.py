@@ -8,14 +8,14 @@ from click.testing import CliRunner, Result
 
 from motion.errors import InputError
 from studyapp.command.exclude_command import command
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.definition.folder import StudyFolder
+from studyapp.researchers.audit import logged_changes
+from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import pseudonyms
 from studyapp.results.stored_answers import stored_answers
-from studyapp.services.audit import logged_changes
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

@@ -13,15 +13,15 @@ import pytest
 from analysis.results.left_out import LeftOut
 from motion.errors import InputError
 from studyapp.command.exclude_command import decide_about
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.definition.folder import StudyFolder
 from studyapp.results.analysed_tasks import analysed_tasks, rules_of
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
 from studyapp.results.report import report
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.steering import extend
+from studyapp.session.arrival.intake_decisions import extend
+from studyapp.session.served_study import ServedStudy
 from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.taking_part_steps import SetClock

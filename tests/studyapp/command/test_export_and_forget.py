@@ -11,13 +11,13 @@ from click.testing import CliRunner, Result
 from motion.errors import InputError
 from studyapp.command.export_command import command as export_command
 from studyapp.command.forget_command import command as forget_command
-from studyapp.models import Event
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Event
+from studyapp.researchers.audit import LINES, log_change
 from studyapp.results.export.answer_rows import responses_table
-from studyapp.services.audit import LINES, log_change
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

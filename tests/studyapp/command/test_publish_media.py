@@ -7,7 +7,7 @@ from click.testing import CliRunner, Result
 
 from motion.errors import InputError
 from studyapp.command.publish_media_command import command
-from studyapp.services.media_store.record import FILE
+from studyapp.web.media_store.record import FILE
 from tests.studyapp.s3_stand_in import BUCKET, SECRET, Store
 
 ADDRESS = "https://study.example.org/studies/one/"

@@ -16,14 +16,14 @@ from click.testing import CliRunner, Result
 
 from motion.errors import InputError
 from studyapp.command.main import group
+from studyapp.database.engine import Database, database_url_of
 from studyapp.definition.folder import StudyFolder
 from studyapp.preflight.recruiting_checks import made_findings
 from studyapp.recruitment.codes import draw_codes
 from studyapp.recruitment.record import read_made_there
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from tests.studyapp.recruitment.prolific_stand_in import TOKEN, StandIn, served
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

@@ -10,11 +10,11 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.command.researchers_command import command
 from studyapp.command.serve_command import command as serve
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.researchers.links import choose_password, first_owner_link, join
-from studyapp.services.researchers.logging_in import log_in
-from studyapp.services.researchers.membership import accounts
-from studyapp.services.researchers.second_factor import new_secret, turn_on
+from studyapp.database.engine import Database, database_url_of
+from studyapp.researchers.authentication import log_in
+from studyapp.researchers.links import choose_password, first_owner_link, join
+from studyapp.researchers.membership import accounts
+from studyapp.researchers.second_factor import new_secret, turn_on
 from tests.studyapp.researchers_at_hand import PASSWORD
 
 pytestmark = pytest.mark.usefixtures("cheap_passwords")

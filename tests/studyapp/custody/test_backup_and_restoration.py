@@ -19,14 +19,14 @@ from studyapp.custody.backup import Backup, back_up
 from studyapp.custody.forgetting import forget
 from studyapp.custody.restoration import restore
 from studyapp.custody.verification import check_archive
+from studyapp.database.copies import require_empty
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import AuditLine, StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import AuditLine, StudySession
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.database_copies import require_empty
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
-from studyapp.services.withdrawing import withdraw
+from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.withdrawal import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 

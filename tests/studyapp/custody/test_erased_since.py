@@ -11,15 +11,15 @@ from sqlalchemy import select, update
 from motion.errors import InputError
 from studyapp.custody.erased_since import ErasedAgain, erase_again, note_restored
 from studyapp.custody.forgetting import forget
-from studyapp.models import AuditLine, Event, Response, ScreenOut, StudySession
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.database_copies import write_copy
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.screening import note_screen_out
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
-from studyapp.services.withdrawing import withdraw
+from studyapp.database.copies import write_copy
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import AuditLine, Event, Response, ScreenOut, StudySession
+from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrival.screen_outs import note_screen_out
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.withdrawal import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 PEOPLE = ("person-who-stays", "person-to-forget", "person-who-withdraws")

@@ -10,26 +10,26 @@ from sqlalchemy import String, Text, func, select
 from motion.errors import InputError
 from studyapp.custody import forgetting
 from studyapp.custody.forgetting import forget, remembered
-from studyapp.models import Event, Place, StudySession
-from studyapp.models.base import Base
+from studyapp.database import scrubbing
+from studyapp.database.engine import Database
+from studyapp.database.scrubbing import leave_nothing
+from studyapp.database.tables import Event, Place, StudySession
+from studyapp.database.tables.base import Base
+from studyapp.researchers.audit import log_change, logged_changes
+from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.answer_rows import (
     form_answers_table,
     responses_table,
     study_sessions_table,
 )
-from studyapp.services import scrubbing
-from studyapp.services.audit import log_change, logged_changes
-from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.refusal import ConflictError, UnknownAddressError
-from studyapp.services.refusals import note_refusal
-from studyapp.services.screening import note_screen_out
-from studyapp.services.scrubbing import leave_nothing
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrival.screen_outs import note_screen_out
+from studyapp.session.refusal import ConflictError, UnknownAddressError
+from studyapp.session.refusal_log import note_refusal
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from tests.studyapp.read_once import read_once
-from tests.studyapp.services.test_form_answers import ADULT, FORM
+from tests.studyapp.session.test_form_answers import ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 

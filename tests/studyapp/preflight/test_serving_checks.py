@@ -11,12 +11,12 @@ from types import SimpleNamespace
 import pytest
 from flask import Response
 
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import IntakeChange
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import IntakeChange
 from studyapp.preflight import serving_checks
 from studyapp.preflight.material import Material
 from studyapp.preflight.serving_checks import probe_findings, serving_findings
-from studyapp.services.database import Database, sqlite_url
 from studyapp.web import media
 from tests.studyapp.answered_study import answer_study
 

@@ -2,16 +2,16 @@ from __future__ import annotations
 
 from sqlalchemy import select
 
-from studyapp.models import Invitation
+from studyapp.database.engine import Database
+from studyapp.database.tables import Invitation
 from studyapp.recruitment.invitations import (
     invitation_counts,
     invited,
     make_invitations,
 )
-from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol, enrolled
-from studyapp.services.screening import note_screen_out, was_screened_out
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.arrival.enrolment import Arrival, enrol, enrolled
+from studyapp.session.arrival.screen_outs import note_screen_out, was_screened_out
+from studyapp.session.served_study import ServedStudy
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 

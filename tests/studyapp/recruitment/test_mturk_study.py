@@ -12,13 +12,13 @@ import pytest
 from botocore.stub import Stubber
 
 from motion.errors import InputError
+from studyapp.database.engine import Database, database_url_of
 from studyapp.definition.folder import StudyFolder
 from studyapp.recruitment import mturk
 from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
-from studyapp.services.database import Database, database_url_of
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 ADDRESS = "https://study.example.org/"

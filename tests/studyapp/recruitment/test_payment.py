@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from studyapp.clock import Clock
+from studyapp.database.engine import Database
 from studyapp.definition.recruitment import Prolific, Recruitment
 from studyapp.recruitment.payment import (
     Arrived,
@@ -15,11 +16,10 @@ from studyapp.recruitment.payment import (
     judge_assignment,
     judge_submission,
 )
-from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.screening import note_screen_out
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.withdrawing import withdraw
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrival.screen_outs import note_screen_out
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.withdrawal import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 CODES = Prolific(completed="KX7QM2PWTR", screened_out="HB4NVJ9ZCD", failed_attention="WU3FGRE8KA")

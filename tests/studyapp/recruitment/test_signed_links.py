@@ -11,7 +11,7 @@ import pytest
 from cryptography.hazmat.primitives.asymmetric.rsa import RSAPrivateKey, generate_private_key
 
 from studyapp.recruitment.signed_links import prolific_keys, signed_names
-from studyapp.services.refusal import UnacceptableError
+from studyapp.session.refusal import UnacceptableError
 
 HOST = "study.example.org"
 NAMES = {"PROLIFIC_PID": "p1", "STUDY_ID": "s1", "SESSION_ID": "x1"}

@@ -16,8 +16,10 @@ from sqlalchemy import func, select
 
 from studyapp.clock import Clock
 from studyapp.command.backup_command import command as backup_command
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Response, StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Response, StudySession
+from studyapp.monitoring.study_sessions import sittings
 from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
 from studyapp.recruitment.payment import arrived
@@ -28,9 +30,7 @@ from studyapp.rehearsal.record import Truth, write_truth
 from studyapp.rehearsal.resumption import prepare
 from studyapp.results.answers import answers_to_report, read_answers
 from studyapp.results.export.writing import export
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.monitoring.sittings import sittings
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.served_study import ServedStudy
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.answered_study import answer_study

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from flask import Flask
 
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Place, Response, StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Place, Response, StudySession
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.participant import Participant
@@ -21,7 +22,6 @@ from studyapp.rehearsal.simulation.kinds import Kind
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import Departure
-from studyapp.services.database import Database, sqlite_url
 from tests.studyapp.rehearsal.steps import browser
 
 

@@ -12,8 +12,9 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Place, StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Place, StudySession
 from studyapp.rehearsal.examiner import Examiner
 from studyapp.rehearsal.eyes import Eyes, seen
 from studyapp.rehearsal.late_probes import probe_finished
@@ -25,8 +26,7 @@ from studyapp.rehearsal.simulation.judgement import Judgement, judge
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.exclusion import is_excluded
+from studyapp.session.exclusion import is_excluded
 from tests.finished_study import write_short_video
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import at_first_trial, browser

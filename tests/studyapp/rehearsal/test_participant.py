@@ -18,7 +18,7 @@ from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.rehearsal.steps import SPEED, browser
-from tests.studyapp.services.test_form_answers import FORM
+from tests.studyapp.session.test_form_answers import FORM
 
 
 def test_the_link_opened_again_shows_the_same_completion_code(

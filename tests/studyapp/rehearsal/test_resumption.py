@@ -7,12 +7,12 @@ from datetime import UTC, datetime
 
 import pytest
 
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Place, StudySession, StudyVersion
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Place, StudySession, StudyVersion
 from studyapp.rehearsal.record import Truth, read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
 from studyapp.rehearsal.simulation.population import Population, default_population
-from studyapp.services.database import Database, sqlite_url
 
 TRUTH = Truth(seed=1, study="", population=Population(quality={}), expected=())
 

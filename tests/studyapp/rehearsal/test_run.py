@@ -19,9 +19,10 @@ import pytest
 from sqlalchemy import select
 
 from motion.errors import InputError
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import StudySession
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
-from studyapp.models import StudySession
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
@@ -31,7 +32,6 @@ from studyapp.rehearsal.simulation.population import Population, default_populat
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.results.export.answer_rows import responses_table
-from studyapp.services.database import Database, sqlite_url
 from tests.studyapp.made_study import pair_plan
 from tests.studyapp.read_once import read_once
 

@@ -9,14 +9,14 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.command.main import group
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import StudySession
 from studyapp.results.answers import answers_to_report, read_answers, read_rehearsal
 from studyapp.results.export.writing import export
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
-from studyapp.services.withdrawing import withdraw
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.withdrawal import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 

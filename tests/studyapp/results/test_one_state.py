@@ -11,16 +11,16 @@ import pandas as pd
 import pytest
 from sqlalchemy import Engine, event
 
+from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import StudySession
 from studyapp.results.answers import answers_to_report
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
 from studyapp.results.so_far import agreement_so_far
-from studyapp.services.database import Database
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
-from studyapp.services.withdrawing import withdraw
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.withdrawal import withdraw
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 Reader = Callable[[StudyFolder, Path], object]

@@ -11,10 +11,10 @@ import pytest
 from motion.errors import InputError
 from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
-from studyapp.services.media_store.record import FILE, Place, Published, read_published
-from studyapp.services.media_store.store import digests_of
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, Publication, let_in, publish, remove
+from studyapp.web.media_store.record import FILE, Place, Published, read_published
+from studyapp.web.media_store.store import digests_of
 from tests.studyapp.s3_stand_in import BUCKET, SECRET, Store, forget_keys
 from tests.tiny_study import SECONDS, write_pair_video
 

@@ -16,7 +16,7 @@ from studyapp.definition.folder import StudyFolder
 from studyapp.definition.stimuli import read_stimuli
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import Severity
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_plan import RenderPlan

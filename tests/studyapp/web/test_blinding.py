@@ -19,7 +19,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 from werkzeug.test import TestResponse
 
-from studyapp.models import Trial, Video
+from studyapp.database.tables import Trial, Video
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader

@@ -11,14 +11,14 @@ from flask import Flask
 from sqlalchemy import select
 
 from motion.errors import InputError
+from studyapp.database.tables import Place, ScreenOut, StudySession
 from studyapp.definition.study import Study
-from studyapp.models import Place, ScreenOut, StudySession
 from studyapp.recruitment.invitations import make_invitations
-from studyapp.services.steering import steer
+from studyapp.session.arrival.intake_decisions import steer
 from studyapp.web.app import create_app
-from studyapp.web.returning import cookie_name
+from studyapp.web.participants.returning import cookie_name
 from studyapp.web.running import attach, running
-from tests.studyapp.services.test_form_answers import FORM
+from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_entrance import sent
@@ -95,7 +95,7 @@ def test_neither_failed_catch_trials_nor_one_failed_attention_check_cost_pay(
     opened: Opened, clock: SetClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "studyapp.services.finishing.failures",
+        "studyapp.session.completion.failures",
         lambda study, trials: {"catch": 9, "attention": 1},
     )
 
@@ -184,7 +184,7 @@ def test_where_links_are_signed_no_other_name_counts(
         assert host == "study.example.org"
         return {"PROLIFIC_PID": "P1", "SESSION_ID": "x1"} if signed == "signed" else None
 
-    monkeypatch.setattr("studyapp.web.sent_by.signed_names", believed)
+    monkeypatch.setattr("studyapp.web.participants.sent_by.signed_names", believed)
     app = opened(PROLIFIC + 'signed_for = "study.example.org"\n')
     client = app.test_client()
 

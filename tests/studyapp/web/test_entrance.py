@@ -14,14 +14,14 @@ from flask.testing import FlaskClient
 from sqlalchemy import select, update
 from werkzeug.test import TestResponse
 
-from studyapp.models import Place, StudySession
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.intake import IntakeState
-from studyapp.services.refusal import StudyFullError
-from studyapp.services.steering import steer
+from studyapp.database.tables import Place, StudySession
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.arrival.intake import IntakeState
+from studyapp.session.arrival.intake_decisions import steer
+from studyapp.session.refusal import StudyFullError
 from studyapp.web.app import create_app
 from studyapp.web.running import running
-from tests.studyapp.services.test_form_answers import FORM
+from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.web.page_reader import PageReader
 
 CONSENT = """

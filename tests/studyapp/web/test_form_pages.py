@@ -10,11 +10,11 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.models import FormAnswer, Trial
+from studyapp.database.tables import FormAnswer, Trial
 from studyapp.web.app import create_app
+from studyapp.web.participants.wording import SCALE as SCALE_WORDS
 from studyapp.web.running import attach, running
-from studyapp.web.wording import SCALE as SCALE_WORDS
-from tests.studyapp.services.test_form_answers import FORM
+from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor

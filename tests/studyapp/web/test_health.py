@@ -14,7 +14,7 @@ import pytest
 from flask import Flask
 from sqlalchemy import create_engine
 
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
 from studyapp.web.running import attach, running
 
 

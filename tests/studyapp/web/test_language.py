@@ -7,7 +7,7 @@ import pytest
 from flask import Flask, render_template_string
 
 from studyapp.design.message import Message
-from studyapp.services.refusal import UnacceptableError
+from studyapp.session.refusal import UnacceptableError
 from studyapp.web.app import create_app
 from studyapp.web.errors import told
 from studyapp.web.language import _, language_of, ngettext, say, speak

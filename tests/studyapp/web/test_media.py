@@ -10,10 +10,10 @@ from sqlalchemy import select
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 
+from studyapp.database.tables import StudySession, Video
 from studyapp.definition.stimuli import read_stimuli, write_stimuli
-from studyapp.models import StudySession, Video
 from studyapp.web.running import attach, running
-from studyapp.worker import StudyWorker
+from studyapp.web.worker import StudyWorker
 from tests.studyapp.added_condition import make_videos_anew
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import Visitor

@@ -16,14 +16,14 @@ from sqlalchemy import select
 from werkzeug.test import TestResponse
 
 from motion.errors import InputError
+from studyapp.database.tables import Video
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Video
-from studyapp.services.media_store.bucket import Bucket
-from studyapp.services.media_store.record import FILE, Place
-from studyapp.services.media_store.store import SIGNED_SECONDS, MediaStore
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, publish
 from studyapp.web.app import create_app
+from studyapp.web.media_store.bucket import Bucket
+from studyapp.web.media_store.record import FILE, Place
+from studyapp.web.media_store.store import SIGNED_SECONDS, MediaStore
 from studyapp.web.running import attach, running
 from tests.studyapp.s3_stand_in import (
     BUCKET,

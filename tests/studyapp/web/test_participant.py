@@ -9,7 +9,7 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.models import Response, StudySession, Trial
+from studyapp.database.tables import Response, StudySession, Trial
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import SetClock

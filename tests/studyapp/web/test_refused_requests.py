@@ -8,8 +8,8 @@ import pytest
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.models import RefusalLine
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
+from studyapp.database.tables import RefusalLine
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.visitor import WATCHED, Visitor

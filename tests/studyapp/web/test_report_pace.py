@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from flask import Flask
 
-from studyapp.web import participant
+from studyapp.web.participants import participant
 from studyapp.web.report_pace import AT_ONCE, KEPT, PER_SECOND, Pace
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import WATCHED, Visitor

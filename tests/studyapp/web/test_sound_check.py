@@ -15,11 +15,11 @@ from flask import Flask
 from numpy.typing import NDArray
 from sqlalchemy import select
 
+from studyapp.database.tables import StudySession
 from studyapp.definition.page import Language
-from studyapp.models import StudySession
 from studyapp.web.app import create_app
+from studyapp.web.participants.sound_check import spoken
 from studyapp.web.running import running
-from studyapp.web.spoken_digits import spoken
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.visitor import Visitor

@@ -12,12 +12,12 @@ import pytest
 from flask import Flask
 
 from motion.errors import InputError
-from studyapp.services.researchers.links import first_owner_link
+from studyapp.researchers.links import first_owner_link
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from studyapp.web.sub_path import checked_prefix
 from tests.studyapp.researchers_at_hand import PASSWORD
-from tests.studyapp.services.test_form_answers import FORM
+from tests.studyapp.session.test_form_answers import FORM
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.walking import Walker

@@ -13,7 +13,7 @@ from bs4 import Tag
 from flask import Flask
 from sqlalchemy import select
 
-from studyapp.models import Response, Trial, Video
+from studyapp.database.tables import Response, Trial, Video
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import SetClock

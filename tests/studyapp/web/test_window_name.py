@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from flask import Flask
 
-from studyapp.web.window_name import window_name
+from studyapp.web.app import window_name
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import Visitor
 

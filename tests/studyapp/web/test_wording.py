@@ -8,7 +8,7 @@ from motion.segment import EMOTIONS
 from studyapp.definition.scales import QUALITY_CATEGORIES
 from studyapp.design.preference import PREFERENCES
 from studyapp.web.language import language_of, speak
-from studyapp.web.wording import (
+from studyapp.web.participants.wording import (
     CATEGORY_LABELS,
     CHANNEL_WORDS,
     EMOTION_WORDS,

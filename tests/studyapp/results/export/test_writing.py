@@ -10,8 +10,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from motion.errors import InputError
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Event
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Event
+from studyapp.researchers.audit import log_change
 from studyapp.results.export.answer_columns import ANSWERS
 from studyapp.results.export.columns import TableColumns
 from studyapp.results.export.other_columns import (
@@ -23,8 +25,6 @@ from studyapp.results.export.other_columns import (
     WATCHING,
 )
 from studyapp.results.export.writing import export
-from studyapp.services.audit import log_change
-from studyapp.services.database import Database, sqlite_url
 from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
 from tests.studyapp.taking_part_steps import SetClock

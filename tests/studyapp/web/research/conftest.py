@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from flask import Flask
 
-from studyapp.services.database import Database
+from studyapp.database.engine import Database
 from studyapp.web.running import running
 from tests.studyapp.researchers_at_hand import joined
 from tests.studyapp.taking_part_steps import SetClock

@@ -9,9 +9,9 @@ from dataclasses import replace
 import pytest
 from flask import Flask
 
-from studyapp.services.database import Database
-from studyapp.services.researchers.attempts import MOST_OF_NAME
-from studyapp.services.researchers.links import first_owner_link
+from studyapp.database.engine import Database
+from studyapp.researchers.attempts import MOST_OF_NAME
+from studyapp.researchers.links import first_owner_link
 from studyapp.web.address import client_address
 from studyapp.web.research.cookie import cookie_name
 from studyapp.web.running import attach, running

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from flask import Flask
 
+from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import StudySession
+from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import pseudonyms
 from studyapp.results.stored_answers import stored_answers
-from studyapp.services.database import Database
-from studyapp.services.enrolment import Arrival, enrol
-from studyapp.services.pseudonyms import PseudonymKey
-from studyapp.services.withdrawing import withdraw
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.withdrawal import withdraw
 from studyapp.web.running import running
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -6,9 +6,9 @@ from itertools import product
 
 from flask import Flask
 
-from studyapp.services.database import Database
-from studyapp.services.researchers.links import usable_links
-from studyapp.services.researchers.membership import accounts
+from studyapp.database.engine import Database
+from studyapp.researchers.links import usable_links
+from studyapp.researchers.membership import accounts
 from studyapp.web.research.cookie import form_code
 from tests.studyapp.researchers_at_hand import PASSWORD
 from tests.studyapp.taking_part_steps import SetClock

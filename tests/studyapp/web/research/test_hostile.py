@@ -7,9 +7,9 @@ from pathlib import Path
 
 from flask import Flask
 
-from studyapp.models import FormAnswer, RefusalLine, StudySession
-from studyapp.services.database import Database
-from studyapp.services.researchers.links import invite, join
+from studyapp.database.engine import Database
+from studyapp.database.tables import FormAnswer, RefusalLine, StudySession
+from studyapp.researchers.links import invite, join
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.studyapp.researchers_at_hand import PASSWORD

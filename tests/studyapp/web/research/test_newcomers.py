@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from flask import Flask
 
-from studyapp.services.database import Database
-from studyapp.services.steering import decided
+from studyapp.database.engine import Database
+from studyapp.session.arrival.intake_decisions import decided
 from tests.studyapp.web.research.conftest import LogIn
 
 

@@ -10,8 +10,8 @@ import pytest
 from flask import Flask
 from sqlalchemy import func, select
 
-from studyapp.models import Base
-from studyapp.services.database import Database, sqlite_url
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Base
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.finished_study import PROTOCOLS

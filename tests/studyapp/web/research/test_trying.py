@@ -10,11 +10,11 @@ import pytest
 from flask import Flask
 from sqlalchemy import func, select
 
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Base, Place, StudySession
 from studyapp.definition.folder import StudyFolder
-from studyapp.models import Base, Place, StudySession
 from studyapp.recruitment.tries import make_test_participation
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.served_study import ServedStudy
+from studyapp.session.served_study import ServedStudy
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import SetClock

@@ -9,9 +9,9 @@ import pytest
 from flask import Flask
 
 from analysis.peeking import equally_spaced
-from studyapp.services.audit import logged_changes
-from studyapp.services.database import Database
-from studyapp.services.looks import LoggedLook, looks
+from studyapp.database.engine import Database
+from studyapp.researchers.audit import logged_changes
+from studyapp.researchers.looks import LoggedLook, looks
 from studyapp.web.running import running
 from tests.studyapp.figures_at_hand import FiguresAtHand
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from flask import Flask
 
-from studyapp.services.database import Database, sqlite_url
-from studyapp.services.served_study import ServedStudy
-from studyapp.services.versions import open_study
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
 from studyapp.web.running import running
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.web.page_reader import PageReader

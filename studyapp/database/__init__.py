@@ -1,0 +1,1 @@
+"""The one room that makes an engine: tables, migrations, copies, scrubbing."""

@@ -1,0 +1,267 @@
+"""Copies of a study's database: one SQLite file, whatever database they are of.
+
+A copy holds what was stored at one moment, in tables of the schema that the database had. It can
+be put back into SQLite and into PostgreSQL alike.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import Any, Final
+
+from alembic import command
+from sqlalchemy import (
+    Connection,
+    DateTime,
+    MetaData,
+    Table,
+    create_engine,
+    event,
+    func,
+    select,
+)
+from sqlalchemy.exc import DBAPIError
+
+from motion.errors import InputError
+from studyapp.database.engine import (
+    Database,
+    Turn,
+    migration_config,
+    schema_of,
+    shown_address,
+    sqlite_file,
+    sqlite_url,
+    take_turn,
+)
+from studyapp.database.postgresql import taking_time
+from studyapp.database.tables.base import UtcMoment
+
+SCHEMA: Final = "alembic_version"
+"""The table in which the schema's name stands."""
+
+ROWS_AT_ONCE: Final = 1000
+
+
+def write_copy(url: str, file: Path) -> None:
+    """Write what the database at `url` holds at this moment to the SQLite file `file`.
+
+    Participants may be answering meanwhile: everything that was acknowledged before is in the copy,
+    and of every transaction all or nothing. What was deleted leaves no bytes in it.
+
+    Raises
+    ------
+    InputError
+        If there is no database, or it cannot be read.
+    """
+    database = Database.open_for_reading(url, of_any_age=True)
+    if database is None:
+        raise InputError(
+            "there is no database yet, and so nothing that could be lost",
+            where=shown_address(url),
+            remedy="If the study is served with DATABASE_URL, set it here as well",
+        )
+    try:
+        if database.engine.dialect.name == "sqlite":
+            _copy_file(database, file)
+        else:
+            _copy_rows_to_file(database, file)
+    except (DBAPIError, sqlite3.Error) as error:
+        raise InputError(
+            f"the database could not be copied: {getattr(error, 'orig', error)}",
+            where=shown_address(url),
+            remedy="See whether it is whole and its disk has room, and try again",
+        ) from error
+    finally:
+        database.close()
+
+
+def compact(file: Path) -> None:
+    """Make the SQLite database `file` a single file in which nothing deleted is left."""
+    with closing(sqlite3.connect(file)) as connection:
+        connection.execute("PRAGMA journal_mode = DELETE")
+        connection.execute("VACUUM")
+
+
+def schema_of_copy(file: Path) -> str | None:
+    """Return the name of the schema that the copy `file` has."""
+    with closing(sqlite3.connect(file)) as connection:
+        found = connection.execute(f"SELECT version_num FROM {SCHEMA}").fetchone()  # noqa: S608
+    return None if found is None else str(found[0])
+
+
+def rows_of_copy(file: Path) -> dict[str, int]:
+    """Return how many rows each table of the copy `file` has."""
+    engine = create_engine(sqlite_url(file))
+    try:
+        with engine.connect() as connection:
+            return row_counts(connection, _tables_of(connection))
+    finally:
+        engine.dispose()
+
+
+def flaws_of_copy(file: Path) -> list[str]:
+    """Return what SQLite finds wrong with the copy `file`; nothing where it is whole."""
+    try:
+        with closing(sqlite3.connect(file)) as connection:
+            found = [str(line) for (line,) in connection.execute("PRAGMA integrity_check")]
+            lost = connection.execute("PRAGMA foreign_key_check").fetchall()
+            strange = connection.execute(
+                "SELECT type, name FROM sqlite_master"
+                " WHERE type NOT IN ('table', 'index') OR sql LIKE 'CREATE VIRTUAL%'"
+            ).fetchall()
+    except sqlite3.Error as error:
+        return [str(error)]
+    flaws = [] if found == ["ok"] else found
+    if lost:
+        flaws.append(f"{len(lost)} rows belong to rows that are not there")
+    # Such would act, or answer, in place of the tables, as soon as the study is served.
+    flaws += [f"it has the {kind} {name!r}, which no study has" for kind, name in strange]
+    return flaws
+
+
+def require_empty(url: str) -> None:
+    """Raise `InputError` unless there is nothing at `url` that could be lost.
+
+    That is no SQLite file, or a database of PostgreSQL whose tables, whosever they are, are empty.
+    """
+    file = sqlite_file(url)
+    if file is not None:
+        if file.exists():
+            raise _not_empty(url, "it is there")
+        return
+    # Asked first, since it says what is wrong with an address.
+    database = Database.open_for_reading(url, of_any_age=True) or Database.as_it_is(url)
+    try:
+        with database.engine.connect() as connection:
+            tables = MetaData()
+            tables.reflect(connection, only=lambda name, _: name != SCHEMA)
+            filled = [name for name, rows in row_counts(connection, tables).items() if rows]
+    finally:
+        database.close()
+    if filled:
+        raise _not_empty(url, f"{filled[0]} has rows")
+
+
+def fill_from_copy(url: str, file: Path) -> None:
+    """Put all rows of the copy `file`, of the newest schema, into the empty PostgreSQL at `url`.
+
+    All of them are stored, in one transaction, or none.
+
+    Raises
+    ------
+    InputError
+        If the database is not empty, or holds another number of rows afterwards.
+    """
+    require_empty(url)
+    database = Database.open(url)
+    source = create_engine(sqlite_url(file))
+    try:
+        with (
+            database.writing() as session,
+            source.connect() as copy,
+            ExitStack() as opened,
+        ):
+            target = session.connection()
+            opened.enter_context(taking_time(target))
+            # A server that opens its places at this moment comes before all of this, or after it.
+            take_turn(target, Turn.ALLOCATION)
+            tables = _tables_of(copy)
+            if any(row_counts(target, tables).values()):
+                raise _not_empty(url, "somebody has just filled it")
+            _copy_rows(copy, target, tables)
+            _count_on(target, tables)
+            if row_counts(target, tables) != row_counts(copy, tables):
+                raise InputError(
+                    "the database does not hold what was put into it",
+                    where=shown_address(url),
+                    remedy="See whether anything else writes to it; nothing of this was stored",
+                )
+    except DBAPIError as error:
+        raise InputError(
+            f"the database cannot be filled: {error.orig}",
+            where=shown_address(url),
+            remedy="Mend that and try again: nothing was stored",
+        ) from error
+    finally:
+        source.dispose()
+        database.close()
+
+
+def row_counts(connection: Connection, tables: MetaData) -> dict[str, int]:
+    """Return how many rows each table has, by name."""
+    return {
+        table.name: connection.scalar(select(func.count()).select_from(table)) or 0
+        for table in sorted(tables.tables.values(), key=lambda each: each.name)
+    }
+
+
+def _copy_file(database: Database, file: Path) -> None:
+    """Copy an SQLite database by SQLite's own backup, which keeps nobody from writing."""
+    connection = database.engine.raw_connection()
+    try:
+        source: Any = connection.driver_connection
+        with closing(sqlite3.connect(file)) as copy:
+            source.backup(copy)
+        compact(file)
+    finally:
+        connection.close()
+
+
+def _copy_rows_to_file(database: Database, file: Path) -> None:
+    """Copy any other database row by row, as it was at one moment."""
+    target = create_engine(sqlite_url(file))
+    try:
+        with database.reading() as session:
+            source = session.connection()
+            schema = schema_of(source)
+            with target.begin() as copy:
+                command.upgrade(migration_config(copy), str(schema))
+                tables = _tables_of(copy)
+                _copy_rows(source, copy, tables)
+    finally:
+        target.dispose()
+
+
+def _copy_rows(source: Connection, target: Connection, tables: MetaData) -> None:
+    for table in tables.sorted_tables:
+        found = source.execution_options(yield_per=ROWS_AT_ONCE).execute(
+            select(table).order_by(*table.primary_key)
+        )
+        for rows in found.mappings().partitions():
+            target.execute(table.insert(), [dict(row) for row in rows])
+
+
+def _count_on(connection: Connection, tables: MetaData) -> None:
+    """Let PostgreSQL count on from the highest id of each table."""
+    if connection.dialect.name != "postgresql":
+        return
+    for table in tables.sorted_tables:
+        counter = func.pg_get_serial_sequence(table.name, "id")
+        highest = select(func.max(table.c.id)).scalar_subquery()
+        # Without a row, it counts from 1.
+        connection.execute(select(func.setval(counter, highest)).where(highest.is_not(None)))
+
+
+def _tables_of(connection: Connection) -> MetaData:
+    """Return the tables that a copy has, in types that every database knows."""
+    tables = MetaData()
+    event.listen(tables, "column_reflect", _in_general_terms)
+    tables.reflect(connection)
+    tables.remove(tables.tables[SCHEMA])
+    return tables
+
+
+def _in_general_terms(_inspector: Any, _table: Table, column: dict[str, Any]) -> None:
+    column["type"] = column["type"].as_generic()
+    if isinstance(column["type"], DateTime):
+        column["type"] = UtcMoment()
+
+
+def _not_empty(url: str, why: str) -> InputError:
+    return InputError(
+        f"the database is not empty: {why}",
+        where=shown_address(url),
+        remedy="Restore into a new database, so that nothing that is there can be lost",
+    )

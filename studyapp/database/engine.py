@@ -1,0 +1,418 @@
+"""Opening the study's database: SQLite beside the study, or PostgreSQL by address."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sqlite3
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, Final, Self
+
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import (
+    URL,
+    BigInteger,
+    Connection,
+    Engine,
+    bindparam,
+    create_engine,
+    event,
+    func,
+    select,
+    text,
+)
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError, DatabaseError, NoSuchModuleError
+from sqlalchemy.orm import Session
+
+from motion.errors import InputError
+from studyapp.database.postgresql import (
+    READING_SECONDS,
+    STATEMENT_SECONDS,
+    bound_waiting,
+    taking_time,
+)
+from studyapp.database.waiting_line import in_line
+from studyapp.definition.folder import StudyFolder
+
+BUSY_SECONDS: Final = 30
+"""How long a writer waits for another one before it gives up."""
+
+MOST_CONNECTIONS: Final = 15
+"""Connections to PostgreSQL that a process has at most, and keeps: to make one costs as much as a
+page."""
+
+_OWN: Final = 0o600
+
+
+class Turn(IntEnum):
+    """What server processes do one after the other; the numbers are PostgreSQL's lock names."""
+
+    MIGRATION = 8_675_110_001
+    ALLOCATION = 8_675_110_002
+    LOGIN = 8_675_110_003
+    FIGURES = 8_675_110_004
+
+
+SHARE: Final = select(
+    func.pg_advisory_xact_lock(bindparam("own", type_=BigInteger)),
+    func.pg_advisory_xact_lock_shared(bindparam("turn", type_=BigInteger)),
+)
+
+
+def take_turn(connection: Connection, turn: Turn) -> None:
+    """Wait until no other process has its `turn`; it lasts until the transaction ends.
+
+    On SQLite a transaction that writes is alone anyway.
+    """
+    if connection.dialect.name == "postgresql":
+        connection.execute(select(func.pg_advisory_xact_lock(int(turn))))
+
+
+def share_turn(connection: Connection, turn: Turn, name: str) -> None:
+    """Wait until nobody has the whole `turn`, nor shares it under the same `name`.
+
+    Others share it at the same time under other names. On SQLite a transaction that writes is
+    alone anyway.
+    """
+    if connection.dialect.name == "postgresql":
+        digest = hashlib.sha256(f"{turn.name} {name}".encode()).digest()
+        own = int.from_bytes(digest[:8], "big", signed=True)
+        connection.execute(SHARE, {"own": own, "turn": int(turn)})
+
+
+def sqlite_url(path: Path) -> str:
+    """Return the database address of an SQLite file, whatever letters its folders' names hold."""
+    address = URL.create("sqlite", database=str(path.resolve()))
+    return address.render_as_string(hide_password=False)
+
+
+def database_url_of(
+    folder: Path, *, database_url: str | None = None, rehearsal: bool = False
+) -> str:
+    """Return the address of the database that answers go to.
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder.
+    database_url : str, optional
+        Takes precedence over everything else.
+    rehearsal : bool
+        A rehearsal's answers go to a database of their own, whatever the environment says;
+        those of participants to ``DATABASE_URL`` where it is set, else beside the study.
+    """
+    if database_url is not None:
+        return database_url
+    files = StudyFolder(folder)
+    if rehearsal:
+        return sqlite_url(files.rehearsal)
+    return os.environ.get("DATABASE_URL") or sqlite_url(files.responses)
+
+
+@dataclass(frozen=True)
+class Database:
+    """An open database at the newest schema.
+
+    Several processes may have the same one open. Work is done in `writing` or `reading`, each
+    one transaction: all of it is stored, or nothing.
+    """
+
+    engine: Engine
+
+    @classmethod
+    def open(cls, url: str) -> Self:
+        """Open the database at `url`, making it or bringing it to the newest schema.
+
+        Raises
+        ------
+        InputError
+            If the address is unusable, the file is no database or damaged, or a newer version
+            of Motion Jury made it.
+        """
+        with _explained(url):
+            _keep_private(sqlite_file(url))
+            engine = _engine(url, _set_up_sqlite, seconds=STATEMENT_SECONDS)
+            with engine.connect() as connection:
+                is_current = schema_of(connection) == _head()
+            if not is_current:
+                _migrate(engine, url)
+        return cls(engine)
+
+    @classmethod
+    def open_for_reading(cls, url: str, *, of_any_age: bool = False) -> Self | None:
+        """Open the database at `url` as it is: it is neither made nor changed.
+
+        Parameters
+        ----------
+        of_any_age : bool
+            Whether one that an older version made is opened as well; its tables may differ from
+            `studyapp.database.tables`.
+
+        Returns
+        -------
+        Database or None
+            None where there is none yet, or an empty one.
+
+        Raises
+        ------
+        InputError
+            As in `open`; and if an older version of Motion Jury made it, unless `of_any_age`.
+        """
+        with _explained(url):
+            file = sqlite_file(url)
+            if file is not None and not file.exists():
+                return None
+            engine = _read_only(url)
+            with engine.connect() as connection:
+                revision = schema_of(connection)
+            # Only a closed database leaves no working files beside it.
+            engine.dispose()
+        if revision is None:
+            return None
+        _require_known(revision, url)
+        if revision != _head() and not of_any_age:
+            raise InputError(
+                f"an older version of Motion Jury made the database (schema {revision})",
+                where=shown_address(url),
+                remedy="Run 'motionjury serve' once: it brings the database to the newest schema",
+            )
+        return cls(engine)
+
+    @classmethod
+    def as_it_is(cls, url: str) -> Self:
+        """Give the database at `url` for reading, whatever is in it; nothing is looked at yet."""
+        with _explained(url):
+            return cls(_read_only(url))
+
+    @contextmanager
+    def writing(self) -> Iterator[Session]:
+        """Give a session whose transaction is stored at the end.
+
+        On SQLite it excludes all other writers. On PostgreSQL writers run side by side; they wait
+        for each other where they lock the same row or take the same `Turn`.
+        """
+        with (
+            in_line(self.engine),
+            Session(self._writer, expire_on_commit=False) as session,
+            session.begin(),
+        ):
+            # On SQLite, take the lock now, not at the first statement.
+            session.connection()
+            yield session
+
+    @contextmanager
+    def reading(self) -> Iterator[Session]:
+        """Give a session that sees one state of the database and stores nothing."""
+        with Session(self._reader, expire_on_commit=False) as session:
+            yield session
+            # Not rolled back: psycopg then gives up the statements that it has prepared.
+            session.commit()
+
+    @contextmanager
+    def looking_up(self) -> Iterator[Connection]:
+        """Give a connection for one statement that only reads; for several, see `reading`.
+
+        A statement sees one state of the database anyway. PostgreSQL is spared the transaction
+        around it: two journeys of three.
+        """
+        with self._looker.connect() as connection:
+            yield connection
+
+    @cached_property
+    def _writer(self) -> Engine:
+        return self.engine.execution_options(writes=True)
+
+    @cached_property
+    def _reader(self) -> Engine:
+        return self._on_postgresql(isolation_level="REPEATABLE READ", postgresql_readonly=True)
+
+    @cached_property
+    def _looker(self) -> Engine:
+        return self._on_postgresql(isolation_level="AUTOCOMMIT")
+
+    def _on_postgresql(self, **options: Any) -> Engine:
+        if self.engine.dialect.name != "postgresql":
+            return self.engine
+        return self.engine.execution_options(**options)
+
+    def try_writing(self) -> None:
+        """Store what is stored already: where that fails, no answer could be stored either."""
+        with self.writing() as session:
+            session.execute(text("UPDATE alembic_version SET version_num = version_num"))
+
+    def close(self) -> None:
+        """Give back all connections."""
+        self.engine.dispose()
+
+
+def migration_config(connection: Connection) -> Config:
+    """Return the configuration with which Alembic works on `connection`."""
+    config = _config()
+    config.attributes["connection"] = connection
+    return config
+
+
+def _migrate(engine: Engine, url: str) -> None:
+    """Bring the database to the newest schema; several processes may try at once."""
+    with engine.execution_options(writes=True).begin() as connection, taking_time(connection):
+        take_turn(connection, Turn.MIGRATION)
+        revision = schema_of(connection)
+        if revision is not None:
+            _require_known(revision, url)
+        command.upgrade(migration_config(connection), "head")
+
+
+def _require_known(revision: str, url: str) -> None:
+    """Raise `InputError` unless this version knows the schema `revision`."""
+    if revision not in {step.revision for step in _schemas().walk_revisions()}:
+        raise InputError(
+            f"another version of Motion Jury made the database (schema {revision}), "
+            "and this one cannot read it",
+            where=shown_address(url),
+            remedy="Use the version that made it, or choose another database",
+        )
+
+
+def schema_of(connection: Connection) -> str | None:
+    """Return the name of the database's schema; None where it has none yet."""
+    return MigrationContext.configure(connection).get_current_revision()
+
+
+def _head() -> str | None:
+    return _schemas().get_current_head()
+
+
+@cache
+def _schemas() -> ScriptDirectory:
+    """Return all schemas there are; reading them takes longer than opening a database."""
+    return ScriptDirectory.from_config(_config())
+
+
+def _config() -> Config:
+    config = Config()
+    config.set_main_option("script_location", "studyapp.database:migrations")
+    return config
+
+
+@contextmanager
+def _explained(url: str) -> Iterator[None]:
+    """Turn failures of opening the database at `url` into `InputError`."""
+    try:
+        yield
+    except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
+        raise InputError(
+            f"the database address cannot be used: {error}",
+            where=shown_address(url),
+            remedy="Give an address such as sqlite:////folder/responses.db, and install the "
+            "driver it needs",
+        ) from error
+    except DatabaseError as error:
+        remedy = "Check that the server runs, and the name, password and database in the address"
+        if _address(url).get_backend_name() == "sqlite":
+            remedy = (
+                "Check that the path is right and writable; if the file is damaged, put a backup "
+                "in its place"
+            )
+        raise InputError(
+            f"the database cannot be opened: {error.orig}", where=shown_address(url), remedy=remedy
+        ) from error
+
+
+def _address(url: str) -> URL:
+    """Return the address in parts; PostgreSQL's, however it is written, with the driver's name."""
+    address = make_url(url)
+    if address.drivername in ("postgres", "postgresql"):
+        return address.set(drivername="postgresql+psycopg")
+    return address
+
+
+def shown_address(url: str) -> str:
+    """Return the address without its password."""
+    try:
+        return _address(url).render_as_string(hide_password=True)
+    except ArgumentError:
+        return "DATABASE_URL"
+
+
+def sqlite_file(url: str) -> Path | None:
+    """Return the file of an SQLite database, None for every other database."""
+    address = _address(url)
+    if address.get_backend_name() != "sqlite" or not address.database:
+        return None
+    return Path(address.database)
+
+
+def _keep_private(file: Path | None) -> None:
+    """Let its owner alone read an SQLite database, which is made where there is none.
+
+    SQLite gives its working files the rights of the database's own.
+    """
+    if file is None:
+        return
+    with suppress(OSError):
+        os.close(os.open(file, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, _OWN))
+    for ending in ("", "-wal", "-shm", "-line"):
+        # Where it belongs to somebody else, that is for them to say.
+        with suppress(OSError):
+            Path(f"{file}{ending}").chmod(_OWN)
+
+
+def _read_only(url: str) -> Engine:
+    return _engine(url, _forbid_sqlite_changes, seconds=READING_SECONDS, postgresql_readonly=True)
+
+
+def _engine(
+    url: str,
+    set_up_sqlite: Callable[[sqlite3.Connection, Any], None],
+    *,
+    seconds: float,
+    **options: Any,
+) -> Engine:
+    address = _address(url)
+    # Among the parameters of a failed statement may be a participant's token.
+    hidden = {"hide_parameters": True, "execution_options": options}
+    if address.get_backend_name() != "sqlite":
+        # Locks are what keeps writers apart, whatever the server's own default is.
+        engine = create_engine(
+            address,
+            isolation_level="READ COMMITTED",
+            pool_size=MOST_CONNECTIONS,
+            max_overflow=0,
+            # The one that was used last has everything at hand, and few are used at all.
+            pool_use_lifo=True,
+            **hidden,
+        )
+        bound_waiting(engine, seconds)
+        return engine
+    engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **hidden)
+    event.listen(engine, "connect", set_up_sqlite)
+    event.listen(engine, "begin", _begin_sqlite)
+    return engine
+
+
+def _set_up_sqlite(connection: sqlite3.Connection, _record: Any) -> None:
+    # The driver must not open transactions by itself: `_begin_sqlite` does, of the right kind.
+    connection.isolation_level = None
+    for pragma in ("journal_mode = WAL", "foreign_keys = ON", "synchronous = FULL"):
+        connection.execute(f"PRAGMA {pragma}")
+
+
+def _forbid_sqlite_changes(connection: sqlite3.Connection, _record: Any) -> None:
+    connection.isolation_level = None
+    connection.execute("PRAGMA query_only = ON")
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    # A writer takes the lock at once: one that first reads and then writes could find that
+    # another has written in between, and fail.
+    writes = connection.get_execution_options().get("writes", False)
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")

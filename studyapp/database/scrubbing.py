@@ -1,0 +1,96 @@
+"""Leaving nothing of what was deleted in the database's files."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Callable
+from typing import Any, Final
+
+import psycopg
+from sqlalchemy import Engine
+from sqlalchemy.exc import DBAPIError
+
+from motion.errors import InputError
+from studyapp.database.engine import Database
+from studyapp.database.tables import Base
+from studyapp.database.waiting_line import in_line
+
+LOCK_SECONDS: Final = 30
+"""How long a table is waited for; meanwhile, those who want it wait too."""
+
+AGAIN: Final = (
+    "Run the same command again, at a quieter moment: it takes up where it stopped, and changes "
+    "nothing else"
+)
+
+
+def leave_nothing(database: Database) -> None:
+    """Write the database's files anew, so that they hold nothing but what is stored.
+
+    Deleting marks rows as free; their bytes stay in the file until something else needs the room.
+    SQLite's file is rebuilt, and its log emptied into it. Of PostgreSQL, each table is rewritten.
+    Servers of the study may go on; they wait for a moment. Where the database keeps copies of its
+    own (PostgreSQL's write-ahead log, replicas, archives), those end as they are set up to end.
+
+    Raises
+    ------
+    InputError
+        If somebody keeps the database from being rewritten for too long; what was deleted is
+        deleted all the same.
+    """
+    clean: Callable[[Engine], None] = (
+        _rewrite_postgresql if database.engine.dialect.name == "postgresql" else _rewrite_sqlite
+    )
+    try:
+        clean(database.engine)
+    except (DBAPIError, psycopg.Error, OSError) as error:
+        raise _unfinished(str(getattr(error, "orig", error))) from error
+
+
+def _rewrite_sqlite(engine: Engine) -> None:
+    with in_line(engine):
+        connection = engine.raw_connection()
+        try:
+            cursor = connection.cursor()
+            cursor.execute("VACUUM")
+            # Until it is emptied, the log holds earlier states of the pages.
+            (busy, _, _) = cursor.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone() or (1, 0, 0)
+            cursor.close()
+        except sqlite3.Error as error:
+            raise _unfinished(str(error)) from error
+        finally:
+            connection.close()
+    if busy:
+        raise _unfinished("somebody is reading an earlier state of it")
+
+
+def _rewrite_postgresql(engine: Engine) -> None:
+    refused: list[str] = []
+
+    def note(diagnostic: Any) -> None:
+        if diagnostic.severity_nonlocalized == "WARNING":
+            refused.append(str(diagnostic.message_primary))
+
+    with engine.execution_options(isolation_level="AUTOCOMMIT").connect() as connection:
+        driver: Any = connection.connection.driver_connection
+        driver.add_notice_handler(note)
+        try:
+            driver.patience = None
+            connection.exec_driver_sql(f"SET lock_timeout = '{LOCK_SECONDS}s'")
+            connection.exec_driver_sql("SET statement_timeout = 0")
+            for table in Base.metadata.sorted_tables:
+                connection.exec_driver_sql(f"VACUUM (FULL) {table.name}")
+        finally:
+            driver.remove_notice_handler(note)
+            # Its statements have no limit any more.
+            connection.invalidate()
+    if refused:
+        raise _unfinished("; ".join(refused))
+
+
+def _unfinished(why: str) -> InputError:
+    return InputError(
+        "what was deleted is deleted, but its bytes could not be cleared from the database's "
+        f"files: {why}",
+        remedy=AGAIN,
+    )

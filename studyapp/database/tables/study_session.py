@@ -1,0 +1,159 @@
+"""Study sessions, the places that they hold, and what participants say about themselves."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import TYPE_CHECKING
+
+from sqlalchemy import JSON, CheckConstraint, ForeignKey, String, Text, UniqueConstraint, text
+from sqlalchemy.orm import Mapped, mapped_column, relationship
+
+from studyapp.database.tables.base import Base
+from studyapp.database.tables.study_version import StudyVersion
+
+if TYPE_CHECKING:
+    from studyapp.database.tables.trial import Trial
+
+
+class StudySession(Base):
+    """One participant's sitting.
+
+    Attributes
+    ----------
+    token : str
+        In the participant's addresses; whoever knows it is the participant.
+    visit : str or None
+        Drawn with the consent page, so that a start sent twice makes one study session; the hash
+        of the invitation by which they came.
+    recruiter_participant, recruiter_study, recruiter_session : str
+        What the recruiter calls them (Prolific: ``PROLIFIC_PID``, ``STUDY_ID``,
+        ``SESSION_ID``; MTurk: ``workerId``, ``hitId``, ``assignmentId``); no participant name
+        where there is no recruiter.
+    submit_to : str
+        The site that the recruiter wants the end to be reported to (MTurk: ``turkSubmitTo``).
+    version_id : int
+        The design of the study that the trials were planned by.
+    arm, arm_design : str
+        The arm of the place and what its participants are asked (see `Place`), also after the
+        place is given to somebody else.
+    number : int or None
+        The place's number, which the trials were planned by; None where nobody noted it.
+    conditions : list of str
+        What this participant compares, the reference first.
+    consented_at, started_at, last_active_at, completed_at, withdrawn_at : datetime
+        When they agreed, saw the first trial, last did anything, gave the last answer, and took
+        their consent back.
+    unproven_at : datetime or None
+        When somebody went on with it who could not show that they had begun it.
+    completion_code : str or None
+        There is none before the last answer is stored.
+    outcome : str or None
+        How it ended: ``completed``, ``failed_attention`` or ``unwatched``; the last without a
+        completion code, before the last answer, since too many videos were said not to play.
+    sound_digits : str
+        The digits that are spoken to them in the sound check; empty where none were drawn.
+    sound_tries : int
+        How often they typed other digits.
+    sound_checked_at : datetime or None
+        When they had heard them.
+    rested_at_position : int or None
+        Position of the trial before which they last ended a break.
+    """
+
+    __tablename__ = "study_sessions"
+    __table_args__ = (
+        CheckConstraint(
+            "(completion_code IS NULL) = (completed_at IS NULL)", name="code_only_when_completed"
+        ),
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    token: Mapped[str] = mapped_column(String(64), unique=True)
+    visit: Mapped[str | None] = mapped_column(String(64), unique=True)
+    recruiter_participant: Mapped[str | None] = mapped_column(String(200), unique=True)
+    recruiter_study: Mapped[str] = mapped_column(String(200), default="")
+    recruiter_session: Mapped[str] = mapped_column(String(200), default="")
+    submit_to: Mapped[str] = mapped_column(String(200), default="", server_default=text("''"))
+    version_id: Mapped[int] = mapped_column(ForeignKey("study_versions.id"))
+    arm: Mapped[str] = mapped_column(String(202))
+    arm_design: Mapped[str] = mapped_column(String(64))
+    number: Mapped[int | None]
+    conditions: Mapped[list[str]] = mapped_column(JSON)
+    consented_at: Mapped[datetime]
+    started_at: Mapped[datetime | None]
+    last_active_at: Mapped[datetime]
+    completed_at: Mapped[datetime | None]
+    withdrawn_at: Mapped[datetime | None]
+    unproven_at: Mapped[datetime | None]
+    completion_code: Mapped[str | None] = mapped_column(String(32), unique=True)
+    outcome: Mapped[str | None] = mapped_column(String(20))
+    sound_digits: Mapped[str] = mapped_column(String(8), default="", server_default=text("''"))
+    sound_tries: Mapped[int] = mapped_column(default=0, server_default=text("0"))
+    sound_checked_at: Mapped[datetime | None]
+    rested_at_position: Mapped[int | None]
+
+    version: Mapped[StudyVersion] = relationship()
+    place: Mapped[Place | None] = relationship(back_populates="study_session")
+    trials: Mapped[list[Trial]] = relationship(
+        back_populates="study_session", order_by="Trial.position", cascade="all, delete-orphan"
+    )
+    form_answers: Mapped[list[FormAnswer]] = relationship(
+        back_populates="study_session", order_by="FormAnswer.id", cascade="all, delete-orphan"
+    )
+
+
+class Place(Base):
+    """One participant's place in an arm.
+
+    A place names the study session that holds it, so it cannot be held by two; and no study
+    session can hold two places.
+
+    Attributes
+    ----------
+    arm : str
+        The arm's name.
+    design : str
+        Digest of what the arm's participants are asked. A new version of the study that changes
+        it opens new places; where it does not, the places that are filled stay filled.
+    number : int
+        From 0 within the arm; it decides the trials.
+    """
+
+    __tablename__ = "places"
+    __table_args__ = (UniqueConstraint("arm", "design", "number"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    arm: Mapped[str] = mapped_column(String(202))
+    design: Mapped[str] = mapped_column(String(64))
+    number: Mapped[int]
+    study_session_id: Mapped[int | None] = mapped_column(
+        ForeignKey("study_sessions.id", ondelete="SET NULL"), unique=True
+    )
+
+    study_session: Mapped[StudySession | None] = relationship(back_populates="place")
+
+
+class FormAnswer(Base):
+    """One answer to one question about the participant; there can be no second.
+
+    Attributes
+    ----------
+    stage : str
+        ``eligibility``, ``consent``, ``demographics`` or ``closing``.
+    value : str
+        As it was given; empty where a question that need not be answered was left open.
+    """
+
+    __tablename__ = "form_answers"
+    __table_args__ = (UniqueConstraint("study_session_id", "question"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    study_session_id: Mapped[int] = mapped_column(
+        ForeignKey("study_sessions.id", ondelete="CASCADE")
+    )
+    stage: Mapped[str] = mapped_column(String(20))
+    question: Mapped[str] = mapped_column(String(100))
+    value: Mapped[str] = mapped_column(Text)
+    answered_at: Mapped[datetime]
+
+    study_session: Mapped[StudySession] = relationship(back_populates="form_answers")

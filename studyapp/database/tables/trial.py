@@ -1,0 +1,179 @@
+"""Trials, their stimuli, and the answers to them."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from sqlalchemy import (
+    JSON,
+    CheckConstraint,
+    ForeignKey,
+    ForeignKeyConstraint,
+    Index,
+    String,
+    UniqueConstraint,
+    text,
+)
+from sqlalchemy.orm import Mapped, mapped_column, relationship
+
+from studyapp.database.tables.base import Base
+from studyapp.database.tables.study_session import StudySession
+from studyapp.database.tables.video import Video
+
+
+class Trial(Base):
+    """One presentation of one or more stimuli to one participant.
+
+    Attributes
+    ----------
+    token : str
+        Random; names the trial to the browser, and says nothing else.
+    position : int
+        Place within the study session, from 1.
+    kind : str
+        ``practice``, ``main``, ``repeat``, ``catch`` or ``attention``.
+    part : str
+        The set, block or task it belongs to; empty where the study has no parts.
+    segment, emotion, speaker : str
+        The speech it is about.
+    expected : int or None
+        Of a catch trial: the number of the stimulus that is plainly better.
+    instructed : int or None
+        Of an attention check: the value that the page asks to choose.
+    repeats : int or None
+        Position of the practice trial that a repeat shows again.
+    shown_at, answered_at, unplayable_at : datetime
+        When the page was first shown, when the answers were stored, and when the participant
+        said instead that a video does not play.
+    seconds : float or None
+        From the first showing to the answer.
+    """
+
+    __tablename__ = "trials"
+    __table_args__ = (
+        UniqueConstraint("study_session_id", "position"),
+        CheckConstraint(
+            "kind IN ('practice', 'main', 'repeat', 'catch', 'attention')", name="kind"
+        ),
+        CheckConstraint("(kind = 'catch') = (expected IS NOT NULL)", name="expected"),
+        CheckConstraint("(kind = 'attention') = (instructed IS NOT NULL)", name="instructed"),
+        CheckConstraint("answered_at IS NULL OR unplayable_at IS NULL", name="one_outcome"),
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    study_session_id: Mapped[int] = mapped_column(
+        ForeignKey("study_sessions.id", ondelete="CASCADE")
+    )
+    token: Mapped[str] = mapped_column(String(64), unique=True)
+    position: Mapped[int]
+    kind: Mapped[str] = mapped_column(String(10))
+    part: Mapped[str] = mapped_column(String(100), default="")
+    segment: Mapped[str] = mapped_column(String(100))
+    emotion: Mapped[str] = mapped_column(String(100))
+    speaker: Mapped[str] = mapped_column(String(200))
+    expected: Mapped[int | None]
+    instructed: Mapped[int | None]
+    repeats: Mapped[int | None]
+    shown_at: Mapped[datetime | None]
+    answered_at: Mapped[datetime | None]
+    unplayable_at: Mapped[datetime | None]
+    seconds: Mapped[float | None]
+
+    study_session: Mapped[StudySession] = relationship(back_populates="trials")
+    videos: Mapped[list[Video]] = relationship(
+        back_populates="trial", order_by="Video.number", cascade="all, delete-orphan"
+    )
+    stimuli: Mapped[list[TrialStimulus]] = relationship(
+        back_populates="trial", order_by="TrialStimulus.number", cascade="all, delete-orphan"
+    )
+    responses: Mapped[list[Response]] = relationship(
+        back_populates="trial", cascade="all, delete-orphan", foreign_keys="Response.trial_id"
+    )
+
+    @property
+    def settled(self) -> bool:
+        """Whether the participant is done with it."""
+        return self.answered_at is not None or self.unplayable_at is not None
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """The conditions judged, number 1 first; the reference is not."""
+        return tuple(shown.condition for shown in self.stimuli if shown.number > 0)
+
+
+class TrialStimulus(Base):
+    """One stimulus that a trial presents.
+
+    Attributes
+    ----------
+    number : int
+        1, 2, … are labelled A, B, … and judged; 0 is the reference that is shown apart.
+    condition, segment : str
+        Whose motion, and for which segment it was made.
+    speech : str or None
+        The segment that is heard with it; None for silence.
+    """
+
+    __tablename__ = "trial_stimuli"
+    __table_args__ = (UniqueConstraint("trial_id", "number"),)
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    trial_id: Mapped[int] = mapped_column(ForeignKey("trials.id", ondelete="CASCADE"))
+    video_id: Mapped[int] = mapped_column(ForeignKey("videos.id", ondelete="CASCADE"))
+    number: Mapped[int]
+    condition: Mapped[str] = mapped_column(String(100))
+    segment: Mapped[str] = mapped_column(String(100))
+    speech: Mapped[str | None] = mapped_column(String(100))
+
+    trial: Mapped[Trial] = relationship(back_populates="stimuli")
+    video: Mapped[Video] = relationship(back_populates="stimuli")
+
+
+ABOUT_THE_TRIAL = text("stimulus IS NULL")
+
+
+class Response(Base):
+    """One answer to one question of one trial or of one of its stimuli; there can be no second.
+
+    Attributes
+    ----------
+    stimulus : int or None
+        Number of the stimulus it is about; None where it is about the whole trial.
+    value : int
+        What it means is the question's: a preference from -2, clearly A, to 2, clearly B; a
+        label from 1 to 5; a slider from 0 to 100; a rank from 1.
+    reasons : list of str
+        Names of the reasons ticked beside it; beside each rank of an order, those ticked once for
+        all of it.
+    """
+
+    __tablename__ = "responses"
+    __table_args__ = (
+        UniqueConstraint("trial_id", "question", "stimulus"),
+        # To a unique constraint, two missing stimuli are two different ones.
+        Index(
+            "uq_responses_trial_id_question",
+            "trial_id",
+            "question",
+            unique=True,
+            sqlite_where=ABOUT_THE_TRIAL,
+            postgresql_where=ABOUT_THE_TRIAL,
+        ),
+        ForeignKeyConstraint(
+            ["trial_id", "stimulus"],
+            ["trial_stimuli.trial_id", "trial_stimuli.number"],
+            name="fk_responses_stimulus",
+            ondelete="CASCADE",
+        ),
+        CheckConstraint("value BETWEEN -2 AND 100", name="value"),
+    )
+
+    id: Mapped[int] = mapped_column(primary_key=True)
+    trial_id: Mapped[int] = mapped_column(ForeignKey("trials.id", ondelete="CASCADE"))
+    question: Mapped[str] = mapped_column(String(100))
+    stimulus: Mapped[int | None]
+    value: Mapped[int]
+    reasons: Mapped[list[str]] = mapped_column(JSON)
+    answered_at: Mapped[datetime]
+
+    trial: Mapped[Trial] = relationship(back_populates="responses", foreign_keys=[trial_id])

@@ -1,0 +1,1 @@
+"""The live view of a running study, and its alarms."""

@@ -1,0 +1,237 @@
+"""One study session, with all that happened in it, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+
+from sqlalchemy import select
+from sqlalchemy.orm import selectinload
+
+from studyapp.database.engine import Database
+from studyapp.database.tables import (
+    FormAnswer,
+    RefusalLine,
+    StudySession,
+    Trial,
+    Video,
+    WatchRecord,
+)
+from studyapp.definition.study import Study
+from studyapp.monitoring.study_sessions import Sitting, sittings
+from studyapp.researchers.exclusion_decisions import DecidedExclusion, exclusion_decisions
+from studyapp.session.exclusion import JUDGED
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.videos.watch_evidence import FASTEST, length, watched_share, watched_so_far
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """Something that happened.
+
+    Attributes
+    ----------
+    at : datetime
+    what : str
+        As a sentence without a full stop; never what was answered.
+    trial : int or None
+        Position of the trial it belongs to.
+    trouble : bool
+        Whether something did not go as it should.
+    """
+
+    at: datetime
+    what: str
+    trial: int | None = None
+    trouble: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrialLine:
+    """One trial in a line.
+
+    Attributes
+    ----------
+    watched : float
+        Share of its videos that counts as watched, in [0, 1].
+    outcome : str
+        What became of it; empty where it is still to come.
+    """
+
+    position: int
+    kind: str
+    segment: str
+    emotion: str
+    seconds: float | None
+    watched: float
+    outcome: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class OneSitting:
+    """One study session.
+
+    Attributes
+    ----------
+    version : int
+        Of the study.
+    number : int or None
+        The place's number, from 0.
+    said : tuple of (str, str, str)
+        What they said about themselves: stage, question and answer.
+    recruiter : tuple of (str, str)
+        The recruiter's names for them, with what each names; none where they came by themselves.
+    decided : tuple of DecidedExclusion
+        What researchers decided about them, the newest first.
+    """
+
+    sitting: Sitting
+    version: int
+    number: int | None
+    trials: tuple[TrialLine, ...]
+    events: tuple[Event, ...]
+    said: tuple[tuple[str, str, str], ...]
+    recruiter: tuple[tuple[str, str], ...]
+    decided: tuple[DecidedExclusion, ...]
+
+
+def one_sitting(
+    database: Database, served: ServedStudy, number: int, now: datetime
+) -> OneSitting | None:
+    """Return the study session `number`, None where there is none."""
+    query = (
+        select(StudySession)
+        .where(StudySession.id == number)
+        .options(
+            selectinload(StudySession.version),
+            selectinload(StudySession.form_answers),
+            selectinload(StudySession.trials).selectinload(Trial.responses),
+            selectinload(StudySession.trials).selectinload(Trial.stimuli),
+            selectinload(StudySession.trials)
+            .selectinload(Trial.videos)
+            .options(selectinload(Video.watch_record), selectinload(Video.stimuli)),
+        )
+    )
+    refused = select(RefusalLine).where(RefusalLine.study_session_id == number)
+    with database.reading() as session:
+        found = session.scalars(query).first()
+        if found is None:
+            return None
+        (standing,) = sittings(session, served, now, only=number)
+        events = [*_own_events(found), *map(_refused, session.scalars(refused))]
+        return OneSitting(
+            sitting=standing,
+            version=found.version.number,
+            number=found.number,
+            trials=tuple(_line(served.study, trial) for trial in found.trials),
+            events=tuple(sorted(events, key=lambda event: event.at)),
+            said=tuple((each.stage, each.question, each.value) for each in found.form_answers),
+            recruiter=_recruiter(found),
+            decided=exclusion_decisions(session, number),
+        )
+
+
+def _recruiter(found: StudySession) -> tuple[tuple[str, str], ...]:
+    names = {
+        "participant": found.recruiter_participant or "",
+        "study": found.recruiter_study,
+        "sitting": found.recruiter_session,
+    }
+    return tuple((what, name) for what, name in names.items() if name)
+
+
+def _line(study: Study, trial: Trial) -> TrialLine:
+    return TrialLine(
+        position=trial.position,
+        kind=trial.kind,
+        segment=trial.segment,
+        emotion=trial.emotion,
+        seconds=trial.seconds,
+        watched=watched_share(trial.videos),
+        outcome=_outcome(study, trial),
+    )
+
+
+def _outcome(study: Study, trial: Trial) -> str:
+    if trial.unplayable_at is not None:
+        return "does not play"
+    if trial.answered_at is None:
+        return ""
+    if trial.kind not in JUDGED:
+        return "answered"
+    answers = {(given.question, given.stimulus): given.value for given in trial.responses}
+    return "failed" if study.failed(trial, answers) else "passed"
+
+
+def _own_events(found: StudySession) -> Iterator[Event]:
+    """Yield what happened, trial after trial."""
+    yield Event(at=found.consented_at, what="Agreed to take part")
+    yield from _form_events(found.form_answers)
+    if found.sound_checked_at is not None:
+        tries = f" after {found.sound_tries} wrong tries" if found.sound_tries else ""
+        yield Event(at=found.sound_checked_at, what=f"Heard the sound check{tries}")
+    if found.started_at is not None:
+        yield Event(at=found.started_at, what="Began the trials")
+    for trial in found.trials:
+        yield from _trial_events(trial)
+    if found.completed_at is not None:
+        yield Event(at=found.completed_at, what="Finished, and got a completion code")
+    if found.withdrawn_at is not None:
+        yield Event(at=found.withdrawn_at, what="Withdrew", trouble=True)
+
+
+def _form_events(answers: list[FormAnswer]) -> Iterator[Event]:
+    for moment, stage in dict.fromkeys((each.answered_at, each.stage) for each in answers):
+        yield Event(at=moment, what=f"Answered the questions of {stage}")
+
+
+def _trial_events(trial: Trial) -> Iterator[Event]:
+    place = trial.position
+    if trial.shown_at is not None:
+        yield Event(at=trial.shown_at, what=f"Trial {place} was shown", trial=place)
+    for video in trial.videos:
+        if video.watch_record is not None:
+            yield _played(trial, video, video.watch_record)
+        if video.unplayable_at is not None:
+            what = f"Said that {_video(trial, video)} does not play"
+            yield Event(at=video.unplayable_at, what=what, trial=place, trouble=True)
+    if trial.answered_at is not None:
+        yield Event(at=trial.answered_at, what=f"Answered trial {place}", trial=place)
+    if trial.unplayable_at is not None:
+        what = f"Went on without trial {place}"
+        yield Event(at=trial.unplayable_at, what=what, trial=place, trouble=True)
+
+
+def _played(trial: Trial, video: Video, record: WatchRecord) -> Event:
+    watched = length(watched_so_far(video, 0.0).intervals)
+    notes = [
+        f"Had played {record.played_seconds:.1f} s of {_video(trial, video)}",
+        f"{watched:.1f} s of its {video.duration:.1f} s count as watched",
+    ]
+    if video.sent_at is None:
+        notes.append("though it was never sent")
+    if record.rate > FASTEST:
+        notes.append(f"at up to {record.rate:.2g} times the speed")
+    if record.hidden_seconds:
+        notes.append(f"{record.hidden_seconds:.1f} s out of sight")
+    if record.silent_seconds and not video.soundless:
+        notes.append(f"{record.silent_seconds:.1f} s unheard")
+    if record.stalls:
+        notes.append(f"{record.stalls} stalls of {record.stalled_seconds:.1f} s")
+    return Event(
+        at=record.reported_at,
+        what=", ".join(notes),
+        trial=trial.position,
+        trouble=len(notes) > 2,
+    )
+
+
+def _video(trial: Trial, video: Video) -> str:
+    if len(trial.videos) == 1:
+        return "the video"
+    return f"video {video.number}" if video.number else "the reference"
+
+
+def _refused(line: RefusalLine) -> Event:
+    return Event(at=line.at, what=f"Was refused: {line.detail}", trouble=True)

@@ -1,0 +1,230 @@
+"""All that the overview of a running study shows, read from one state of the database."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Final
+
+from studyapp.database.engine import Database
+from studyapp.monitoring.answered_trials import (
+    Progress,
+    Times,
+    answered_trials,
+    progress,
+    times,
+    times_of_trials,
+)
+from studyapp.monitoring.checks import (
+    CheckedItem,
+    checked_items,
+    checks,
+    failed_by_sitting,
+)
+from studyapp.monitoring.decisions import Decision, decisions
+from studyapp.monitoring.dropouts import Dropouts, dropouts
+from studyapp.monitoring.place_counts import PlaceCounts, all_together, count_places
+from studyapp.monitoring.playback import PlayedVideo, played_videos
+from studyapp.monitoring.sides import Sides, shown_on_sides, sides
+from studyapp.monitoring.study_sessions import Sitting, present_ones, sittings
+from studyapp.session.arrival.intake import Intake, present_intake
+from studyapp.session.exclusion import JUDGED
+from studyapp.session.served_study import ServedStudy
+
+KINDS: Final = ("practice", "main", "repeat", *JUDGED)
+MOST_LISTED: Final = 20
+"""People who are named where there may be very many."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FailedChecks:
+    """How many failed how many checks of one kind.
+
+    Attributes
+    ----------
+    by_failures : tuple of (int, int)
+        A number of failed checks, and how many participants failed so many.
+    """
+
+    kind: str
+    by_failures: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Overview:
+    """How the study goes, at one moment.
+
+    Attributes
+    ----------
+    at : datetime
+    intake : Intake
+        Whether newcomers are let in, as far as the study file lets them.
+    places, arms : PlaceCounts, tuple of PlaceCounts
+        Of all arms together, and of each.
+    earlier : int
+        Study sessions of earlier versions of the study, which are counted nowhere else.
+    lapsed, replaced, unwatched : int
+        Study sessions that hold no place.
+    excluded : int
+        Study sessions that researchers leave out of the analysis; most hold places all the same.
+    leaving_out : tuple of Sitting
+        Who said most often that a video does not play; nobody who never did.
+    whole : Times
+        How long whole study sessions take, from the first trial to the last answer.
+    """
+
+    at: datetime
+    intake: Intake
+    places: PlaceCounts
+    arms: tuple[PlaceCounts, ...]
+    forecast: Forecast
+    earlier: int
+    lapsed: int
+    replaced: int
+    unwatched: int
+    excluded: int
+    leaving_out: tuple[Sitting, ...]
+    progress: Progress
+    dropouts: Dropouts
+    failed: tuple[FailedChecks, ...]
+    items: tuple[CheckedItem, ...]
+    whole: Times
+    trials: tuple[Times, ...]
+    videos: tuple[PlayedVideo, ...]
+    sides: tuple[Sides, ...]
+    decisions: tuple[Decision, ...]
+
+
+def overview(database: Database, served: ServedStudy, now: datetime) -> Overview:
+    """Return how the study goes."""
+    with database.reading() as session:
+        everybody = sittings(session, served, now)
+        present = present_ones(everybody)
+        counted = {each.id: each.arm for each in present if each.standing != "withdrawn"}
+        trials = [each for each in answered_trials(session) if each.sitting in counted]
+        found = checks(session, served.study, counted)
+        videos = played_videos(session)
+        balance = sides(shown_on_sides(session))
+        intake = present_intake(session)
+    arms = count_places(served.study.arms, present, intake.more_places)
+    places, left, items = all_together(arms), dropouts(present), checked_items(found)
+    whole = times("whole study session", _whole_seconds(present))
+    return Overview(
+        at=now,
+        intake=intake,
+        places=places,
+        arms=arms,
+        forecast=_forecast(present, places, now),
+        earlier=len(everybody) - len(present),
+        lapsed=sum(each.standing == "lapsed" for each in present),
+        replaced=sum(each.standing == "replaced" for each in present),
+        unwatched=sum(each.standing == "unwatched" for each in present),
+        leaving_out=_leaving_out(present),
+        excluded=sum(each.excluded for each in present),
+        progress=progress(trials, counted),
+        dropouts=left,
+        failed=tuple(
+            FailedChecks(kind=kind, by_failures=_tally(failed_by_sitting(found, kind).values()))
+            for kind in JUDGED
+            if any(check.kind == kind for check in found)
+        ),
+        items=items,
+        whole=whole,
+        trials=times_of_trials(trials, KINDS),
+        videos=videos,
+        sides=balance,
+        decisions=decisions(
+            places=places,
+            open_to_newcomers=served.study.open and intake.state == "open",
+            videos=videos,
+            items=items,
+            sides=balance,
+            left=left,
+            whole=whole,
+            minutes_said=served.study.page.minutes,
+        ),
+    )
+
+
+def places_so_far(database: Database, served: ServedStudy, now: datetime) -> PlaceCounts:
+    """Return how many places are done, active, stale and open, of all arms together."""
+    with database.reading() as session:
+        present = present_ones(sittings(session, served, now))
+        more = present_intake(session).more_places
+    return all_together(count_places(served.study.arms, present, more))
+
+
+def _forecast(present: Sequence[Sitting], places: PlaceCounts, now: datetime) -> Forecast:
+    finished = [each.completed_at for each in present if each.completed_at is not None]
+    began = min((each.consented_at for each in present), default=None)
+    return forecast(finished, places.still_to_be_done, began, now)
+
+
+def _leaving_out(present: Sequence[Sitting]) -> tuple[Sitting, ...]:
+    some = [each for each in present if each.left_out]
+    return tuple(sorted(some, key=lambda each: -each.left_out)[:MOST_LISTED])
+
+
+def _whole_seconds(present: Sequence[Sitting]) -> list[float]:
+    return [
+        (each.completed_at - each.started_at).total_seconds()
+        for each in present
+        if each.completed_at is not None and each.started_at is not None
+    ]
+
+
+def _tally(failures: Iterable[int]) -> tuple[tuple[int, int], ...]:
+    return tuple(sorted(Counter(failures).items()))
+
+
+FEWEST: Final = 3
+"""With fewer who have finished, their pace is chance."""
+
+LOOKED_BACK: Final = (timedelta(hours=1), timedelta(hours=6), timedelta(days=1), timedelta(days=7))
+"""The shortest of these in which enough have finished tells the present pace."""
+
+FARTHEST: Final = timedelta(days=365)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Forecast:
+    """When the last place will be done.
+
+    Attributes
+    ----------
+    at : datetime or None
+    reason : str
+        Why there is none; empty where there is one.
+    """
+
+    at: datetime | None
+    reason: str = ""
+
+
+def forecast(
+    finished: Sequence[datetime], remaining: int, began: datetime | None, now: datetime
+) -> Forecast:
+    """Return when `remaining` more will have finished.
+
+    Parameters
+    ----------
+    finished : sequence of datetime
+        When those finished who have, in any order.
+    began : datetime or None
+        When the first participant came.
+    """
+    if remaining == 0:
+        return Forecast(at=None, reason="all places are done")
+    if began is None:
+        return Forecast(at=None, reason="nobody has come yet")
+    for span in LOOKED_BACK:
+        since = max(now - span, began)
+        lately = sum(moment > since for moment in finished)
+        if lately >= FEWEST and now > since:
+            left = (now - since) * (remaining / lately)
+            if left > FARTHEST:
+                return Forecast(at=None, reason="at this rate it takes longer than a year")
+            return Forecast(at=now + left)
+    return Forecast(at=None, reason="too few have finished lately to tell when it is done")

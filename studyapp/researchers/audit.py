@@ -1,0 +1,153 @@
+"""The log of changes: who did what, when and why. Lines are only ever added."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from types import MappingProxyType
+from typing import Final
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from motion.errors import InputError
+from studyapp.database.engine import Database
+from studyapp.database.tables import AuditLine, Event
+
+LINES: Final = 200
+"""As many are shown at once."""
+
+LONGEST_REASON: Final = 500
+
+ERASED: Final = "(erased)"
+"""What stands in place of what would name or describe somebody who is to be forgotten."""
+
+WORDS: Final[Mapping[Event, str]] = MappingProxyType(
+    {
+        Event.FORGOTTEN: "participant forgotten",
+        Event.EXCLUDED: "participant excluded",
+        Event.REINSTATED: "participant reinstated",
+        Event.RESTORED: "restored from a backup",
+        Event.OPERATION_CHANGED: "operation changed",
+        Event.NEWCOMERS_LET_IN: "newcomers let in",
+        Event.NEWCOMERS_PAUSED: "newcomers paused",
+        Event.NEWCOMERS_CLOSED: "closed to newcomers",
+        Event.EXTENDED: "extended",
+        Event.LOOKED_AT: "results looked at",
+        Event.REPORTED: "results reported",
+        Event.EXPORTED: "answers exported",
+        Event.UNBLINDED: "results unblinded",
+        Event.LOGGED_IN: "logged in",
+        Event.PASSWORD_CHANGED: "password changed",
+        Event.PASSWORD_OFFERED: "new password offered",
+        Event.INVITED: "invited",
+        Event.LINK_TAKEN_BACK: "link taken back",
+        Event.JOINED: "joined",
+        Event.ROLE_CHANGED: "role changed",
+        Event.SHUT_OUT: "shut out",
+        Event.LET_IN_AGAIN: "let in again",
+        Event.SECOND_FACTOR_ON: "second factor turned on",
+        Event.SECOND_FACTOR_OFF: "second factor turned off",
+        Event.SECOND_FACTOR_RESET: "second factor reset",
+        Event.NEW_VERSION: "new version",
+    }
+)
+"""How events are told to people."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoggedChange:
+    """One line of the log in words; see `studyapp.database.tables.AuditLine`."""
+
+    id: int
+    at: datetime
+    researcher: str
+    event: str
+    detail: str
+    reason: str
+
+
+def reason_given(text: str) -> str:
+    """Return a reason in a researcher's words, on one line.
+
+    Raises
+    ------
+    InputError
+        If there is none, it is too long, or it cannot be stored.
+    """
+    reason = " ".join(text.split())
+    storable = "\0" not in reason and reason == reason.encode("utf-8", "ignore").decode("utf-8")
+    if not 1 <= len(reason) <= LONGEST_REASON or not storable:
+        raise InputError(
+            f"a reason of 1 to {LONGEST_REASON} letters is needed",
+            remedy="It stands in the log, for whoever asks later",
+        )
+    return reason
+
+
+def log_change(
+    session: Session,
+    now: datetime,
+    event: Event,
+    *,
+    by: str,
+    study_session: int | None = None,
+    detail: str = "",
+    reason: str = "",
+) -> None:
+    """Add a line to the log, stored with what it tells of or not at all.
+
+    Parameters
+    ----------
+    by : str
+        The researcher's name; empty for the command line.
+    study_session : int, optional
+        The study session that it is about.
+    """
+    session.add(
+        AuditLine(
+            at=now,
+            event=event,
+            study_session=study_session,
+            detail=detail,
+            researcher=by,
+            reason=reason,
+        )
+    )
+
+
+def told_event(line: AuditLine) -> str:
+    """Return what was done, in words."""
+    return WORDS[Event(line.event)]
+
+
+def told_detail(line: AuditLine) -> str:
+    """Return what there is to know of a change, in words: whom it is about, and how."""
+    whom = "" if line.study_session is None else f"study session {line.study_session}"
+    return ", ".join(filter(None, (whom, line.detail)))
+
+
+def logged_changes(database: Database, *, before: int | None = None) -> list[LoggedChange]:
+    """Return the newest `LINES` lines of the log, the newest first; of those older than `before`.
+
+    Parameters
+    ----------
+    before : int, optional
+        The `id` of a line.
+    """
+    query = select(AuditLine).order_by(AuditLine.id.desc()).limit(LINES)
+    if before is not None:
+        query = query.where(AuditLine.id < before)
+    with database.reading() as session:
+        return [
+            LoggedChange(
+                id=line.id,
+                at=line.at,
+                researcher=line.researcher,
+                event=told_event(line),
+                detail=told_detail(line),
+                reason=line.reason,
+            )
+            for line in session.scalars(query)
+        ]

@@ -1,0 +1,157 @@
+"""Keeping what was computed, so that nothing is computed twice, nor twice at once.
+
+All of it is in the database: any process of any host may ask, and any may go away meanwhile.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from functools import partial
+from typing import Final
+
+from sqlalchemy import func, select, update
+from sqlalchemy.orm import Session
+
+from studyapp.clock import Clock, has_passed
+from studyapp.database.engine import Database, Turn, take_turn
+from studyapp.database.tables import (
+    AuditLine,
+    Event,
+    ExclusionDecision,
+    IntakeChange,
+    InterimFigures,
+    StudySession,
+    StudyVersion,
+)
+from studyapp.researchers.interim.computing import FigureProcess, NoFiguresError
+from studyapp.researchers.interim.documents import FORMAT, What
+from studyapp.researchers.looks import answers_so_far
+
+RESTS: Final[dict[What, timedelta]] = {
+    "agreement": timedelta(minutes=10),
+    "results": timedelta(minutes=1),
+}
+"""However many answers come in between, nothing is computed more often."""
+
+GIVEN_UP_AFTER: Final = timedelta(minutes=10)
+"""Whoever began to compute longer ago has gone away."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kept:
+    """What is known of one kind of figures.
+
+    Attributes
+    ----------
+    answers : int
+        How many there are now.
+    document : str
+        As it was computed last; empty where it never was.
+    is_current : bool
+        Whether nothing has changed since.
+    is_awaited : bool
+        Whether it is being computed.
+    problem : str
+        Why the last attempt failed; empty where it did not.
+    """
+
+    answers: int
+    document: str
+    is_current: bool
+    is_awaited: bool
+    problem: str
+
+
+def kept_figures(database: Database, clock: Clock, what: What, figures: FigureProcess) -> Kept:
+    """Return what was computed last, and have it computed anew where that is due.
+
+    Computing goes on after this returns. Before anybody has answered there is nothing to compute.
+    """
+    now = clock.now()
+    with database.reading() as session:
+        answers, state = answers_so_far(session), _state(session)
+        row = _row(session, what)
+    begun = None
+    if answers and _is_due(row, state, now, RESTS[what]):
+        begun = _begin(database, what, state, now)
+    if begun is not None:
+        figures.begin(partial(_fill, database, clock, what, begun, figures))
+        with database.reading() as session:
+            row = _row(session, what)
+    is_awaited = row is not None and _is_running(row, now)
+    if row is None:
+        return Kept(answers=answers, document="", is_current=False, is_awaited=False, problem="")
+    return Kept(
+        answers=answers,
+        document=row.document,
+        is_current=row.state == state,
+        is_awaited=is_awaited,
+        problem=row.problem,
+    )
+
+
+def _state(session: Session) -> str:
+    """Return what figures depend on: answers, who is counted, and what researchers decided."""
+    people = select(func.count(StudySession.completed_at), func.count(StudySession.withdrawn_at))
+    decided = (
+        select(func.max(ExclusionDecision.id)),
+        select(func.max(IntakeChange.id)),
+        select(func.max(StudyVersion.id)),
+        select(func.max(AuditLine.id)).where(AuditLine.event == Event.OPERATION_CHANGED),
+    )
+    numbers = (
+        FORMAT,
+        answers_so_far(session),
+        *session.execute(people).one(),
+        *(session.scalar(query) or 0 for query in decided),
+    )
+    return "-".join(map(str, numbers))
+
+
+def _row(session: Session, what: What) -> InterimFigures | None:
+    return session.scalars(select(InterimFigures).where(InterimFigures.what == what)).first()
+
+
+def _is_running(row: InterimFigures, now: datetime) -> bool:
+    return row.begun_at is not None and not has_passed(GIVEN_UP_AFTER, row.begun_at, now)
+
+
+def _is_due(row: InterimFigures | None, state: str, now: datetime, rest: timedelta) -> bool:
+    if row is None or row.tried_at is None:
+        return row is None or not _is_running(row, now)
+    changed = row.state != state or bool(row.problem)
+    return changed and has_passed(rest, row.tried_at, now) and not _is_running(row, now)
+
+
+def _begin(database: Database, what: What, state: str, now: datetime) -> datetime | None:
+    """Claim the computing for this process; None where another one was first."""
+    with database.writing() as session:
+        take_turn(session.connection(), Turn.FIGURES)
+        row = _row(session, what)
+        if not _is_due(row, state, now, RESTS[what]):
+            return None
+        if row is None:
+            row = InterimFigures(what=what, state="", document="", problem="")
+            session.add(row)
+        row.begun_at = now
+        return now
+
+
+def _fill(
+    database: Database, clock: Clock, what: What, begun: datetime, figures: FigureProcess
+) -> None:
+    """Compute, and keep what comes of it."""
+    with database.reading() as session:
+        state = _state(session)
+    try:
+        values = {"document": figures.compute(what), "state": state, "problem": ""}
+    except NoFiguresError as error:
+        values = {"problem": str(error)}
+    with database.writing() as session:
+        session.execute(
+            update(InterimFigures)
+            # Somebody may have been forgotten meanwhile: then it is kept no longer.
+            .where(InterimFigures.what == what, InterimFigures.begun_at == begun)
+            .values(begun_at=None, tried_at=clock.now(), **values)
+        )

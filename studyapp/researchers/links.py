@@ -1,0 +1,267 @@
+"""One-time links: how the first owner and all others join, and how a lost password is replaced.
+
+What is stored of a link is a hash. It can be used once, and not after it has expired.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Final, Literal, cast
+
+from sqlalchemy import Select, delete, func, select
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import Session
+
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.database.engine import Database
+from studyapp.database.tables import Event, Researcher, ResearcherLink
+from studyapp.researchers.audit import log_change
+from studyapp.researchers.authentication import set_password
+from studyapp.researchers.logins import begin_login, end_logins_of
+from studyapp.researchers.names import name_key, settled_name
+from studyapp.researchers.passwords import check_password, hashed
+from studyapp.researchers.roles import Role
+from studyapp.researchers.tokens import new_token, token_hash
+
+Purpose = Literal["first_owner", "invitation", "new_password"]
+
+LIFETIME: Final = {
+    "first_owner": timedelta(days=1),
+    "invitation": timedelta(days=3),
+    "new_password": timedelta(days=1),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Link:
+    """One link that can be used.
+
+    Attributes
+    ----------
+    role : Role or None
+        Of the account it makes.
+    name : str
+        Whose password it replaces; empty where it makes an account.
+    """
+
+    id: int
+    purpose: Purpose
+    role: Role | None
+    name: str
+    made_by: str
+    expires_at: datetime
+
+
+class UnusableLinkError(InputError):
+    """The link was used, has expired, was taken back, or never was one."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "this link cannot be used: it works once, and not for ever",
+            remedy="Ask an owner of the study for another one; who runs the server can make one "
+            "with 'motionjury researchers'",
+        )
+
+
+def first_owner_link(database: Database, clock: Clock) -> str | None:
+    """Return the token of a link that makes the first owner, None where there is an owner.
+
+    Links that were made for the same before cannot be used any more.
+    """
+    with database.writing() as session:
+        owners = select(func.count()).where(
+            Researcher.role == "owner", Researcher.disabled_at.is_(None)
+        )
+        if session.scalar(owners):
+            return None
+        session.execute(delete(ResearcherLink).where(ResearcherLink.purpose == "first_owner"))
+        return _make(session, clock.now(), "first_owner", role="owner", made_by="")
+
+
+def invite(database: Database, clock: Clock, *, role: Role, by: str) -> str:
+    """Return the token of a link that makes an account of `role`."""
+    now = clock.now()
+    with database.writing() as session:
+        log_change(session, now, Event.INVITED, by=by, detail=f"as {role}")
+        return _make(session, now, "invitation", role=role, made_by=by)
+
+
+def offer_new_password(database: Database, clock: Clock, *, name: str, by: str) -> str:
+    """Return the token of a link with which the researcher `name` chooses a new password.
+
+    Raises
+    ------
+    InputError
+        If there is no such researcher, or the account is shut out.
+    """
+    now = clock.now()
+    with database.writing() as session:
+        query = select(Researcher).where(Researcher.name_key == name_key(name))
+        found = session.scalars(query).first()
+        if found is None:
+            raise InputError(
+                f"there is no researcher {name!r}",
+                remedy="See who there is with 'motionjury researchers STUDY list'",
+            )
+        if found.disabled_at is not None:
+            raise InputError(f"{found.name!r} is shut out", remedy="An owner can let them in again")
+        session.execute(delete(ResearcherLink).where(ResearcherLink.researcher_id == found.id))
+        log_change(session, now, Event.PASSWORD_OFFERED, by=by, detail=f"to {found.name}")
+        return _make(session, now, "new_password", researcher_id=found.id, made_by=by)
+
+
+def usable_links(database: Database, now: datetime) -> list[Link]:
+    """Return the links that can be used, the one that expires first at the top."""
+    query = _usable(now).order_by(ResearcherLink.expires_at, ResearcherLink.id)
+    with database.reading() as session:
+        return [_link(row, name) for row, name in session.execute(query)]
+
+
+def link_of(database: Database, token: str, now: datetime) -> Link:
+    """Return the link whose token this is; looking at it does not use it.
+
+    Raises
+    ------
+    UnusableLinkError
+        If it cannot be used.
+    """
+    with database.reading() as session:
+        return _found(session, token, now)
+
+
+def take_back_link(database: Database, clock: Clock, link_id: int, *, by: str) -> None:
+    """Make a link unusable; one that has been used is left as it is."""
+    with database.writing() as session:
+        found = session.get(ResearcherLink, link_id)
+        if found is not None:
+            session.delete(found)
+            detail = f"{found.purpose.replace('_', ' ')} of {found.made_by or 'the server'}"
+            log_change(session, clock.now(), Event.LINK_TAKEN_BACK, by=by, detail=detail)
+
+
+def join(database: Database, clock: Clock, token: str, *, name: str, password: str) -> str:
+    """Make an account by a link, and return the token of its first login.
+
+    Raises
+    ------
+    InputError
+        If the link cannot be used, the name is taken, or name or password may not be one.
+    """
+    now = clock.now()
+    link = link_of(database, token, now)
+    name = settled_name(name)
+    check_password(password, name=name)
+    password_hash = hashed(password)
+    try:
+        with database.writing() as session:
+            _use(session, token, now)
+            if link.role is None:
+                raise UnusableLinkError
+            researcher = Researcher(
+                name=name,
+                name_key=name_key(name),
+                role=link.role,
+                password_hash=password_hash,
+                joined_at=now,
+            )
+            session.add(researcher)
+            session.flush()
+            log_change(session, now, Event.JOINED, by=name, detail=f"as {link.role}")
+            return begin_login(session, researcher.id, now)
+    except IntegrityError:
+        raise InputError(
+            f"there is a researcher {name!r} already", remedy="Choose another name"
+        ) from None
+
+
+def choose_password(database: Database, clock: Clock, token: str, *, password: str) -> str | None:
+    """Give a researcher the password chosen by a link, and return the token of a new login.
+
+    Who has a second factor gets none: they log in with it.
+
+    Raises
+    ------
+    InputError
+        If the link cannot be used, or the password may not be one.
+    """
+    now = clock.now()
+    link = link_of(database, token, now)
+    check_password(password, name=link.name)
+    password_hash = hashed(password)
+    with database.writing() as session:
+        researcher_id = _use(session, token, now)
+        query = select(Researcher).where(Researcher.id == researcher_id).with_for_update()
+        researcher = session.scalars(query).first()
+        if researcher is None or researcher.disabled_at is not None:
+            raise UnusableLinkError
+        login = set_password(session, researcher, password_hash, now)
+        if researcher.totp_secret is None:
+            return login
+        end_logins_of(session, researcher.id)
+        return None
+
+
+def _make(
+    session: Session,
+    now: datetime,
+    purpose: Purpose,
+    *,
+    role: Role | None = None,
+    researcher_id: int | None = None,
+    made_by: str,
+) -> str:
+    session.execute(delete(ResearcherLink).where(ResearcherLink.expires_at <= now))
+    token = new_token()
+    session.add(
+        ResearcherLink(
+            token_hash=token_hash(token),
+            purpose=purpose,
+            role=role,
+            researcher_id=researcher_id,
+            made_at=now,
+            expires_at=now + LIFETIME[purpose],
+            made_by=made_by,
+        )
+    )
+    return token
+
+
+def _use(session: Session, token: str, now: datetime) -> int | None:
+    """Remove the link, and return whose password it is about; of two at once one finds it."""
+    used = session.execute(
+        delete(ResearcherLink)
+        .where(ResearcherLink.token_hash == token_hash(token), ResearcherLink.expires_at > now)
+        .returning(ResearcherLink.researcher_id)
+    ).first()
+    if used is None:
+        raise UnusableLinkError
+    return used[0]
+
+
+def _usable(now: datetime) -> Select[ResearcherLink, str]:
+    return (
+        select(ResearcherLink, Researcher.name)
+        .outerjoin(Researcher, Researcher.id == ResearcherLink.researcher_id)
+        .where(ResearcherLink.expires_at > now, Researcher.disabled_at.is_(None))
+    )
+
+
+def _found(session: Session, token: str, now: datetime) -> Link:
+    query = _usable(now).where(ResearcherLink.token_hash == token_hash(token))
+    found = session.execute(query).first()
+    if found is None:
+        raise UnusableLinkError
+    return _link(*found)
+
+
+def _link(row: ResearcherLink, name: str | None) -> Link:
+    return Link(
+        id=row.id,
+        purpose=cast(Purpose, row.purpose),
+        role=cast("Role | None", row.role),
+        name=name or "",
+        made_by=row.made_by,
+        expires_at=row.expires_at,
+    )

@@ -1,0 +1,156 @@
+"""Pseudonyms: names of participants for export, which nobody can turn back without the key."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import hmac
+import json
+import os
+import secrets
+from collections import Counter
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, Protocol, Self
+
+from motion.errors import InputError
+
+KEY_BYTES: Final = 32
+PSEUDONYM_BYTES: Final = 10
+LENGTH: Final = 17
+AGAIN: Final = "x"
+
+FOLDER: Final = "sub-"
+"""Before the pseudonym in folders for another lab."""
+
+PREFIX: Final = "p"
+"""A letter first, so that no spreadsheet takes a pseudonym for a number."""
+
+_OTHERS: Final = 0o077
+
+
+class Identified(Protocol):
+    """What tells a participant apart: of a study session, stored or read column by column."""
+
+    @property
+    def id(self) -> int:
+        """Number of the study session."""
+
+    @property
+    def token(self) -> str:
+        """See `studyapp.database.tables.StudySession`."""
+
+    @property
+    def visit(self) -> str | None:
+        """See `studyapp.database.tables.StudySession`."""
+
+    @property
+    def recruiter_participant(self) -> str | None:
+        """See `studyapp.database.tables.StudySession`."""
+
+
+@dataclass(frozen=True)
+class PseudonymKey:
+    """A study's key: with it, and only with it, a pseudonym can be found for a name.
+
+    Attributes
+    ----------
+    secret : bytes
+        Random; never printed.
+    """
+
+    secret: bytes = field(repr=False)
+
+    @classmethod
+    def read(cls, path: Path) -> Self | None:
+        """Read the key in `path`; None where there is none yet.
+
+        Raises
+        ------
+        InputError
+            If the file is no key, or others than its owner may read it.
+        """
+        try:
+            text = path.read_text("ascii").strip()
+            mode = path.stat().st_mode
+        except FileNotFoundError:
+            return None
+        except UnicodeDecodeError:
+            text, mode = "", 0
+        if mode & _OTHERS:
+            raise InputError(
+                "others on this machine may read the key of the pseudonyms",
+                where=path,
+                remedy=f"Take that right from them: chmod 600 {path}",
+            )
+        try:
+            secret = bytes.fromhex(text)
+        except ValueError:
+            secret = b""
+        if len(secret) != KEY_BYTES:
+            raise InputError(
+                "this is no key of pseudonyms",
+                where=path,
+                remedy="Put a backup of it in its place; without it, participants get other "
+                "pseudonyms than in earlier exports, and then it may be removed",
+            )
+        return cls(secret)
+
+    @classmethod
+    def read_or_make(cls, path: Path) -> Self:
+        """Read the key in `path`; where there is none, draw one that only the owner may read."""
+        found = cls.read(path)
+        if found is not None:
+            return found
+        draft = path.with_name(f".{path.name}-{secrets.token_hex(8)}")
+        handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        try:
+            with os.fdopen(handle, "w", encoding="ascii") as stream:
+                stream.write(secrets.token_bytes(KEY_BYTES).hex() + "\n")
+                stream.flush()
+                os.fsync(stream.fileno())
+            # Of two exports at once, the first key stands.
+            with suppress(FileExistsError):
+                os.link(draft, path)
+        finally:
+            draft.unlink()
+        made = cls.read(path)
+        if made is None:
+            raise InputError("the key cannot be kept", where=path, remedy="Check the folder")
+        return made
+
+    def pseudonym(self, participant: Identified) -> str:
+        """Return the participant's pseudonym: ``p`` and sixteen letters and digits.
+
+        It is the first 80 bits of an HMAC with SHA-256 (RFC 2104) of the recruiter's name for the
+        person, or of the random visit where there is no recruiter: the same in every export.
+        """
+        identity = ("token", participant.token)
+        if participant.recruiter_participant is not None:
+            identity = ("recruiter", participant.recruiter_participant)
+        elif participant.visit is not None:
+            identity = ("visit", participant.visit)
+        digest = hmac.digest(self.secret, json.dumps(identity).encode(), hashlib.sha256)
+        return PREFIX + base64.b32encode(digest[:PSEUDONYM_BYTES]).decode("ascii").lower()
+
+    def pseudonyms(self, study_sessions: Iterable[Identified]) -> dict[int, str]:
+        """Return a name for each study session, by its number.
+
+        That is the participant's pseudonym. Who came in several of a recruiter's studies has
+        several study sessions; the second is called by the pseudonym and ``x2``, and so on.
+        """
+        names: dict[int, str] = {}
+        times: Counter[str] = Counter()
+        for study_session in sorted(study_sessions, key=lambda each: each.id):
+            name = self.pseudonym(study_session)
+            times[name] += 1
+            again = "" if times[name] == 1 else f"{AGAIN}{times[name]}"
+            names[study_session.id] = name + again
+        return names
+
+    def is_called(self, participant: Identified, name: str) -> bool:
+        """Tell whether `name`, as an export has it, is one of the participant's."""
+        pseudonym = name.removeprefix(FOLDER)[:LENGTH]
+        return hmac.compare_digest(self.pseudonym(participant).encode(), pseudonym.encode())

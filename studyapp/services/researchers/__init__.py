@@ -1,1 +1,0 @@
-"""Researchers: their accounts, roles, logins and one-time links."""

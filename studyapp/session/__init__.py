@@ -1,0 +1,1 @@
+"""One participant, from arrival to completion code."""

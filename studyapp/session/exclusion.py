@@ -1,0 +1,44 @@
+"""Exclusions that are known as soon as a participant has finished."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Final
+
+from analysis.exclusions.sitting import Sitting
+from studyapp.database.tables import StudySession, Trial
+from studyapp.definition.study import Study
+
+JUDGED: Final = ("catch", "attention")
+"""Kinds of trial that can be failed, and the rules that count the failures."""
+
+
+def is_excluded(study: Study, study_session: StudySession) -> bool:
+    """Tell whether more catch trials or attention checks were failed than the study allows.
+
+    The analysis finds the same from the answers, and applies all other rules besides; here it
+    only decides about the place.
+    """
+    failed = failures(study, study_session.trials)
+    sitting = Sitting(
+        participant=str(study_session.id),
+        failed_catch=failed["catch"],
+        failed_attention=failed["attention"],
+    )
+    rules = [each.made() for each in study.settled_exclusions if each.rule in JUDGED]
+    return any(rule.judge(sitting) for rule in rules)
+
+
+def failures(study: Study, trials: Iterable[Trial]) -> dict[str, int]:
+    """Return how many of `trials` were failed, by kind; to leave one out is to fail it."""
+    failed = [trial.kind for trial in trials if _failed(study, trial)]
+    return {kind: failed.count(kind) for kind in JUDGED}
+
+
+def _failed(study: Study, trial: Trial) -> bool:
+    if not trial.settled or trial.kind not in JUDGED:
+        return False
+    if trial.answered_at is None:
+        return True
+    answers = {(given.question, given.stimulus): given.value for given in trial.responses}
+    return study.failed(trial, answers)

@@ -1,0 +1,153 @@
+"""What participants say about themselves: checked, judged for eligibility, stored once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import datetime
+from typing import Final
+
+from studyapp.clock import Clock
+from studyapp.database.engine import Database
+from studyapp.database.tables import FormAnswer
+from studyapp.definition.form import Stage
+from studyapp.definition.study import Study
+from studyapp.session.arrival.places import regain_place
+from studyapp.session.completion import move_on
+from studyapp.session.refusal import ConflictError, IneligibleError, UnacceptableError
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.sound_check import sound_check_due
+from studyapp.session.state import find, form_due
+
+BEFORE_ENROLMENT: Final[tuple[Stage, ...]] = ("eligibility", "consent")
+
+
+def check_eligibility(study: Study, fields: Mapping[str, str]) -> None:
+    """Refuse who may not take part as far as they said so before consent; nothing is stored.
+
+    Raises
+    ------
+    UnacceptableError
+        If an answer is missing, unknown or not one of those offered.
+    IneligibleError
+        If the person cannot take part.
+    """
+    _check_answers(study, "eligibility", fields)
+    _require_eligible(study, "eligibility", fields)
+
+
+def entrance_answers(study: Study, fields: Mapping[str, str], now: datetime) -> list[FormAnswer]:
+    """Return what was answered under eligibility and consent, to be stored with the enrolment.
+
+    Raises
+    ------
+    UnacceptableError
+        If an answer is missing, unknown or not one of those offered.
+    IneligibleError
+        If the person cannot take part; nothing of them is stored.
+    """
+    answers = []
+    for stage in BEFORE_ENROLMENT:
+        answers.extend(_answers(study, stage, fields, now))
+        _require_eligible(study, stage, fields)
+    return answers
+
+
+def _require_eligible(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
+    for question in study.form.asked(stage):
+        if question.eligible and fields[question.name].strip() not in question.eligible:
+            raise IneligibleError(
+                "Thank you for your interest: this study looks for other participants.",
+                "Nothing about you has been stored, and you may close this page.",
+            )
+
+
+def answer_form(
+    database: Database,
+    served: ServedStudy,
+    token: str,
+    stage: Stage,
+    fields: Mapping[str, str],
+    clock: Clock,
+) -> None:
+    """Store the answers of one stage; the same answers sent again change nothing.
+
+    Parameters
+    ----------
+    stage : {'demographics', 'closing'}
+        Which questions are answered.
+    fields : mapping of question name to text
+        As the form sent them; a question that may be left open may be missing.
+
+    Raises
+    ------
+    RefusalError
+        If it is not the stage the participant is at, an answer cannot be accepted, or other
+        answers were given before.
+    """
+    study = served.study
+    with database.writing() as session:
+        study_session = find(session, token)
+        now = clock.now()
+        answers = _answers(study, stage, fields, now)
+        stored = {
+            known.question: known.value
+            for known in study_session.form_answers
+            if known.stage == stage
+        }
+        if stored:
+            if stored != {answer.question: answer.value for answer in answers}:
+                raise ConflictError(
+                    "You have already answered these questions, and your answers are stored.",
+                    "Please go on; nothing you answered is lost.",
+                )
+            return
+        regain_place(session, served, study_session)
+        running = study_session.place is not None and study_session.completed_at is None
+        checking = sound_check_due(study_session, served)
+        if not running or checking or form_due(study_session, study) != stage:
+            raise ConflictError(
+                "These questions are not the ones you are at.",
+                "The page you come to next shows how to go on.",
+            )
+        study_session.form_answers.extend(answers)
+        move_on(session, study_session, study, now)
+
+
+def _answers(
+    study: Study, stage: Stage, fields: Mapping[str, str], now: datetime
+) -> list[FormAnswer]:
+    """Return an answer for each question of `stage`; one that was left open is empty."""
+    _check_answers(study, stage, fields)
+    return [
+        FormAnswer(
+            stage=stage,
+            question=question.name,
+            value=fields.get(question.name, "").strip(),
+            answered_at=now,
+        )
+        for question in study.form.asked(stage)
+    ]
+
+
+def _check_answers(study: Study, stage: Stage, fields: Mapping[str, str]) -> None:
+    asked = enumerate(study.form.asked(stage), start=1)
+    given = {number: (q, fields.get(q.name, "").strip()) for number, q in asked}
+    problems = {number: q.problem(answer, number) for number, (q, answer) in given.items()}
+    wrong = {number: problem for number, problem in problems.items() if problem is not None}
+    if len(wrong) == 1:
+        (problem,) = wrong.values()
+        raise UnacceptableError(
+            "{problem}", "The other answers you gave are kept.", problem=problem
+        )
+    if wrong and not any(given[number][1] for number in wrong):
+        raise UnacceptableError(
+            "Questions {numbers} are not answered yet.",
+            "The other answers you gave are kept.",
+            numbers=tuple(wrong),
+        )
+    if wrong:
+        raise UnacceptableError(
+            "Questions {numbers} have no answer yet, or one that cannot be accepted.",
+            "The other answers you gave are kept.",
+            numbers=tuple(wrong),
+        )

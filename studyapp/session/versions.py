@@ -1,0 +1,111 @@
+"""Versions of the study: its design may not change while data are collected, unless asked to."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from sqlalchemy import delete, func, select, update
+from sqlalchemy.orm import Session
+
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.database.engine import Database
+from studyapp.database.tables import AuditLine, Event, StudySession, StudyVersion
+from studyapp.definition.versioning import operation_changes, operation_part
+from studyapp.session.arrival.places import (
+    open_places,
+    release_outdated,
+    restore_places,
+    take_allocation_turn,
+)
+from studyapp.session.served_study import ServedStudy
+
+
+def open_study(
+    database: Database, served: ServedStudy, clock: Clock, *, new_version: bool = False
+) -> None:
+    """Make the database ready for `served`: its version is noted, and its places are open.
+
+    Parameters
+    ----------
+    new_version : bool
+        Whether a changed design may become a new version.
+
+    Raises
+    ------
+    InputError
+        If somebody has taken part in the design that was served last, `served` has another one,
+        and `new_version` is not given.
+    """
+    with database.writing() as session:
+        take_allocation_turn(session)
+        _open(session, served, clock.now(), new_version=new_version)
+
+
+def must_be_new_version(database: Database, design: str) -> bool:
+    """Tell whether `design` can only be served as a new version: people came to another one."""
+    with database.reading() as session:
+        return _leaves_participants(session, design)
+
+
+def _open(session: Session, served: ServedStudy, now: datetime, *, new_version: bool) -> None:
+    if _leaves_participants(session, served.design) and not new_version:
+        raise InputError(
+            "the study's design has changed, and people have taken part in the one before",
+            where="study.toml",
+            remedy="Undo the change (the database keeps the file as it was), or serve it with "
+            "--new-version: earlier answers are kept apart, and unfinished participants of what "
+            "has changed cannot go on",
+        )
+    wanted = select(StudyVersion).where(StudyVersion.design == served.design)
+    version = session.scalars(wanted).first() or _note(session, served, now)
+    if not _was_seen(session, version):
+        # Whoever comes first is to find the exclusion rules of now, not those of the first opening.
+        version.definition = served.definition
+    session.execute(update(StudyVersion).values(in_force=StudyVersion.id == version.id))
+    _note_operation(session, served, version, now)
+    release_outdated(session, served)
+    open_places(session, served)
+    restore_places(session, served, now)
+
+
+def _leaves_participants(session: Session, design: str) -> bool:
+    """Tell whether the design in force is another one, and somebody has enrolled in it."""
+    in_force = session.scalars(select(StudyVersion).where(StudyVersion.in_force)).first()
+    return in_force is not None and in_force.design != design and _was_seen(session, in_force)
+
+
+def _note(session: Session, served: ServedStudy, now: datetime) -> StudyVersion:
+    """Return a version for a design that is not known yet; it replaces those that nobody saw."""
+    seen = select(StudySession.version_id)
+    session.execute(delete(StudyVersion).where(StudyVersion.id.not_in(seen)))
+    last = session.scalars(select(func.max(StudyVersion.number))).one()
+    made = StudyVersion(
+        number=1 if last is None else last + 1,
+        design=served.design,
+        definition=served.definition,
+        operation=operation_part(served.study),
+        opened_at=now,
+    )
+    session.add(made)
+    session.flush()
+    if made.number > 1:
+        session.add(AuditLine(at=now, event=Event.NEW_VERSION, detail=f"version {made.number}"))
+    return made
+
+
+def _was_seen(session: Session, version: StudyVersion) -> bool:
+    """Tell whether anybody has enrolled in `version`."""
+    seen = select(StudySession.id).where(StudySession.version_id == version.id).limit(1)
+    return session.scalars(seen).first() is not None
+
+
+def _note_operation(
+    session: Session, served: ServedStudy, version: StudyVersion, now: datetime
+) -> None:
+    operation = operation_part(served.study)
+    changes = operation_changes(version.operation, operation)
+    if changes:
+        session.add(AuditLine(at=now, event=Event.OPERATION_CHANGED, detail="; ".join(changes)))
+        version.operation = operation
+        session.flush()

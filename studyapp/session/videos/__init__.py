@@ -1,0 +1,1 @@
+"""What a participant may fetch, and what was really played."""

@@ -1,0 +1,154 @@
+"""By what participants are named in the address that brings them, channel by channel."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import Final
+
+from studyapp.definition.recruitment import Channel
+from studyapp.recruitment.invitations import invited
+from studyapp.recruitment.signed_links import SIGNED, signed_names
+from studyapp.researchers.tokens import token_hash
+from studyapp.session.arrival.enrolment import Arrival
+from studyapp.session.departure import MTURK_SITES
+from studyapp.session.refusal import UnacceptableError, UninvitedError
+from studyapp.web.address import newcomers_address
+from studyapp.web.participants.returning import read_cookie
+from studyapp.web.running import running
+
+PROLIFIC_NAMES: Final = ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID")
+NAMES: Final[Mapping[Channel, tuple[str, ...]]] = MappingProxyType(
+    {
+        "link": PROLIFIC_NAMES,
+        "prolific": PROLIFIC_NAMES,
+        "mturk": ("workerId", "hitId", "assignmentId", "turkSubmitTo"),
+        "invitations": ("invitation",),
+    }
+)
+"""What stands in the address; the first one names the participant."""
+
+VISIT: Final = re.compile(r"[A-Za-z0-9_-]{22,64}")
+NAME: Final = re.compile(r"[\x21-\x7e]{1,200}")
+PREVIEWED: Final = "ASSIGNMENT_ID_NOT_AVAILABLE"
+"""What Mechanical Turk calls the assignment of somebody who only looks at the HIT."""
+
+
+def names_in(values: Mapping[str, str]) -> dict[str, str]:
+    """Return by what the participant is named in `values`; nothing where nobody sent them by name.
+
+    Raises
+    ------
+    UnacceptableError
+        If a name cannot be used.
+    UninvitedError
+        If the study takes only those whom its channel names.
+    """
+    recruitment = running().study.recruitment
+    channel = recruitment.channel
+    if channel == "prolific" and recruitment.prolific.signed_for:
+        return _signed_names(values.get(SIGNED, ""), recruitment.prolific.signed_for)
+    names = {name: values[name] for name in NAMES[channel] if values.get(name)}
+    if any(not NAME.fullmatch(value) for value in names.values()):
+        raise UnacceptableError(
+            "The link holds a participant name that cannot be used.",
+            "Please open the study once more from the page that sent you here.",
+        )
+    if _is_complete(channel, names):
+        return _in_recruiters_letters(names)
+    if channel == "link":
+        return {}
+    if channel == "invitations":
+        raise UninvitedError(
+            "This study can be opened with an invitation only.",
+            "Please open the whole link that you were sent.",
+        )
+    raise _not_sent()
+
+
+def _not_sent() -> UninvitedError:
+    return UninvitedError(
+        "This study is open to people who come from a recruiting site only.",
+        "Please open it from its page there.",
+    )
+
+
+def _signed_names(token: str, host: str) -> dict[str, str]:
+    names = signed_names(token, host)
+    if names is None:
+        raise _not_sent()
+    return _in_recruiters_letters(names) | {SIGNED: token}
+
+
+def _in_recruiters_letters(names: dict[str, str]) -> dict[str, str]:
+    """Return `names` with the participant's as the recruiter writes it: one person, one name."""
+    if "PROLIFIC_PID" in names:
+        return names | {"PROLIFIC_PID": names["PROLIFIC_PID"].lower()}
+    if "workerId" in names:
+        return names | {"workerId": names["workerId"].upper()}
+    return names
+
+
+def is_preview(values: Mapping[str, str]) -> bool:
+    """Tell whether somebody looks at the study without having decided to take part."""
+    of_mturk = running().study.recruitment.channel == "mturk"
+    return of_mturk and values.get("assignmentId") == PREVIEWED
+
+
+def arrival_of(names: Mapping[str, str], *, visit: str, given: Mapping[str, str]) -> Arrival:
+    """Return who comes, to the study.
+
+    Parameters
+    ----------
+    names : mapping of str to str
+        As `names_in` returned them.
+    visit : str
+        Says who it is where there are no names.
+    given : mapping of question name to text
+        What was answered so far.
+    """
+    study = running().study
+    arriving = partial(
+        Arrival,
+        form=given,
+        token=read_cookie(study.name),
+        is_signed=SIGNED in names,
+        address=None if study.recruitment.is_proven else newcomers_address(),
+    )
+    drawn = visit if VISIT.fullmatch(visit) else None
+    if "PROLIFIC_PID" in names:
+        return arriving(
+            visit=_visit_as(names["PROLIFIC_PID"], drawn),
+            recruiter_participant=names["PROLIFIC_PID"],
+            recruiter_study=names.get("STUDY_ID", ""),
+            recruiter_session=names.get("SESSION_ID", ""),
+        )
+    if "workerId" in names:
+        return arriving(
+            visit=_visit_as(names["workerId"], drawn),
+            recruiter_participant=names["workerId"],
+            recruiter_study=names["hitId"],
+            recruiter_session=names["assignmentId"],
+            submit_to=names["turkSubmitTo"],
+        )
+    if "invitation" in names:
+        return arriving(visit=invited(running().database, names["invitation"]))
+    return arriving(visit=drawn)
+
+
+def _visit_as(participant: str, drawn: str | None) -> str | None:
+    """Return the visit of somebody whom a recruiter names; with another name it is another one."""
+    return drawn and token_hash(f"{participant} {drawn}")
+
+
+def _is_complete(channel: Channel, names: Mapping[str, str]) -> bool:
+    """Tell whether `names` say who it is, and where the end is to be reported to."""
+    if channel == "mturk":
+        return len(names) == len(NAMES[channel]) and names["turkSubmitTo"] in MTURK_SITES
+    if channel == "invitations":
+        return (
+            "invitation" in names and invited(running().database, names["invitation"]) is not None
+        )
+    return "PROLIFIC_PID" in names

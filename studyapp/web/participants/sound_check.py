@@ -1,0 +1,103 @@
+"""The sound check: hearing the digits, typing them, and leaving where they cannot be heard."""
+
+from __future__ import annotations
+
+import io
+import wave
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from flask import Blueprint, request, send_file
+from flask.typing import ResponseReturnValue
+
+from studyapp.definition.page import Language
+from studyapp.session.refusal import UnacceptableError
+from studyapp.session.sound_check import check_sound, digits_to_speak, leave_unheard
+from studyapp.web.errors import note, told
+from studyapp.web.language import _
+from studyapp.web.participants.participant import to_where_they_stand, where_they_stand
+from studyapp.web.running import running
+
+RECORDINGS: Final = Path(__file__).parents[1] / "digit_recordings"
+RATE: Final = 16_000
+"""Samples a second of every recording; each is mono, of 16 bits."""
+
+SAMPLE_BYTES: Final = 2
+BEFORE_SECONDS: Final = 0.5
+"""Silence in which loudspeakers that sleep wake up."""
+
+BETWEEN_SECONDS: Final = 0.4
+
+
+def spoken(language: Language, digits: str) -> bytes:
+    """Return a WAV file in which `digits` are read out.
+
+    Each digit takes the same time, so that files of as many digits have the same size.
+    """
+    recordings = _recordings(language)
+    slot = max(len(recording) for recording in recordings) + _silence(BETWEEN_SECONDS)
+    sound = b"".join(recordings[int(digit)].ljust(slot, b"\0") for digit in digits)
+    file = io.BytesIO()
+    with wave.open(file, "wb") as joined:
+        joined.setnchannels(1)
+        joined.setsampwidth(SAMPLE_BYTES)
+        joined.setframerate(RATE)
+        joined.writeframes(b"\0" * _silence(BEFORE_SECONDS) + sound)
+    return file.getvalue()
+
+
+def _silence(seconds: float) -> int:
+    """Return how many bytes `seconds` take."""
+    return SAMPLE_BYTES * round(seconds * RATE)
+
+
+@cache
+def _recordings(language: Language) -> tuple[bytes, ...]:
+    """Return the samples of each digit, 0 first."""
+    samples = []
+    for digit in range(10):
+        with wave.open(str(RECORDINGS / language / f"{digit}.wav"), "rb") as recording:
+            samples.append(recording.readframes(recording.getnframes()))
+    return tuple(samples)
+
+
+pages = Blueprint("sound_check", __name__)
+
+
+@pages.get("/take/<token>/sound-check.wav")
+def sound(token: str) -> ResponseReturnValue:
+    """Read the digits out. Name, size and headers are the same whatever they are."""
+    here = running()
+    digits = digits_to_speak(here.database, here.served, token)
+    # Byte ranges, since one browser plays nothing without them.
+    return send_file(
+        io.BytesIO(spoken(here.study.page.language, digits)),
+        mimetype="audio/wav",
+        conditional=True,
+        etag=False,
+    )
+
+
+@pages.post("/take/<token>/sound-check")
+def check(token: str) -> ResponseReturnValue:
+    """Compare what was typed with what was spoken."""
+    here = running()
+    typed = request.form.get("digits", "")
+    try:
+        heard = check_sound(here.database, here.served, token, typed, here.clock)
+        problem = _("Those are not the digits that were spoken. Please try once more.")
+    except UnacceptableError as refusal:
+        note(refusal)
+        heard, problem = False, told(refusal)
+    if heard:
+        return to_where_they_stand(token)
+    return where_they_stand(token, problem=problem), 422
+
+
+@pages.post("/take/<token>/sound-check/unheard")
+def unheard(token: str) -> ResponseReturnValue:
+    """Leave the study without having heard anything."""
+    here = running()
+    leave_unheard(here.database, here.served, token, here.clock)
+    return to_where_they_stand(token)

@@ -1,0 +1,203 @@
+"""Serving a study to participants through gunicorn."""
+
+from __future__ import annotations
+
+import gc
+import logging
+import resource
+import socket
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+from flask import Flask
+from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
+from sqlalchemy.exc import SQLAlchemyError
+
+from motion.errors import InputError
+from studyapp.clock import Clock
+from studyapp.database.engine import Database, database_url_of
+from studyapp.monitoring.alarm_channels import AlarmChannels
+from studyapp.monitoring.alarms import watch_for_alarms
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.web.address import believed_proxies
+from studyapp.web.app import create_app
+from studyapp.web.media_store.store import MediaStore
+from studyapp.web.running import running
+from studyapp.web.sub_path import checked_prefix
+from studyapp.web.worker import StudyWorker
+
+RETRY_SECONDS: Final = 1.0
+"""Between a worker's attempts to start."""
+
+WORKERS: Final = 2
+THREADS: Final = 128
+"""Requests that one worker works on side by side.
+
+Lines cost no thread, however slow they are: see `studyapp.web.worker`. Threads that wait for the
+database cost next to nothing.
+"""
+
+CONNECTIONS: Final = 1000
+"""Lines that one worker keeps open."""
+
+DESCRIPTORS: Final = 4 * CONNECTIONS
+"""Files that one worker may have open; each line may have a video's besides its own."""
+
+
+class StudyServer(BaseApplication):  # type: ignore[misc]
+    """gunicorn, set up in this process; every worker makes its own application."""
+
+    def __init__(self, options: dict[str, Any], folder: Path, **application: Any) -> None:
+        self.options = options
+        self.folder = folder
+        self.application = application
+        super().__init__()
+
+    def load_config(self) -> None:
+        """Take over the options; no file and no command line is read."""
+        for name, value in self.options.items():
+            self.cfg.set(name, value)
+
+    def load(self) -> Flask:
+        """Make the application, in the worker's own process.
+
+        Where the database is away just then, it is waited for: a worker that gives up takes the
+        whole server with it.
+        """
+        while True:
+            try:
+                app = create_app(self.folder, **self.application)
+            except (InputError, SQLAlchemyError) as error:
+                kind = type(error.__cause__ or error).__name__
+                logging.getLogger("gunicorn.error").error("A worker waits to start (%s)", kind)
+                time.sleep(RETRY_SECONDS)
+            else:
+                _watch_for_alarms(app)
+                return app
+
+
+def run_server(
+    folder: Path,
+    host: str,
+    port: int,
+    workers: int = WORKERS,
+    *,
+    threads: int = THREADS,
+    accel_prefix: str | None = None,
+    prefix: str = "",
+    database_url: str | None = None,
+    rehearsal_speed: float | None = None,
+    new_version: bool = False,
+    from_store: bool = False,
+    origin: str = "",
+    on_ready: Callable[[], None] | None = None,
+) -> None:
+    """Serve the study in `folder` until the process is told to stop (SIGINT or SIGTERM).
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder.
+    host, port : str, int
+        Where to listen.
+    workers : int
+        Processes.
+    threads : int
+        Requests that each of them handles side by side.
+    database_url, rehearsal_speed, accel_prefix, prefix, origin
+        See `studyapp.web.app.create_app`.
+    new_version : bool
+        Whether a design that has changed since participants came becomes a new version.
+    from_store : bool
+        Whether participants load the videos from the store that they were published to.
+    on_ready : callable, optional
+        Called when the server listens.
+
+    Raises
+    ------
+    InputError
+        Before anything is served: if the study or a video is missing, here or in the store, the
+        address is taken, the database cannot be used, `prefix` is no path,
+        ``FORWARDED_ALLOW_IPS`` names no network, alarms cannot be sent as the study says, or the
+        design has changed and `new_version` is not given.
+    """
+    prefix = checked_prefix(prefix)
+    believed_proxies()
+    rehearsal = rehearsal_speed is not None
+    served = ServedStudy.read(folder).opened_for(rehearsal=rehearsal)
+    store = MediaStore.of(folder, served) if from_store else None
+    AlarmChannels.of(served.study)
+    _require_free(host, port)
+    url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
+    # The workers find the newest schema and version and need not make them all at once.
+    database = Database.open(url)
+    try:
+        open_study(database, served, Clock(), new_version=new_version)
+    finally:
+        database.close()
+    options = {
+        "bind": f"{host}:{port}",
+        "workers": workers,
+        "worker_class": StudyWorker,
+        "threads": threads,
+        "worker_connections": CONNECTIONS,
+        "preload_app": False,
+        # Addresses hold participants' tokens.
+        "accesslog": None,
+        "loglevel": "warning",
+        "proc_name": "motionjury",
+        "control_socket_disable": True,
+        # Of what a proxy may say in headers, the scheme alone is believed here; for whom it asks
+        # is read in `studyapp.web.address`. The sub-path is ours to name.
+        "secure_scheme_headers": {"X-FORWARDED-PROTO": "https"},
+        "forwarder_headers": "",
+    }
+    if on_ready is not None:
+        options["when_ready"] = lambda _arbiter: on_ready()
+    _allow_descriptors()
+    # What is loaded here stays for good. Workers share its memory as long as no collection of
+    # garbage walks over it, and end without one.
+    gc.freeze()
+    StudyServer(
+        options,
+        folder,
+        database_url=url,
+        rehearsal_speed=rehearsal_speed,
+        accel_prefix=accel_prefix,
+        prefix=prefix,
+        served=served,
+        store=store,
+        origin=origin,
+    ).run()
+
+
+def _watch_for_alarms(app: Flask) -> None:
+    """Tell researchers what happens to the study of `app`; a rehearsal concerns nobody."""
+    with app.app_context():
+        here = running()
+    if here.clock.speed == 1.0 and (channels := AlarmChannels.of(here.study)).is_any:
+        watch_for_alarms(here.database, here.served, here.clock, channels.send)
+
+
+def _allow_descriptors() -> None:
+    """Let this process and its workers open as many files as they may need, if the system does."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    most = DESCRIPTORS if hard == resource.RLIM_INFINITY else min(DESCRIPTORS, hard)
+    if soft != resource.RLIM_INFINITY and soft < most:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+
+
+def _require_free(host: str, port: int) -> None:
+    """Raise `InputError` unless this machine can listen at `host` and `port`."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        socket.create_server((host.strip("[]"), port), family=family).close()
+    except OSError as error:
+        raise InputError(
+            f"the server cannot listen there ({error.strerror})",
+            where=f"{host}:{port}",
+            remedy="Choose another --port or --host, or stop what listens there",
+        ) from error

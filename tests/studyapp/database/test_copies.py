@@ -1,0 +1,200 @@
+"""A copy of a database holds all of it, and can be put back into either kind."""
+
+from __future__ import annotations
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from sqlalchemy import create_engine, select, text
+
+from motion.errors import InputError
+from studyapp.database.copies import (
+    fill_from_copy,
+    flaws_of_copy,
+    require_empty,
+    rows_of_copy,
+    write_copy,
+)
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import Base, StudySession, WatchRecord
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.withdrawal import withdraw
+from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.throwaway_postgresql import ThrowawayPostgresql
+
+SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+"""For what is the same on both databases."""
+
+Rows = dict[str, list[tuple[object, ...]]]
+
+
+def rows_of(database: Database) -> Rows:
+    """Return everything that the database holds, as Python sees it."""
+    with database.reading() as session:
+        return {
+            table.name: [
+                tuple(row) for row in session.execute(select(table).order_by(*table.primary_key))
+            ]
+            for table in Base.metadata.sorted_tables
+        }
+
+
+def rows_at(url: str) -> Rows:
+    database = Database.open_for_reading(url)
+    assert database is not None
+    try:
+        return rows_of(database)
+    finally:
+        database.close()
+
+
+@pytest.fixture
+def answered(participant: Participant) -> Participant:
+    """Return a participant who has answered a trial, with all that can stand in a row."""
+    trial = participant.trial().token
+    participant.clock.advance(seconds=5.123456)
+    participant.watch((0.0, 0.7), (0.75, 1.3), batch=0)
+    participant.watch((0.5, 2.0), batch=1)
+    participant.answer(trial)
+    arrival = Arrival(recruiter_participant="Zoë 'quotes' \\ 音", recruiter_study="one")
+    enrol(participant.database, participant.served, arrival, participant.clock)
+    return participant
+
+
+def test_a_copy_holds_every_row_as_it_was(
+    answered: Participant, database_url: str, tmp_path: Path
+) -> None:
+    write_copy(database_url, tmp_path / "copy.db")
+
+    assert rows_at(sqlite_url(tmp_path / "copy.db")) == rows_of(answered.database)
+    assert flaws_of_copy(tmp_path / "copy.db") == []
+    assert rows_of_copy(tmp_path / "copy.db")["responses"] == 2
+
+
+@SQLITE
+@pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
+def test_a_copy_fills_postgresql_which_then_counts_on(
+    answered: Participant, database_url: str, empty_url: str, tmp_path: Path, served: ServedStudy
+) -> None:
+    write_copy(database_url, tmp_path / "copy.db")
+
+    fill_from_copy(empty_url, tmp_path / "copy.db")
+
+    assert rows_at(empty_url) == rows_of(answered.database)
+    filled = Database.open(empty_url)
+    goes_on = Participant(filled, served, answered.clock, answered.token)
+    goes_on.take_trial()
+    assert Participant(filled, served, answered.clock).enrol("newcomer").token
+    filled.close()
+    with pytest.raises(InputError, match="the database is not empty"):
+        fill_from_copy(empty_url, tmp_path / "copy.db")
+
+
+@SQLITE
+@pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
+def test_nothing_is_stored_where_filling_fails(
+    answered: Participant, database_url: str, empty_url: str, tmp_path: Path
+) -> None:
+    write_copy(database_url, tmp_path / "copy.db")
+    with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
+        # PostgreSQL has no such number, and this table is among the last to be filled.
+        copy.execute("UPDATE watch_records SET stalls = 4611686018427387904")
+        copy.commit()
+
+    with pytest.raises(InputError, match=r"cannot be filled: .*nothing was stored"):
+        fill_from_copy(empty_url, tmp_path / "copy.db")
+
+    require_empty(empty_url)
+
+
+@pytest.mark.parametrize("empty_url", ["postgresql"], indirect=True)
+def test_another_programs_database_is_not_empty(empty_url: str) -> None:
+    require_empty(empty_url)
+    engine = create_engine(empty_url)
+    with engine.begin() as connection:
+        connection.execute(text("CREATE TABLE guests (id integer primary key)"))
+    require_empty(empty_url)
+    with engine.begin() as connection:
+        connection.execute(text("INSERT INTO guests VALUES (1)"))
+    engine.dispose()
+
+    with pytest.raises(InputError, match="guests has rows"):
+        require_empty(empty_url)
+
+
+@SQLITE
+def test_writers_and_readers_go_on_while_a_copy_is_made(
+    answered: Participant, database_url: str, tmp_path: Path
+) -> None:
+    with answered.database.writing() as session:
+        known = session.get(StudySession, 1)
+        assert known is not None
+        known.sound_tries = 7
+        session.flush()
+        write_copy(database_url, tmp_path / "copy.db")
+
+    with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
+        assert copy.execute("SELECT sound_tries FROM study_sessions").fetchone() == (0,)
+
+
+@SQLITE
+def test_what_was_deleted_leaves_no_bytes_in_a_copy(
+    participant: Participant, database_url: str, tmp_path: Path
+) -> None:
+    token = participant.trial().token.encode()
+    withdraw(participant.database, participant.token, participant.clock)
+    file = Path(database_url.removeprefix("sqlite:///"))
+    assert any(token in path.read_bytes() for path in file.parent.glob("*.db*"))
+
+    write_copy(database_url, tmp_path / "copy.db")
+
+    assert token not in (tmp_path / "copy.db").read_bytes()
+    assert [path.name for path in tmp_path.glob("copy*")] == ["copy.db"]
+
+
+def test_where_there_is_no_database_nothing_is_made(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="DATABASE_URL"):
+        write_copy(sqlite_url(tmp_path / "responses.db"), tmp_path / "copy.db")
+
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_error_names_the_password(postgresql: ThrowawayPostgresql, tmp_path: Path) -> None:
+    wrong = postgresql.url.replace("/motionjury?", "/nowhere?")
+
+    with pytest.raises(InputError) as found:
+        write_copy(wrong, tmp_path / "copy.db")
+
+    password = postgresql.url.split(":")[2].split("@")[0]
+    assert len(password) > 20
+    assert password not in str(found.value)
+
+
+@SQLITE
+def test_a_damaged_copy_is_found(answered: Participant, database_url: str, tmp_path: Path) -> None:
+    write_copy(database_url, tmp_path / "copy.db")
+    with closing(sqlite3.connect(tmp_path / "copy.db")) as copy:
+        copy.execute("DELETE FROM trials WHERE id = 1")
+        copy.commit()
+    assert "rows belong to rows that are not there" in flaws_of_copy(tmp_path / "copy.db")[0]
+
+    (tmp_path / "copy.db").write_bytes((tmp_path / "copy.db").read_bytes()[:20_000])
+    assert flaws_of_copy(tmp_path / "copy.db")
+
+
+@SQLITE
+def test_lists_and_moments_keep_their_kind(
+    answered: Participant, database_url: str, tmp_path: Path, clock: SetClock
+) -> None:
+    write_copy(database_url, tmp_path / "copy.db")
+
+    database = Database.open_for_reading(sqlite_url(tmp_path / "copy.db"))
+    assert database is not None
+    with database.reading() as session:
+        watched = session.scalars(select(WatchRecord.intervals)).all()
+        assert [[0.0, 2.0]] in watched
+        assert session.scalars(select(StudySession.consented_at)).first() == clock.moments[0]
+    database.close()

@@ -1,0 +1,228 @@
+"""Researchers are told once of what happens to their study."""
+
+from __future__ import annotations
+
+import logging
+import smtplib
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from email.message import EmailMessage
+
+import pytest
+from flask import Flask, request
+from pydantic import ValidationError
+from sqlalchemy import select
+
+from motion.errors import InputError
+from studyapp.database.engine import Database
+from studyapp.database.tables import Alarm
+from studyapp.definition.study import Alarms
+from studyapp.monitoring import alarm_channels
+from studyapp.monitoring.alarm_channels import SMTP, WEBHOOK, AlarmChannels
+from studyapp.monitoring.alarms import raise_alarms
+from studyapp.session.arrival.newcomers import count_newcomer
+from studyapp.session.served_study import ServedStudy
+from tests.local_server import listening
+from tests.studyapp.made_study import make_study
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+@dataclass
+class Told:
+    """What researchers were told; as long as `works`, telling them succeeds."""
+
+    texts: list[str] = field(default_factory=list)
+    works: bool = True
+
+    def send(self, text: str) -> bool:
+        self.texts.append(text)
+        return self.works
+
+
+@pytest.fixture
+def told() -> Told:
+    return Told()
+
+
+def look(
+    database: Database,
+    served: ServedStudy,
+    clock: SetClock,
+    told: Told,
+) -> None:
+    raise_alarms(database, served, clock, told.send)
+
+
+def fill(database: Database, served: ServedStudy, clock: SetClock) -> None:
+    for number in range(sum(arm.places for arm in served.study.arms)):
+        Participant(database, served, clock).enrol(f"visit {number}")
+
+
+def test_a_full_study_is_told_once_whoever_looks(
+    opened: Database, served: ServedStudy, clock: SetClock, told: Told
+) -> None:
+    look(opened, served, clock, told)
+    assert told.texts == []
+    fill(opened, served, clock)
+
+    for _ in range(3):
+        look(opened, served, clock, told)
+
+    assert told.texts == ["The study 'Gestures and speech' is full: all 4 places are held."]
+
+
+def test_what_could_not_be_sent_is_sent_later(
+    opened: Database, served: ServedStudy, clock: SetClock, told: Told
+) -> None:
+    fill(opened, served, clock)
+    told.works = False
+    look(opened, served, clock, told)
+    told.works = True
+    look(opened, served, clock, told)
+    look(opened, served, clock, told)
+
+    assert len(told.texts) == 2
+
+
+def test_an_open_study_that_nobody_finishes_is_told_once_for_each_standstill(
+    participant: Participant, told: Told
+) -> None:
+    database, served, clock = participant.database, participant.served, participant.clock
+    clock.advance(hours=23)
+    look(database, served, clock, told)
+    assert told.texts == []
+    for _ in range(2):
+        clock.advance(hours=1)
+        look(database, served, clock, told)
+    assert ["nobody has finished it for 24 hours" in text for text in told.texts] == [True]
+
+    participant.take_all()
+    clock.advance(hours=25)
+    look(database, served, clock, told)
+    assert len(told.texts) == 2
+
+
+def test_a_study_that_lets_nobody_in_does_not_stall(
+    opened: Database, served: ServedStudy, clock: SetClock, told: Told
+) -> None:
+    closed = replace(served, study=served.study.model_copy(update={"open": False}))
+    clock.advance(hours=100)
+
+    look(opened, closed, clock, told)
+
+    assert told.texts == []
+
+
+def test_many_newcomers_from_one_address_within_an_hour_are_told_once(
+    opened: Database, served: ServedStudy, clock: SetClock, told: Told
+) -> None:
+    def come(address: str, how_many: int) -> None:
+        with opened.writing() as session:
+            for _ in range(how_many):
+                count_newcomer(session, address, clock.now())
+
+    come("192.0.2.9", 5)
+    clock.advance(hours=1)
+    come("192.0.2.9", 9)
+    come("198.51.100.7", 5)
+    look(opened, served, clock, told)
+    assert told.texts == []
+    come("192.0.2.9", 1)
+
+    look(opened, served, clock, told)
+    look(opened, served, clock, told)
+
+    assert told.texts == [
+        "10 participants of the study 'Gestures and speech' came from one network address "
+        "within an hour."
+    ]
+    with opened.reading() as session:
+        (stored,) = session.scalars(select(Alarm))
+    assert (stored.kind, stored.about) == ("one address", "2026-05-04")
+
+
+@pytest.fixture
+def webhook() -> Iterator[tuple[str, list[object]]]:
+    got: list[object] = []
+    app = Flask(__name__)
+
+    @app.post("/hook")
+    def take() -> str:
+        got.append(request.get_json())
+        return ""
+
+    with listening(app.wsgi_app) as address:
+        yield address, got
+
+
+def test_a_webhook_gets_the_alarm_as_json_and_its_failure_names_no_secret(
+    webhook: tuple[str, list[object]],
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    address, got = webhook
+    study = make_study(name="mine")
+    monkeypatch.setenv(WEBHOOK, f"{address}/hook")
+    assert AlarmChannels.of(study).send("It is full.")
+    assert got == [{"study": "mine", "text": "It is full."}]
+
+    monkeypatch.setenv(WEBHOOK, f"{address}/secret-of-the-hook")
+    with caplog.at_level(logging.INFO, "gunicorn.error"):
+        assert not AlarmChannels.of(study).send("It is full.")
+    assert "An alarm could not be sent by the webhook (HTTPStatusError)" in caplog.messages
+    assert not any("secret" in line for line in caplog.messages if "alarm" in line)
+
+
+def test_mail_goes_encrypted_with_the_name_and_password_of_the_environment(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    done: list[object] = []
+
+    class Server(smtplib.SMTP):
+        def __init__(self, host: str, port: int, timeout: float) -> None:
+            done.append((host, port))
+
+        def starttls(self, **_: object) -> tuple[int, bytes]:  # type: ignore[override]
+            done.append("encrypted")
+            return 220, b""
+
+        def login(self, user: str, password: str, **_: object) -> tuple[int, bytes]:  # type: ignore[override]
+            done.append((user, password))
+            return 235, b""
+
+        def send_message(self, message: EmailMessage) -> dict[str, object]:  # type: ignore[override]
+            done.append((message["To"], message.get_content().strip()))
+            return {}
+
+        def __exit__(self, *_: object) -> None:
+            done.append("closed")
+
+    monkeypatch.setattr(alarm_channels.smtplib, "SMTP", Server)
+    monkeypatch.setenv(SMTP, "smtp://lab%40example.org:s3cret@mail.example.org")
+    study = make_study(alarms={"mail": ["ada@example.org"]})
+
+    assert AlarmChannels.of(study).send("It is full.")
+
+    assert done == [
+        ("mail.example.org", 587),
+        "encrypted",
+        ("lab@example.org", "s3cret"),
+        ("ada@example.org", "It is full."),
+        "closed",
+    ]
+
+
+def test_mail_without_a_server_and_addresses_that_are_none_are_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    study = make_study(alarms={"mail": ["ada@example.org"]})
+    with pytest.raises(InputError, match="no mail server is named"):
+        AlarmChannels.of(study)
+    monkeypatch.setenv(SMTP, "mail.example.org:s3cret")
+    with pytest.raises(InputError, match=SMTP) as caught:
+        AlarmChannels.of(study)
+    assert "s3cret" not in str(caught.value)
+    with pytest.raises(ValidationError):
+        make_study(alarms={"mail": ["ada@example.org\nBcc: all@example.org"]})
+    monkeypatch.delenv(SMTP)
+    assert not AlarmChannels.of(make_study(alarms=Alarms().model_dump())).is_any

@@ -1,0 +1,178 @@
+"""What is computed of study sessions without a database."""
+
+from __future__ import annotations
+
+from datetime import timedelta
+
+import pytest
+
+from studyapp.design.arm import Arm
+from studyapp.monitoring.answered_trials import (
+    AnsweredTrial,
+    progress,
+    times,
+    times_of_trials,
+)
+from studyapp.monitoring.checks import Check, checked_items, failed_by_sitting
+from studyapp.monitoring.dropouts import LeftAt, dropouts
+from studyapp.monitoring.overview import forecast
+from studyapp.monitoring.place_counts import all_together, count_places
+from studyapp.monitoring.selection import ROWS, page_of, pages_of
+from studyapp.monitoring.sides import sides
+from tests.studyapp.monitoring.made_study_sessions import NOON, sitting
+
+
+def test_places_are_open_that_are_wanted_and_held_by_nobody() -> None:
+    arms = [
+        Arm(name=name, conditions=("a", "b"), places=places)
+        for name, places in (("x", 5), ("y", 2))
+    ]
+    there = [
+        *(sitting("done", arm="x") for _ in range(2)),
+        sitting("active", arm="x"),
+        sitting("lapsed", arm="x"),
+        sitting("done", arm="x", present=False),
+        *(sitting("stale", arm="y") for _ in range(3)),
+    ]
+
+    x, y = count_places(arms, there)
+    together = all_together([x, y])
+
+    assert (x.done, x.active, x.stale, x.open, x.wanted) == (2, 1, 0, 2, 5)
+    assert (y.done, y.active, y.stale, y.open, y.wanted) == (0, 0, 3, 0, 2)
+    assert (together.done, together.wanted, together.still_to_be_done) == (2, 7, 5)
+
+
+def test_the_study_is_done_when_as_many_have_come_as_lately() -> None:
+    finished = [NOON - timedelta(minutes=minutes) for minutes in (5, 20, 40, 50, 200, 300)]
+
+    found = forecast(finished, 8, NOON - timedelta(hours=10), NOON)
+
+    assert found.at == NOON + timedelta(hours=2)
+    assert found.reason == ""
+
+
+def test_a_study_that_has_just_begun_is_measured_since_it_began() -> None:
+    finished = [NOON - timedelta(minutes=minutes) for minutes in (1, 2, 3)]
+
+    assert forecast(finished, 3, NOON - timedelta(minutes=10), NOON).at == NOON + timedelta(
+        minutes=10
+    )
+
+
+@pytest.mark.parametrize(
+    ("hours_ago", "remaining", "began_hours_ago", "reason"),
+    [
+        ([], 5, None, "nobody has come yet"),
+        ([1, 2], 5, 3, "too few have finished lately"),
+        ([200, 201, 202], 5, 300, "too few have finished lately"),
+        ([1, 1, 1], 0, 3, "all places are done"),
+        ([100, 101, 102], 10_000, 300, "longer than a year"),
+    ],
+)
+def test_where_nobody_can_tell_when_it_is_done_the_reason_is_said(
+    hours_ago: list[int], remaining: int, began_hours_ago: int | None, reason: str
+) -> None:
+    finished = [NOON - timedelta(hours=hours) for hours in hours_ago]
+    began = None if began_hours_ago is None else NOON - timedelta(hours=began_hours_ago)
+
+    found = forecast(finished, remaining, began, NOON)
+
+    assert found.at is None
+    assert reason in found.reason
+
+
+def test_who_left_is_counted_at_the_trial_they_stood_at() -> None:
+    there = [
+        sitting("done", 10),
+        sitting("active", 4),
+        sitting("stale", 2),
+        sitting("lapsed", 2),
+        sitting("lapsed", 0, started_at=None),
+        sitting("withdrawn"),
+    ]
+
+    found = dropouts(there)
+
+    assert found.at == (
+        LeftAt(position=0, left=1, came=5),
+        LeftAt(position=3, left=2, came=4),
+    )
+    assert (found.left, found.withdrawn, found.of) == (3, 1, 6)
+
+
+def test_only_analysed_trials_of_counted_study_sessions_are_progress() -> None:
+    trials = [
+        AnsweredTrial(1, 1, "practice", "anger", 9.0),
+        AnsweredTrial(1, 2, "main", "anger", 9.0),
+        AnsweredTrial(1, 3, "repeat", "anger", 9.0),
+        AnsweredTrial(1, 4, "catch", "anger", 9.0),
+        AnsweredTrial(2, 1, "main", "", 9.0),
+        AnsweredTrial(3, 1, "main", "anger", 9.0),
+    ]
+
+    found = progress(trials, {1: "x", 2: "y"})
+
+    assert found.emotions == ("", "anger")
+    assert (found.of("x", "anger"), found.of("y", ""), found.of("y", "anger")) == (2, 1, 0)
+    assert (found.of_emotion("anger"), found.largest) == (2, 2)
+    assert progress([], {}).largest == 0
+
+
+def test_quartiles_are_those_of_the_values_and_of_too_few_there_are_none() -> None:
+    found = times("x", [1.0, 2.0, 3.0, 4.0, 5.0])
+    few = times("x", [1.0, 2.0, 3.0])
+
+    assert (found.low, found.middle, found.high, found.reason) == (2.0, 3.0, 4.0, "")
+    assert (few.low, few.middle, few.high, few.count) == (None, None, None, 3)
+    assert few.reason == "fewer than 4"
+
+
+def test_times_are_told_by_kind_and_only_of_kinds_that_occur() -> None:
+    trials = [AnsweredTrial(1, n, "main", "", float(n)) for n in range(5)]
+    trials.append(AnsweredTrial(1, 9, "catch", "", None))
+
+    (main,) = times_of_trials(trials, ("practice", "main", "catch"))
+
+    assert (main.what, main.middle) == ("main", 2.0)
+
+
+def test_a_check_that_only_careful_raters_fail_is_told_apart() -> None:
+    found = [
+        *(Check(person, "catch", "hard", failed=True) for person in range(3)),
+        *(Check(person, "catch", "easy", failed=False) for person in range(3)),
+        Check(3, "catch", "hard", failed=True),
+        Check(3, "catch", "easy", failed=True),
+        Check(3, "attention", "read", failed=False),
+        Check(4, "catch", "easy", failed=True, answered=False),
+    ]
+
+    hard, easy, read = checked_items(found)
+
+    assert (hard.item, hard.failed, hard.answered) == ("hard", 4, 4)
+    assert (hard.careful_failed, hard.careful) == (3, 3)
+    assert (easy.failed, easy.careful_failed, easy.careful) == (1, 0, 0)
+    assert (read.kind, read.careful) == ("attention", 0)
+    assert failed_by_sitting(found, "catch") == {0: 1, 1: 1, 2: 1, 3: 2, 4: 1}
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "balanced"),
+    [(50, 50, True), (64, 36, True), (66, 34, False), (0, 0, True), (3, 0, True), (20, 0, False)],
+)
+def test_sides_are_balanced_as_far_as_chance_goes(left: int, right: int, balanced: bool) -> None:
+    (found,) = sides({("ours", 1): left, ("ours", 2): right})
+
+    assert (found.left, found.right) == (left, right)
+    assert found.balanced is balanced
+
+
+def test_a_long_list_is_cut_into_pages_without_loss() -> None:
+    long = [sitting("done", id=number) for number in range(2 * ROWS + 1)]
+
+    pages = list(pages_of(long))
+
+    assert pages == [1, 2, 3]
+    assert [each for number in pages for each in page_of(long, number)] == long
+    assert list(pages_of([])) == [1]
+    assert page_of(long, 4) == []

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from studyapp.monitoring.answered_trials import Times
+from studyapp.monitoring.checks import CheckedItem
+from studyapp.monitoring.decisions import decisions
+from studyapp.monitoring.dropouts import Dropouts, LeftAt
+from studyapp.monitoring.place_counts import PlaceCounts
+from studyapp.monitoring.playback import PlayedVideo
+from studyapp.monitoring.sides import Sides
+
+QUIET: dict[str, Any] = {
+    "places": PlaceCounts(arm="", wanted=10, done=4, active=1, stale=0),
+    "open_to_newcomers": True,
+    "videos": (),
+    "items": (),
+    "sides": (),
+    "left": Dropouts(at=(), withdrawn=0, of=5),
+    "whole": Times(what="whole", count=9, low=500.0, middle=600.0, high=700.0),
+    "minutes_said": 10,
+}
+
+
+def video(**changes: Any) -> PlayedVideo:
+    values: dict[str, Any] = {
+        "what": "s: a | b",
+        "shown": 20,
+        "stalled": 0,
+        "stalled_seconds": 0.0,
+        "dropped_share": 0.01,
+        "reason": "",
+        "unplayable": 0,
+    }
+    return PlayedVideo(**(values | changes))
+
+
+def item(careful: int, careful_failed: int) -> CheckedItem:
+    return CheckedItem(
+        kind="catch",
+        item="s: a and broken",
+        answered=20,
+        failed=9,
+        careful=careful,
+        careful_failed=careful_failed,
+    )
+
+
+def left(count: int, came: int, position: int = 3) -> Dropouts:
+    at = (LeftAt(position=position, left=count, came=came),)
+    return Dropouts(at=at, withdrawn=0, of=came)
+
+
+def test_a_study_that_goes_well_needs_no_decision() -> None:
+    assert decisions(**QUIET) == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"open_to_newcomers": False}, "6 places are not done"),
+        ({"videos": (video(unplayable=2),)}, "2 of 20 said that s: a | b does not play"),
+        (
+            {"videos": (video(stalled=4, stalled_seconds=12.0),)},
+            "waited for data in 4 of 20 showings, for 12 s",
+        ),
+        ({"videos": (video(dropped_share=0.25),)}, "left out 25% of the pictures"),
+        ({"items": (item(10, 3),)}, "failed by 3 of 10 participants who failed no other one"),
+        ({"left": left(3, 30)}, "3 of 30 who came so far left at trial 3"),
+        ({"left": left(5, 30, position=0)}, "left before the first trial"),
+        ({"minutes_said": 7}, "longer than 10 min; 7 are announced"),
+        (
+            {"sides": (Sides(condition="ours", left=80, right=20),)},
+            "ours was shown 80 times left and 20 times right",
+        ),
+    ],
+)
+def test_what_is_out_of_order_is_told_with_its_numbers_and_a_remedy(
+    change: dict[str, Any], said: str
+) -> None:
+    (found,) = decisions(**(QUIET | change))
+
+    assert said in found.what
+    assert found.remedy
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"videos": (video(unplayable=1),)},
+        {"videos": (video(stalled=3),)},
+        {"videos": (video(shown=9, stalled=9, dropped_share=0.5),)},
+        {"videos": (video(dropped_share=None, reason="no browser counts them"),)},
+        {"items": (item(10, 2), item(4, 4))},
+        {"left": left(2, 4)},
+        {"left": left(3, 31)},
+        {"minutes_said": 8},
+        {"minutes_said": None},
+        {"whole": Times(what="whole", count=2), "minutes_said": 1},
+        {"sides": (Sides(condition="ours", left=60, right=40),)},
+        {
+            "places": PlaceCounts(arm="", wanted=10, done=10, active=0, stale=0),
+            "open_to_newcomers": False,
+        },
+    ],
+)
+def test_what_chance_or_a_few_may_bring_needs_none(change: dict[str, Any]) -> None:
+    assert decisions(**(QUIET | change)) == ()

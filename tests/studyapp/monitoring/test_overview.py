@@ -1,0 +1,249 @@
+"""The overview of a study that people take part in, on both databases."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select, update
+
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.database.tables import StudySession, Trial, WatchRecord
+from studyapp.monitoring.one_study_session import one_sitting
+from studyapp.monitoring.overview import Overview, overview
+from studyapp.monitoring.selection import Choice, chosen
+from studyapp.monitoring.study_sessions import STANDINGS
+from studyapp.session.completion import FEWEST_LEFT_OUT
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.videos.watch_evidence import Playback
+from studyapp.session.videos.watch_reports import record_watched
+from studyapp.session.withdrawal import withdraw
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+
+
+def people(database: Database, served: ServedStudy, clock: SetClock) -> None:
+    """Let one finish, one withdraw, one go silent after two trials, and one be at the second."""
+    comers = [Participant(database, served, clock).enrol(f"visit {n}") for n in range(3)]
+    comers[0].begin().take_all()
+    comers[1].begin().take_trial()
+    withdraw(database, comers[1].token, clock)
+    comers[2].begin().take_trial()
+    comers[2].take_trial()
+    clock.advance(minutes=served.study.lease_minutes + 1)
+    last = Participant(database, served, clock).enrol("visit 3").begin()
+    token = last.trial().videos[0].token
+    clock.advance(seconds=5)
+    last.fetch(token)
+    report = Playback(stalls=2, stalled_seconds=1.5, frames=30, dropped_frames=3)
+    record_watched(
+        database,
+        served,
+        last.token,
+        token,
+        batch=0,
+        intervals=[(0.0, 2.0)],
+        clock=clock,
+        playback=report,
+    )
+    last.answer(last.trial().token)
+    last.look()
+
+
+@pytest.fixture
+def found(opened: Database, served: ServedStudy, clock: SetClock) -> Overview:
+    people(opened, served, clock)
+    return overview(opened, served, clock.now())
+
+
+def test_everything_that_happened_is_counted_once(found: Overview) -> None:
+    places = found.places
+    assert (places.done, places.active, places.stale, places.open) == (1, 1, 0, 2)
+    assert (found.lapsed, found.replaced, found.earlier) == (1, 0, 0)
+    left = found.dropouts
+    assert [(each.position, each.left, each.came) for each in left.at] == [(3, 1, 2)]
+    assert (left.withdrawn, left.of) == (1, 4)
+    analysed = sum(found.progress.of_emotion(emotion) for emotion in found.progress.emotions)
+    assert analysed == sum(
+        times.count for times in found.trials if times.what in ("main", "repeat")
+    )
+    assert sum(times.count for times in found.trials) == 6 + 2 + 1
+    stalled = [video for video in found.videos if video.stalled]
+    assert [(v.stalled, v.stalled_seconds) for v in stalled] == [(1, 1.5)]
+    assert sum(video.shown for video in found.videos) == 6 + 2 + 1
+    shares = [video.dropped_share for video in found.videos]
+    assert max(share for share in shares if share is not None) == pytest.approx(0.1)
+    assert sum(side.left for side in found.sides) == sum(side.right for side in found.sides)
+    (caught,) = found.failed
+    assert sum(people for _, people in caught.by_failures) == sum(
+        item.answered for item in found.items
+    )
+    assert found.forecast.at is None
+
+
+@SQLITE
+def test_lists_hold_as_many_as_the_numbers_that_lead_to_them(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    people(opened, served, clock)
+    now = clock.now()
+    found = overview(opened, served, now)
+
+    def count(**choice: object) -> int:
+        return len(chosen(opened, served, Choice(**choice), now))  # type: ignore[arg-type]
+
+    assert count(standing="done") == found.places.done
+    assert count(standing="active", arm=found.arms[0].arm) == found.arms[0].active
+    assert count(standing="lapsed") == found.lapsed
+    assert count(standing="withdrawn") == found.dropouts.withdrawn
+    assert sum(count(standing=standing) for standing in STANDINGS) == count() == 4
+    assert [count(left_at=each.position) for each in found.dropouts.at] == [1]
+    (caught,) = found.failed
+    for number, expected in caught.by_failures:
+        assert count(failed=("catch", number)) == expected
+    assert count(arm="no such arm") == count(earlier=True) == 0
+
+
+@SQLITE
+def test_study_sessions_of_another_design_are_counted_apart(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    people(opened, served, clock)
+    with opened.writing() as session:
+        session.execute(update(StudySession).values(arm_design="another"))
+
+    found = overview(opened, served, clock.now())
+
+    assert found.earlier == len(chosen(opened, served, Choice(earlier=True), clock.now())) == 4
+    assert (found.places.done, found.dropouts.of, found.progress.emotions) == (0, 0, ())
+
+
+@SQLITE
+def test_a_study_that_nobody_has_come_to_has_an_overview(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    found = overview(opened, served, clock.now())
+
+    assert found.places.open == found.places.wanted == 4
+    assert found.forecast.reason == "nobody has come yet"
+    assert (found.videos, found.trials, found.items, found.sides) == ((), (), (), ())
+    assert found.decisions == ()
+
+
+@SQLITE
+def test_who_is_let_in_by_nobody_needs_a_decision(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    closed = replace(served, study=served.study.model_copy(update={"open": False}))
+
+    (decision,) = overview(opened, closed, clock.now()).decisions
+
+    assert "nobody new is let in" in decision.what
+
+
+@pytest.fixture
+def separate(
+    tmp_path: Path, empty_sqlite: Path, served: ServedStudy
+) -> Callable[[str, str], Overview]:
+    """Return a function that has a study taken with one answer, and returns its overview."""
+
+    def take(rhythm: str, emotion: str) -> Overview:
+        path = tmp_path / f"{rhythm}{emotion}.db"
+        path.write_bytes(empty_sqlite.read_bytes())
+        database, clock = Database.open(sqlite_url(path)), SetClock()
+        open_study(database, served, clock)
+        participant = Participant(database, served, clock).enrol().begin()
+        while (trial := participant.look().trial) is not None:
+            expected = expected_answer(database, trial.token)
+            participant.take_trial({"rhythm": expected or rhythm, "emotion": expected or emotion})
+        found = overview(database, served, clock.now())
+        database.close()
+        return found
+
+    return take
+
+
+def expected_answer(database: Database, token: str) -> str | None:
+    """Return the answer with which a catch trial is passed; None for other trials."""
+    with database.reading() as session:
+        expected = session.scalar(select(Trial.expected).where(Trial.token == token))
+    return None if expected is None else {1: "-2", 2: "2"}[expected]
+
+
+def test_opposite_answers_look_the_same(separate: Callable[[str, str], Overview]) -> None:
+    one, other = separate("2", "-2"), separate("-2", "2")
+
+    assert one == other
+
+
+@SQLITE
+def test_who_left_out_too_many_videos_is_named_with_how_many(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    first, second = (Participant(opened, served, clock).enrol(name).begin() for name in "ab")
+    second.leave_out()
+    while first.look().state == "started":
+        first.leave_out()
+
+    found = overview(opened, served, clock.now())
+
+    assert (found.unwatched, found.lapsed, found.places.active) == (1, 0, 1)
+    assert [(each.id, each.standing, each.left_out) for each in found.leaving_out] == [
+        (1, "unwatched", FEWEST_LEFT_OUT + 1),
+        (2, "active", 1),
+    ]
+
+
+@SQLITE
+def test_who_left_out_a_check_has_failed_it(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    somebody = Participant(opened, served, clock).enrol().begin()
+    with opened.reading() as session:
+        check = session.scalars(select(Trial.token).where(Trial.kind == "catch")).one()
+    while (trial := somebody.look().trial) is not None and trial.token != check:
+        somebody.take_trial()
+    somebody.leave_out()
+
+    found = overview(opened, served, clock.now())
+
+    assert [(each.kind, each.by_failures) for each in found.failed] == [("catch", ((1, 1),))]
+    assert found.items == ()
+    assert len(chosen(opened, served, Choice(failed=("catch", 1)), clock.now())) == 1
+
+
+@SQLITE
+def test_one_study_session_tells_its_events_in_order(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    people(opened, served, clock)
+    with opened.writing() as session:
+        session.execute(
+            update(WatchRecord).where(WatchRecord.id == 1).values(rate=2.0, intervals=[])
+        )
+
+    first, withdrawn = (one_sitting(opened, served, n, clock.now()) for n in (1, 2))
+    last = one_sitting(opened, served, 4, clock.now())
+
+    assert first is not None
+    assert [event.at for event in first.events] == sorted(event.at for event in first.events)
+    assert first.events[0].what == "Agreed to take part"
+    assert first.events[-1].what == "Finished, and got a completion code"
+    played = next(event for event in first.events if event.what.startswith("Had played"))
+    assert played.what == (
+        "Had played 2.0 s of the video, 0.0 s of its 2.0 s count as watched, "
+        "at up to 2 times the speed"
+    )
+    assert played.trouble
+    assert [trial.watched for trial in first.trials][:2] == [0.0, 1.0]
+    assert {trial.outcome for trial in first.trials} <= {"answered", "passed", "failed"}
+    assert withdrawn is not None
+    assert (withdrawn.trials, withdrawn.events[-1].what) == ((), "Withdrew")
+    assert last is not None
+    assert any("2 stalls of 1.5 s" in event.what for event in last.events)
+    assert [trial.outcome for trial in last.trials][:2] == ["answered", ""]
+    assert one_sitting(opened, served, 99, clock.now()) is None

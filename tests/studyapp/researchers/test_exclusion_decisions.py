@@ -1,0 +1,157 @@
+"""Excluding participants by hand and reinstating them: what is kept of it, and what it leaves."""
+
+from __future__ import annotations
+
+import pytest
+from sqlalchemy import select, update
+
+from motion.errors import InputError
+from studyapp.custody.forgetting import erase
+from studyapp.database.engine import Database
+from studyapp.database.tables import AuditLine, ExclusionDecision
+from studyapp.researchers.audit import ERASED, logged_changes
+from studyapp.researchers.exclusion_decisions import (
+    DecidedExclusion,
+    decide_exclusion,
+    exclusion_decisions,
+    standing_exclusions,
+)
+from studyapp.researchers.looks import StudyState, note_look
+from studyapp.results.stored_answers import stored_answers
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.state import find
+from studyapp.session.withdrawal import withdraw
+from tests.studyapp.read_once import read_once
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+BOTH = pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
+
+
+def exclude(database: Database, clock: SetClock, number: int, reason: str = "asleep") -> None:
+    decide_exclusion(database, clock, number, excluded=True, by="Ada", reason=reason)
+
+
+def reinstate(database: Database, clock: SetClock, number: int) -> None:
+    decide_exclusion(database, clock, number, excluded=False, by="Charles", reason="awake")
+
+
+def decided(database: Database, number: int) -> tuple[DecidedExclusion, ...]:
+    with database.reading() as session:
+        return exclusion_decisions(session, number)
+
+
+def excluded(database: Database) -> dict[int, str]:
+    with database.reading() as session:
+        return {number: reason for number, reason, _ in session.execute(standing_exclusions())}
+
+
+@BOTH
+def test_the_newest_decision_holds_and_none_is_lost(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for name in ("one", "two", "three"):
+        Participant(opened, served, clock).enrol(name).begin()
+    exclude(opened, clock, 1, "  fell\n asleep ")
+    exclude(opened, clock, 2)
+    reinstate(opened, clock, 2)
+    exclude(opened, clock, 3, "first")
+    reinstate(opened, clock, 3)
+    exclude(opened, clock, 3, "second")
+
+    assert excluded(opened) == {1: "fell asleep", 3: "second"}
+    assert [(each.excluded, each.researcher, each.reason) for each in decided(opened, 3)] == [
+        (True, "Ada", "second"),
+        (False, "Charles", "awake"),
+        (True, "Ada", "first"),
+    ]
+    lines = [(line.event, line.detail, line.reason) for line in logged_changes(opened)]
+    assert lines[0] == ("participant excluded", "study session 3", "second")
+    assert lines[1] == ("participant reinstated", "study session 3", "awake")
+    assert len(lines) == 6
+    kept = read_once(opened, stored_answers).study_sessions
+    assert kept["excluded_because"].tolist() == ["fell asleep", "", "second"]
+    assert kept["excluded_after_look"].tolist() == [False, False, False]
+
+
+@SQLITE
+def test_it_is_told_who_was_excluded_after_somebody_had_looked_at_results(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for name in ("one", "two", "three"):
+        Participant(opened, served, clock).enrol(name).begin()
+    exclude(opened, clock, 1)
+    clock.advance(seconds=1)
+    with opened.writing() as session:
+        state = StudyState(finished=0, planned=4, answers=0)
+        note_look(session, clock.now(), state, way="page", by="Ada", reason="curious")
+    clock.advance(seconds=1)
+    exclude(opened, clock, 3)
+
+    after_look = read_once(opened, stored_answers).study_sessions["excluded_after_look"]
+    assert after_look.tolist() == [False, False, True]
+
+
+@SQLITE
+def test_who_is_excluded_goes_on_and_keeps_the_place(
+    participant: Participant, clock: SetClock
+) -> None:
+    exclude(participant.database, clock, 1)
+
+    assert participant.take_all()
+    sessions = read_once(participant.database, stored_answers).study_sessions
+    assert sessions[["completed", "placed"]].to_numpy().tolist() == [[True, True]]
+
+
+@SQLITE
+def test_what_cannot_be_decided_changes_nothing(
+    participant: Participant, served: ServedStudy, clock: SetClock
+) -> None:
+    database = participant.database
+    gone = Participant(database, served, clock).enrol("gone").begin()
+    withdraw(database, gone.token, clock)
+    before = logged_changes(database)
+
+    for reason in ("", " \n", "x" * 501, "a\0b", "a\udc80b"):
+        with pytest.raises(InputError, match="reason of 1 to 500"):
+            exclude(database, clock, 1, reason)
+    with pytest.raises(InputError, match="1 is not excluded already"):
+        reinstate(database, clock, 1)
+    with pytest.raises(InputError, match="no study session 77"):
+        exclude(database, clock, 77)
+    with pytest.raises(InputError, match="has withdrawn"):
+        exclude(database, clock, 2)
+
+    assert excluded(database) == {}
+    assert logged_changes(database) == before
+    exclude(database, clock, 1)
+    with pytest.raises(InputError, match="1 is excluded already"):
+        exclude(database, clock, 1)
+    assert len(decided(database, 1)) == 1
+
+
+@SQLITE
+@pytest.mark.parametrize("leaves", ["withdrawn", "forgotten"])
+def test_of_who_leaves_nothing_stays_of_why_they_were_excluded(
+    participant: Participant, served: ServedStudy, clock: SetClock, leaves: str
+) -> None:
+    database = participant.database
+    Participant(database, served, clock).enrol("other").begin()
+    exclude(database, clock, 1, "wrote that she is ill")
+    exclude(database, clock, 2, "plays at double speed")
+    with database.writing() as session:
+        session.execute(update(AuditLine).values(detail="worded in another way"))
+
+    if leaves == "withdrawn":
+        withdraw(database, participant.token, clock)
+    else:
+        with database.writing() as session:
+            erase(session, find(session, participant.token), None, clock.now())
+
+    assert excluded(database) == {2: "plays at double speed"}
+    with database.reading() as session:
+        assert len(session.scalars(select(ExclusionDecision)).all()) == 1
+        reasons = session.scalars(select(AuditLine.reason)).all()
+    assert ERASED in reasons
+    assert "plays at double speed" in reasons
+    assert not any("ill" in reason for reason in reasons)

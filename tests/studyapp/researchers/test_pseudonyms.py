@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.database.tables import StudySession
+from studyapp.researchers.pseudonyms import PseudonymKey
+
+
+def person(**names: str | None) -> StudySession:
+    return StudySession(**({"token": "t", "recruiter_study": ""} | names))
+
+
+def test_the_key_is_made_once_for_its_owner_alone(tmp_path: Path) -> None:
+    path = tmp_path / "pseudonyms.key"
+    assert PseudonymKey.read(path) is None
+
+    made = PseudonymKey.read_or_make(path)
+
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert PseudonymKey.read_or_make(path) == PseudonymKey.read(path) == made
+    assert [file.name for file in tmp_path.iterdir()] == ["pseudonyms.key"]
+
+
+def test_a_key_is_never_printed(tmp_path: Path) -> None:
+    made = PseudonymKey.read_or_make(tmp_path / "key")
+
+    assert made.secret.hex() not in repr(made)
+    assert str(made.secret) not in repr(made)
+
+
+def test_a_key_that_others_may_read_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "key"
+    PseudonymKey.read_or_make(path)
+    path.chmod(0o640)
+
+    with pytest.raises(InputError, match="chmod 600"):
+        PseudonymKey.read(path)
+
+
+@pytest.mark.parametrize("content", [b"", b"abc", b"\xff\xfe", b"00" * 31])
+def test_a_damaged_key_is_refused_and_not_replaced(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "key"
+    path.write_bytes(content)
+    path.chmod(0o600)
+
+    with pytest.raises(InputError, match="no key of pseudonyms"):
+        PseudonymKey.read_or_make(path)
+    assert path.read_bytes() == content
+
+
+def test_a_pseudonym_is_the_persons_and_the_keys() -> None:
+    key, other = PseudonymKey(bytes(32)), PseudonymKey(bytes(31) + b"1")
+    one = person(recruiter_participant="pid", recruiter_study="study", visit="v")
+
+    assert key.pseudonym(one) == key.pseudonym(
+        person(recruiter_participant="pid", recruiter_study="moved", visit="w")
+    )
+    assert re.fullmatch("p[a-z2-7]{16}", key.pseudonym(one))
+    assert key.pseudonym(one) != other.pseudonym(one)
+    different = [
+        one,
+        person(recruiter_participant="pids"),
+        person(visit="pid"),
+        person(visit="v"),
+        person(),
+    ]
+    assert len({key.pseudonym(each) for each in different}) == len(different)
+
+
+def test_who_came_twice_is_called_alike_and_told_apart() -> None:
+    key = PseudonymKey(bytes(32))
+    came = [person(recruiter_participant=name) for name in ("ada", "ben", "ada", "ada")]
+    for number, study_session in enumerate(came, start=1):
+        study_session.id = number
+
+    names = key.pseudonyms(reversed(came))
+
+    ada = key.pseudonym(came[0])
+    assert names == {1: ada, 2: key.pseudonym(came[1]), 3: f"{ada}x2", 4: f"{ada}x3"}
+    for name in (ada, f"{ada}x2", f"sub-{ada}x3"):
+        assert [key.is_called(each, name) for each in came] == [True, False, True, True]
+
+
+def test_the_pseudonym_is_the_documented_function() -> None:
+    # HMAC-SHA256 under 32 zero bytes of '["visit", "v"]', computed apart with openssl.
+    assert PseudonymKey(bytes(32)).pseudonym(person(visit="v")) == "pxajyqmjznczyflmy"

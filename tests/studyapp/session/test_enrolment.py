@@ -1,0 +1,293 @@
+from __future__ import annotations
+
+import threading
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from sqlalchemy import event, select
+
+from studyapp.database.engine import Database
+from studyapp.database.tables import Newcomer, Place, StudySession
+from studyapp.session.arrival.enrolment import Arrival, enrol, require_welcome
+from studyapp.session.arrival.places import take_allocation_turn, take_open_place
+from studyapp.session.refusal import (
+    ConflictError,
+    CrowdedAddressError,
+    StudyFullError,
+    UnprovenError,
+)
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.withdrawal import withdraw
+from tests.studyapp.added_condition import add_condition
+from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.studyapp.three_arms import three_arms
+
+
+def held(opened: Database) -> list[int]:
+    """Return the study sessions that hold a place."""
+    with opened.reading() as session:
+        places = session.scalars(select(Place).where(Place.study_session_id.is_not(None)))
+        return [place.study_session_id or 0 for place in places]
+
+
+def test_a_participant_gets_a_place_and_all_trials(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    token = enrol(opened, served, Arrival(visit="one"), clock)
+
+    with opened.reading() as session:
+        study_session = session.scalars(select(StudySession)).one()
+        assert study_session.token == token
+        assert len(token) >= 22
+        assert study_session.place is not None
+        assert [trial.kind for trial in study_session.trials].count("catch") == 1
+        assert len({trial.token for trial in study_session.trials}) == 6
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (Arrival(visit="one"), Arrival(visit="one")),
+        (
+            Arrival(recruiter_participant="p", recruiter_study="s", recruiter_session="1"),
+            Arrival(recruiter_participant="p", recruiter_study="t", recruiter_session="1"),
+        ),
+        (
+            Arrival(recruiter_participant="p", visit="one"),
+            Arrival(recruiter_participant="p", visit="one"),
+        ),
+        (Arrival(recruiter_participant="p"), Arrival(recruiter_participant="p", is_signed=True)),
+    ],
+)
+def test_who_comes_again_goes_on_where_they_were(
+    opened: Database, served: ServedStudy, clock: SetClock, first: Arrival, second: Arrival
+) -> None:
+    token = enrol(opened, served, first, clock)
+
+    assert enrol(opened, served, second, clock) == token
+    assert len(held(opened)) == 1
+
+
+@pytest.mark.parametrize(
+    "arrival",
+    [
+        Arrival(visit="two"),
+        Arrival(recruiter_participant="q", recruiter_study="s"),
+    ],
+)
+def test_others_are_not_taken_for_them(
+    opened: Database, served: ServedStudy, clock: SetClock, arrival: Arrival
+) -> None:
+    known = enrol(opened, served, Arrival(recruiter_participant="p", recruiter_study="s"), clock)
+
+    assert enrol(opened, served, arrival, clock) != known
+
+
+def test_who_has_nothing_but_a_name_waits_until_nobody_else_goes_on(
+    participant: Participant,
+) -> None:
+    database, served, clock = participant.database, participant.served, participant.clock
+    token = enrol(database, served, Arrival(recruiter_participant="p"), clock)
+    somebody = Arrival(recruiter_participant="p", recruiter_session="another")
+
+    with pytest.raises(UnprovenError, match="another browser"):
+        enrol(database, served, somebody, clock)
+    clock.advance(minutes=46)
+
+    assert enrol(database, served, somebody, clock) == token
+    with pytest.raises(ConflictError, match="only knew the participant's name"):
+        withdraw(database, token, clock)
+
+
+def test_nobody_is_told_the_code_of_who_finished_under_a_name(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    named = Arrival(recruiter_participant="p")
+    done = Participant(opened, served, clock)
+    done.token = enrol(opened, served, named, clock)
+    done.begin().take_all()
+    clock.advance(days=1)
+
+    with pytest.raises(UnprovenError, match="already taken part"):
+        enrol(opened, served, named, clock)
+    assert enrol(opened, served, replace(named, token=done.token), clock) == done.token
+
+
+def test_one_network_address_takes_so_many_places_an_hour(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    recruitment = served.study.recruitment.model_copy(update={"newcomers_per_address": 2})
+    limited = replace(served, study=served.study.model_copy(update={"recruitment": recruitment}))
+
+    def arrive(number: int, address: str | None) -> str:
+        return enrol(opened, limited, Arrival(visit=f"visit {number}", address=address), clock)
+
+    tokens = [arrive(number, "192.0.2.1") for number in range(2)]
+    late = Arrival(visit="visit 2", address="192.0.2.1")
+    with pytest.raises(CrowdedAddressError):
+        require_welcome(opened, limited, late, clock)
+    with pytest.raises(CrowdedAddressError):
+        arrive(2, "192.0.2.1")
+    assert arrive(1, "192.0.2.1") == tokens[1]
+    arrive(3, "192.0.2.2")
+    clock.advance(minutes=61)
+    arrive(2, "192.0.2.1")
+    with opened.reading() as session:
+        assert len(session.scalars(select(Newcomer)).all()) == 1
+
+
+def test_an_arrival_says_who_it_is() -> None:
+    with pytest.raises(ValueError, match="nobody's"):
+        Arrival(recruiter_study="s")
+
+
+def test_a_full_study_says_so_and_takes_nobody(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for number in range(4):
+        enrol(opened, served, Arrival(visit=f"visit {number}"), clock)
+
+    with pytest.raises(StudyFullError, match="all the participants it needs"):
+        enrol(opened, served, Arrival(visit="late"), clock)
+
+    with opened.reading() as session:
+        assert len(session.scalars(select(StudySession)).all()) == 4
+
+
+def test_the_place_of_a_silent_participant_goes_to_the_next(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    silent = Participant(opened, served, clock).enrol("silent").begin()
+    for number in range(3):
+        Participant(opened, served, clock).enrol(f"done {number}").begin().take_all()
+    clock.advance(minutes=46)
+
+    enrol(opened, served, Arrival(visit="late"), clock)
+
+    assert silent.look().state == "lapsed"
+    assert len(held(opened)) == 4
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_many_arrivals_at_once_leave_connections_to_those_who_answer(
+    participant: Participant,
+) -> None:
+    database, served, clock = participant.database, participant.served, participant.clock
+    participant.take_trial()
+    many = 20
+    assert many > database.engine.pool.size() + database.engine.pool._max_overflow
+    begun = threading.Barrier(many + 1)
+
+    def arrive(number: int) -> str:
+        begun.wait(timeout=60)
+        return enrol(database, served, Arrival(visit=f"visit {number % 3}"), clock)
+
+    with ThreadPoolExecutor(many) as pool:
+        with database.writing() as session:
+            take_allocation_turn(session)
+            arrivals = [pool.submit(arrive, number) for number in range(many)]
+            begun.wait(timeout=60)
+            participant.take_trial()
+        tokens = {arrival.result() for arrival in arrivals}
+
+    assert len(tokens) == 3
+    assert len(held(database)) == 4
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_newcomers_are_placed_side_by_side_and_evenly(database: Database, clock: SetClock) -> None:
+    served = three_arms(2)
+    open_study(database, served, clock)
+    wanted = dict.fromkeys(served.arms, 2)
+
+    with ExitStack() as at_once:
+        taken = [
+            take_open_place(at_once.enter_context(database.writing()), wanted) for _ in range(6)
+        ]
+
+    assert [sorted(place.arm for place in three) for three in (taken[:3], taken[3:])] == [
+        sorted(arm for arm, _ in served.arms)
+    ] * 2
+    assert [place.number for place in taken] == [0, 0, 0, 1, 1, 1]
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_nobody_is_told_that_the_study_is_full_before_the_last_place_is_really_given(
+    database: Database, clock: SetClock
+) -> None:
+    served = three_arms(1)
+    open_study(database, served, clock)
+    arrivals = [Arrival(visit=f"visit {number}") for number in range(3)]
+
+    with ThreadPoolExecutor(1) as pool:
+        with database.writing() as failing:
+            place = take_open_place(failing, dict.fromkeys(served.arms, 1))
+            for arrival in arrivals[:2]:
+                enrol(database, served, arrival, clock)
+            last = pool.submit(enrol, database, served, arrivals[2], clock)
+            with pytest.raises(TimeoutError):
+                last.result(timeout=0.2)
+            failing.rollback()
+        assert last.result(timeout=60)
+
+    assert place is not None
+    assert len(held(database)) == 3
+
+
+def test_an_arrival_takes_few_statements(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    arrival = Arrival(visit="one", address="192.0.2.1")
+    asked: list[str] = []
+    event.listen(opened.engine, "before_cursor_execute", lambda *given: asked.append(given[2]))
+
+    def statements() -> int:
+        return sum(not statement.startswith("BEGIN") for statement in asked)
+
+    require_welcome(opened, served, arrival, clock)
+    welcomed = statements()
+    enrol(opened, served, arrival, clock)
+
+    assert welcomed == 2
+    assert statements() - welcomed <= 9
+
+
+def test_who_comes_back_after_a_long_pause_does_not_lose_the_place_by_it(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    token = enrol(opened, served, Arrival(visit="one"), clock)
+    clock.advance(minutes=46)
+
+    assert enrol(opened, served, Arrival(visit="one"), clock) == token
+    assert len(held(opened)) == 1
+
+
+def test_finished_participants_keep_their_places(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for number in range(4):
+        Participant(opened, served, clock).enrol(f"done {number}").begin().take_all()
+    clock.advance(days=30)
+
+    with pytest.raises(StudyFullError):
+        enrol(opened, served, Arrival(visit="late"), clock)
+
+
+def test_the_emptier_comparison_is_filled_first(
+    tiny_study: Path, database: Database, clock: SetClock
+) -> None:
+    add_condition(tiny_study)
+    served = ServedStudy.read(tiny_study)
+    open_study(database, served, clock)
+
+    for number in range(6):
+        enrol(database, served, Arrival(visit=f"visit {number}"), clock)
+
+    with database.reading() as session:
+        comparisons = Counter(session.scalars(select(StudySession.arm)))
+    assert comparisons == {"rule_based-mismatched": 3, "rule_based-static": 3}

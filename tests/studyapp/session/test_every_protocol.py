@@ -1,0 +1,278 @@
+"""The bookkeeping knows no protocol: in each, a participant goes from first trial to code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from sqlalchemy import select
+
+from studyapp.database.engine import Database
+from studyapp.database.tables import Trial
+from studyapp.definition.questions import Reason
+from studyapp.results.export.answer_rows import responses_table
+from studyapp.session.answers import answer
+from studyapp.session.participation import ShownTrial
+from studyapp.session.refusal import ConflictError, UnacceptableError
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.videos.video_access import content_of
+from studyapp.session.videos.watch_reports import record_watched
+from tests.finished_study import PROTOCOLS
+from tests.studyapp.read_once import read_once
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+Arrive = Callable[[str], Participant]
+
+
+@pytest.fixture
+def arrive(finished_study: Callable[[str], Path], database: Database, clock: SetClock) -> Arrive:
+    """Return a function that brings a participant to the first trial of a protocol's study."""
+
+    def make(protocol: str) -> Participant:
+        served = ServedStudy.read(finished_study(protocol))
+        open_study(database, served, clock)
+        return Participant(database, served, clock).enrol().begin()
+
+    return make
+
+
+def watch_all(participant: Participant) -> ShownTrial:
+    """Play every video of the present trial to its end."""
+    shown = participant.trial()
+    participant.clock.advance(seconds=3 * len(shown.videos))
+    for video in shown.videos:
+        participant.fetch(video.token)
+        record_watched(
+            participant.database,
+            participant.served,
+            participant.token,
+            video.token,
+            batch=0,
+            intervals=[(0.0, video.duration)],
+            clock=participant.clock,
+        )
+    return shown
+
+
+def some_answers(shown: ShownTrial) -> dict[str, list[str]]:
+    """Return an answer for every field: the first one offered, or ranks in the page's order."""
+    ranked = all(ask.stimulus is not None and min(ask.values) == 1 for ask in shown.asks)
+    return {ask.field: [str(ask.stimulus if ranked else min(ask.values))] for ask in shown.asks}
+
+
+def send(participant: Participant, shown: ShownTrial, fields: dict[str, list[str]]) -> None:
+    answer(
+        participant.database,
+        participant.served,
+        participant.token,
+        shown.token,
+        fields,
+        participant.clock,
+    )
+
+
+def take_all(participant: Participant) -> None:
+    while participant.look().trial is not None:
+        shown = watch_all(participant)
+        send(participant, shown, some_answers(shown))
+
+
+def exported(participant: Participant) -> pd.DataFrame:
+    return read_once(participant.database, responses_table)
+
+
+@pytest.mark.parametrize(
+    ("protocol", "trials", "answers"),
+    # pairwise: 1 practice, 2 main, 1 repeat, 1 catch, 1 attention; rating: 2 groups and a check
+    # of 3 motions and 2 questions; ranking: 2 of 2 motions; mismatch: 2 fit, 1 realism, a check.
+    [("pairwise", 6, 6), ("rating", 3, 18), ("ranking", 2, 4), ("mismatch", 4, 4)],
+)
+def test_a_participant_reaches_the_code_and_every_answer_is_exported(
+    arrive: Arrive, protocol: str, trials: int, answers: int
+) -> None:
+    participant = arrive(protocol)
+
+    take_all(participant)
+
+    assert participant.look().presentations == trials
+    assert participant.look().completion_code
+    table = exported(participant)
+    assert len(table) == answers
+    assert not table.duplicated(["study_session", "position", "question", "stimulus"]).any()
+    assert set(table["watched"]) == {1.0}
+    assert set(table["version"]) == {1}
+
+
+def test_ratings_are_exported_with_the_motion_they_are_about(arrive: Arrive) -> None:
+    participant = arrive("rating")
+    shown = watch_all(participant)
+    fields = some_answers(shown) | {"synchrony:2": ["73"], "synchrony:2:reasons": ["face", "hands"]}
+
+    send(participant, shown, fields)
+
+    table = exported(participant)
+    with participant.database.reading() as session:
+        trial = session.scalars(select(Trial).where(Trial.position == 1)).one()
+        conditions = dict(enumerate(trial.conditions, start=1))
+    assert sorted(conditions.values()) == ["ours", "real", "theirs"]
+    assert (table["condition"] == table["stimulus"].astype(int).map(conditions)).all()
+    assert set(table["left_condition"]) == {""}
+    about_b = table[(table["question"] == "synchrony") & (table["stimulus"] == "2")].iloc[0]
+    assert (about_b["value"], about_b["reasons"]) == (73, "hands face")
+
+
+def test_of_a_pair_the_export_says_which_and_which_side(arrive: Arrive) -> None:
+    participant = arrive("pairwise")
+    take_all(participant)
+
+    table = exported(participant)
+
+    ordinary = table[table["kind"].isin(["practice", "main", "repeat", "attention"])]
+    assert set(ordinary["comparison"]) <= {"ours-theirs", "ours-real", "theirs-real"}
+    assert (ordinary["comparison"] == ordinary["reference"] + "-" + ordinary["other"]).all()
+    catch = table[table["kind"] == "catch"].iloc[0]
+    assert (catch["reference"], catch["other"]) == ("real", "broken")
+    assert catch[f"{catch['expected']}_condition"] == "real"
+    assert table.loc[table["kind"] == "attention", "instructed"].item() in ("-2", "-1", "1", "2")
+
+
+def test_of_a_mismatch_the_export_says_what_was_heard(arrive: Arrive) -> None:
+    participant = arrive("mismatch")
+    take_all(participant)
+
+    table = exported(participant)
+
+    fit = table[table["part"] == "fit"]
+    own = (fit["left_speech"] == fit["segment"]) ^ (fit["right_speech"] == fit["segment"])
+    assert own.all()
+    realism = table[table["part"] == "realism"]
+    assert set(realism["left_speech"]) | set(realism["right_speech"]) <= {""}
+
+
+def test_a_video_without_its_sound_is_marked_for_the_page(arrive: Arrive) -> None:
+    participant = arrive("mismatch")
+    muted = {}
+    while (shown := participant.look().trial) is not None:
+        muted.setdefault(shown.part, set()).update(video.muted for video in shown.videos)
+        watch_all(participant)
+        send(participant, shown, some_answers(shown))
+
+    assert muted == {"fit": {False}, "realism": {True}}
+
+
+def test_the_reference_comes_first_is_watched_and_not_ranked(arrive: Arrive) -> None:
+    participant = arrive("ranking")
+    shown = participant.trial()
+
+    assert [video.shows for video in shown.videos] == [(0,), (1,), (2,)]
+    assert {ask.stimulus for ask in shown.asks} == {1, 2}
+    (content,) = content_of(participant.database, shown.videos[0].token) or ()
+    assert content.condition == "real"
+    participant.clock.advance(seconds=60)
+    with pytest.raises(UnacceptableError, match="About 6 s"):
+        send(participant, shown, some_answers(shown))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"realism:2": ["1"]}, "same rank"),
+        ({"realism:2": ["3"]}, "not one of the choices"),
+        ({"realism:2": []}, "Question 1 about B is not answered"),
+        ({"realism:0": ["1"]}, "does not ask"),
+        ({"realism": ["1"]}, "does not ask"),
+        ({"realism:2": ["1", "2"]}, "not one of the choices"),
+        ({"realism:reasons": ["face"]}, "reason was ticked"),
+        ({"realism:1:reasons": ["face"]}, "does not ask"),
+    ],
+)
+def test_a_ranking_that_is_none_is_refused(
+    arrive: Arrive, changes: dict[str, list[str]], said: str
+) -> None:
+    participant = arrive("ranking")
+    shown = watch_all(participant)
+
+    with pytest.raises(UnacceptableError, match=said):
+        send(participant, shown, some_answers(shown) | changes)
+    assert exported(participant).empty
+
+
+def test_reasons_of_an_order_are_ticked_once_and_stand_beside_each_of_its_ranks(
+    arrive: Arrive,
+) -> None:
+    participant = arrive("ranking")
+    reason = Reason(name="hands", text="the hands")
+    study = participant.served.study
+    asked = tuple(q.model_copy(update={"reasons": (reason,)}) for q in study.questions)
+    participant.served = replace(
+        participant.served, study=study.model_copy(update={"questions": asked})
+    )
+    shown = watch_all(participant)
+    fields = some_answers(shown) | {"realism:reasons": ["hands"]}
+
+    send(participant, shown, fields)
+    send(participant, shown, fields)
+
+    table = exported(participant)
+    assert set(table["question"]) == {"realism"}
+    assert table["reasons"].tolist() == ["hands"] * len(shown.asks)
+    with pytest.raises(ConflictError):
+        send(participant, shown, some_answers(shown))
+
+
+def test_one_video_of_several_does_not_open_the_answers(arrive: Arrive) -> None:
+    participant = arrive("rating")
+    shown = participant.trial()
+    participant.clock.advance(seconds=60)
+    participant.watch((0.0, 2.0))
+
+    with pytest.raises(UnacceptableError, match="About 4 s"):
+        send(participant, shown, some_answers(shown))
+
+
+def test_two_videos_cannot_have_been_played_in_the_time_of_one(arrive: Arrive) -> None:
+    participant = arrive("rating")
+    first, second, _ = participant.trial().videos
+    participant.clock.advance(seconds=2)
+    participant.watch((0.0, 2.0))
+
+    with pytest.raises(UnacceptableError, match="than time has passed"):
+        record_watched(
+            participant.database,
+            participant.served,
+            participant.token,
+            second.token,
+            batch=0,
+            intervals=[(0.0, 2.0)],
+            clock=participant.clock,
+        )
+    assert first.token != second.token
+
+
+def test_other_reasons_afterwards_are_refused(arrive: Arrive) -> None:
+    participant = arrive("rating")
+    shown = watch_all(participant)
+    fields = some_answers(shown)
+    send(participant, shown, fields)
+
+    send(participant, shown, fields)
+    with pytest.raises(ConflictError):
+        send(participant, shown, fields | {"synchrony:1:reasons": ["face"]})
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_every_participant_gets_a_place_until_the_study_is_full(
+    arrive: Arrive, protocol: str
+) -> None:
+    participant = arrive(protocol)
+    again = (participant.database, participant.served, participant.clock)
+
+    tokens = {Participant(*again).enrol(f"visit {n}").token for n in range(2)}
+
+    assert len(tokens | {participant.token}) == 3
+    with pytest.raises(ConflictError, match="all the participants it needs"):
+        Participant(*again).enrol("late")

@@ -1,0 +1,119 @@
+"""Whoever fails too much leaves the place to somebody else, where the study says so."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from sqlalchemy import select
+
+from studyapp.database.engine import Database
+from studyapp.database.tables import Place, StudySession, Trial
+from studyapp.results.answer_table import study_answers
+from studyapp.results.export.answer_rows import responses_table
+from studyapp.results.stored_answers import stored_answers
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from tests.studyapp.read_once import read_once
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+
+def arrive(
+    folder: Path, database: Database, clock: SetClock, *, replace: bool, max_failed: int = 0
+) -> Participant:
+    """Return a participant at the first trial of a study with a catch and an attention trial."""
+    path = folder / "study.toml"
+    text = path.read_text("utf-8").replace(
+        "[catch]\ntrials = 1", f"[catch]\ntrials = 1\nmax_failed = {max_failed}"
+    )
+    head = f"replace_excluded = {str(replace).lower()}\n"
+    path.write_text(f"{head}{text}\n[attention]\ntrials = 1\nmax_failed = 0\n", "utf-8")
+    served = ServedStudy.read(folder)
+    open_study(database, served, clock)
+    return Participant(database, served, clock).enrol().begin()
+
+
+def finish(participant: Participant, *, careless: str = "", left_out: str = "") -> None:
+    """Answer everything well, but for the trials of the kinds `careless` and `left_out`."""
+    while (shown := participant.look().trial) is not None:
+        with participant.database.reading() as session:
+            trial = session.scalars(select(Trial).where(Trial.token == shown.token)).one()
+        if trial.kind == left_out:
+            participant.leave_out()
+            continue
+        good = trial.instructed or (1 if trial.expected == 2 else -1)
+        value = str(-good if trial.kind == careless else good)
+        participant.take_trial({"rhythm": value, "emotion": value})
+
+
+def holders(database: Database) -> int:
+    with database.reading() as session:
+        taken = select(Place).where(Place.study_session_id.is_not(None))
+        return len(session.scalars(taken).all())
+
+
+@pytest.mark.parametrize("careless", ["catch", "attention"])
+def test_who_fails_opens_the_place_again_and_keeps_code_and_answers(
+    tiny_study: Path, database: Database, clock: SetClock, careless: str
+) -> None:
+    participant = arrive(tiny_study, database, clock, replace=True)
+
+    finish(participant, careless=careless)
+
+    assert participant.look().state == "completed"
+    assert participant.look().completion_code
+    assert holders(database) == 0
+    assert len(read_once(database, responses_table)) == 14
+    Participant(database, participant.served, clock).enrol("next")
+    with database.reading() as session:
+        numbers = [known.number for known in session.scalars(select(StudySession))]
+    assert numbers == [0, 0]
+    assert participant.look().state == "completed"
+
+
+@pytest.mark.parametrize("kind", ["catch", "attention"])
+def test_to_leave_out_a_check_is_to_fail_it(
+    tiny_study: Path, database: Database, clock: SetClock, kind: str
+) -> None:
+    participant = arrive(tiny_study, database, clock, replace=True)
+
+    finish(participant, left_out=kind)
+
+    assert participant.look().state == "completed"
+    assert holders(database) == 0
+    stored = read_once(database, stored_answers)
+    (known,) = study_answers(participant.served.study, stored).known.values()
+    assert getattr(known, f"failed_{kind}") == 1
+
+
+@pytest.mark.parametrize(
+    ("replace", "max_failed", "careless"),
+    [(True, 0, ""), (True, 0, "main"), (True, 1, "catch"), (False, 0, "catch")],
+)
+def test_otherwise_the_place_stays_filled(
+    tiny_study: Path,
+    database: Database,
+    clock: SetClock,
+    replace: bool,
+    max_failed: int,
+    careless: str,
+) -> None:
+    participant = arrive(tiny_study, database, clock, replace=replace, max_failed=max_failed)
+
+    finish(participant, careless=careless)
+
+    assert holders(database) == 1
+
+
+def test_a_list_without_a_rule_about_failures_keeps_the_place_filled(
+    tiny_study: Path, database: Database, clock: SetClock
+) -> None:
+    path = tiny_study / "study.toml"
+    rules = 'replace_excluded = true\nexclusions = [{ rule = "incomplete" }]\n'
+    path.write_text(rules + path.read_text("utf-8"), "utf-8")
+    served = ServedStudy.read(tiny_study)
+    open_study(database, served, clock)
+
+    finish(Participant(database, served, clock).enrol().begin(), careless="catch")
+
+    assert holders(database) == 1

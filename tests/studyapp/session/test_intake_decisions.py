@@ -1,0 +1,141 @@
+"""Pausing, resuming, extending and closing a running study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from sqlalchemy import func, select
+
+from motion.errors import InputError
+from studyapp.database.engine import Database
+from studyapp.database.tables import Place
+from studyapp.monitoring.overview import overview
+from studyapp.researchers.audit import logged_changes
+from studyapp.session.arrival.intake import Intake, present_intake, wanted_places
+from studyapp.session.arrival.intake_decisions import MOST_MORE, decided, extend, steer
+from studyapp.session.refusal import StudyFullError
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from tests.finished_study import PROTOCOLS
+from tests.studyapp.taking_part_steps import Participant, SetClock
+
+SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+
+
+@SQLITE
+def test_nobody_new_comes_in_and_nobody_there_is_disturbed(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    there = Participant(opened, served, clock).enrol("there").begin()
+
+    steer(opened, served, clock, "paused", by="Ada", reason="the server moves")
+
+    with pytest.raises(StudyFullError, match=r"paused at the moment\..*come back later"):
+        Participant(opened, served, clock).enrol("new")
+    there.take_trial()
+    again = Participant(opened, served, clock).enrol("there")
+    assert again.token == there.token
+    assert again.take_all()
+    steer(opened, served, clock, "open", by="Ada", reason="it has moved")
+    Participant(opened, served, clock).enrol("new").begin()
+    assert [(line.researcher, line.reason) for line in logged_changes(opened)] == [
+        ("Ada", "it has moved"),
+        ("Ada", "the server moves"),
+    ]
+
+
+def test_a_full_study_that_is_extended_takes_as_many_more(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for number in range(4):
+        Participant(opened, served, clock).enrol(f"visit {number}").begin().take_trial()
+    with pytest.raises(StudyFullError):
+        Participant(opened, served, clock).enrol("late")
+
+    extend(opened, served, clock, 1, by="Ada", reason="two were ill")
+    extend(opened, served, clock, 1, by="Ada", reason="one more")
+    steer(opened, served, clock, "closed", by="Ada", reason="for a moment")
+    with pytest.raises(StudyFullError):
+        Participant(opened, served, clock).enrol("late")
+    steer(opened, served, clock, "open", by="Ada", reason="go on")
+    open_study(opened, served, clock)
+
+    for number in range(2):
+        Participant(opened, served, clock).enrol(f"late {number}").begin().take_trial()
+    with pytest.raises(StudyFullError):
+        Participant(opened, served, clock).enrol("too late")
+    found = overview(opened, served, clock.now())
+    assert (found.places.wanted, found.places.active, found.places.open) == (6, 6, 0)
+    with opened.reading() as session:
+        assert session.scalar(select(func.count()).select_from(Place)) == 6
+
+
+@SQLITE
+def test_who_comes_too_late_is_told_that_it_is_over_and_not_to_try_again(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    steer(opened, served, clock, "closed", by="Ada", reason="enough")
+
+    with pytest.raises(StudyFullError, match="The study is over") as caught:
+        Participant(opened, served, clock).enrol("late")
+
+    assert "later" not in str(caught.value)
+
+
+@SQLITE
+def test_pausing_keeps_what_was_extended_and_the_other_way_round(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    extend(opened, served, clock, 3, by="Ada", reason="more")
+    steer(opened, served, clock, "paused", by="Charles", reason="lunch")
+    extend(opened, served, clock, 2, by="Ada", reason="and more")
+
+    with opened.reading() as session:
+        assert present_intake(session) == Intake(state="paused", more_places=5)
+    assert [(each.state, each.more_places, each.researcher) for each in decided(opened)] == [
+        ("paused", 5, "Ada"),
+        ("paused", 3, "Charles"),
+        ("open", 3, "Ada"),
+    ]
+    (decision,) = overview(opened, served, clock.now()).decisions
+    assert "nobody new is let in" in decision.what
+
+
+@SQLITE
+def test_what_cannot_be_decided_changes_nothing(
+    opened: Database, served: ServedStudy, clock: SetClock
+) -> None:
+    for reason in ("", "  ", "x" * 501, "a\0b"):
+        with pytest.raises(InputError, match="reason of 1 to 500"):
+            steer(opened, served, clock, "paused", by="Ada", reason=reason)
+    with pytest.raises(InputError, match="so already"):
+        steer(opened, served, clock, "open", by="Ada", reason="why not")
+    for more in (0, -1, MOST_MORE + 1):
+        with pytest.raises(InputError, match="no number of places"):
+            extend(opened, served, clock, more, by="Ada", reason="why not")
+
+    assert decided(opened) == []
+    assert logged_changes(opened) == []
+
+
+@SQLITE
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_places_beyond_those_of_the_file_have_trials_in_every_protocol(
+    database: Database,
+    clock: SetClock,
+    finished_study: Callable[[str], Path],
+    protocol: str,
+) -> None:
+    served = ServedStudy.read(finished_study(protocol))
+    open_study(database, served, clock)
+    extend(database, served, clock, 2, by="Ada", reason="more")
+    with database.reading() as session:
+        wanted = sum(wanted_places(served, present_intake(session)).values())
+
+    for number in range(wanted):
+        shown = Participant(database, served, clock).enrol(f"visit {number}").begin().look()
+        assert shown.trial is not None
+    with pytest.raises(StudyFullError):
+        Participant(database, served, clock).enrol("too late")

@@ -1,0 +1,262 @@
+"""Whatever participants do in whatever order, the places come to what the ledger says."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
+from sqlalchemy import select
+
+from studyapp.database.engine import Database
+from studyapp.database.tables import StudySession
+from studyapp.session.answers import answer
+from studyapp.session.arrival.enrolment import Arrival, enrol
+from studyapp.session.participation import begin, look
+from studyapp.session.refusal import ConflictError, StudyFullError
+from studyapp.session.served_study import ServedStudy
+from studyapp.session.versions import open_study
+from studyapp.session.withdrawal import withdraw
+from tests.studyapp.emptying import empty
+from tests.studyapp.session.ledger import (
+    Ledger,
+    Person,
+    answers_stored,
+    good_value,
+    holders_stored,
+)
+from tests.studyapp.taking_part_steps import SetClock
+from tests.studyapp.three_arms import PRESENTATIONS, three_arms
+
+WHO = st.integers(min_value=0, max_value=100)
+
+
+class Schedule(RuleBasedStateMachine):
+    """Arrivals, answers, pauses, returns, withdrawals, and changes of how many are wanted."""
+
+    def __init__(self, database: Database) -> None:
+        super().__init__()
+        empty(database)
+        self.database = database
+        self.clock = SetClock()
+        self.people: list[Person] = []
+        self.arrivals = 0
+
+    @initialize(places=st.integers(1, 3), withdrawn=st.sampled_from(["kept", "deleted"]))
+    def open(self, places: int, withdrawn: str) -> None:
+        self.withdrawn = withdrawn
+        self.ledger = Ledger(arms=(), places=places)
+        self.want(places)
+
+    def want(self, places: int) -> None:
+        self.served: ServedStudy = three_arms(places, withdrawn=self.withdrawn)
+        open_study(self.database, self.served, self.clock)
+        self.ledger.arms = [arm for arm, _ in self.served.arms]
+        self.ledger.places = places
+
+    @rule()
+    def arrive(self) -> None:
+        """A newcomer gets a place in a least filled arm, and nobody who is silent counts."""
+        self.arrivals += 1
+        name, ledger = f"person {self.arrivals}", self.ledger
+        silent = ledger.silent(self.clock.now())
+        counts = ledger.counts(without=silent)
+        fills = [count for count in counts.values() if count < ledger.places]
+        if not fills:
+            with pytest.raises(StudyFullError):
+                self.enrol(name)
+            return
+        person = Person.read(self.database, name, self.enrol(name))
+        for place in silent:
+            del ledger.holders[place]
+        arm, number = person.place
+        assert counts[arm] == min(fills)
+        assert number == next(n for n in range(100) if (arm, n) not in ledger.holders)
+        ledger.holders[person.place] = person
+        self.people.append(person)
+
+    def enrol(self, name: str) -> str:
+        return enrol(self.database, self.served, Arrival(visit=name), self.clock)
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO)
+    def arrive_again(self, who: int) -> None:
+        person = self.person(who)
+
+        assert self.enrol(person.name) == person.token
+
+    def person(self, who: int) -> Person:
+        return self.people[who % len(self.people)]
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO)
+    def return_and_look(self, who: int) -> None:
+        self.look(self.person(who))
+
+    def look(self, person: Person) -> bool:
+        """Look at where `person` stands, and tell whether they may go on."""
+        situation = look(self.database, self.served, person.token, self.clock)
+        if person.withdrawn:
+            assert situation.state == "withdrawn"
+        elif person.over:
+            assert situation.state == "completed"
+            assert situation.completion_code == person.code
+        elif not self.ledger.come_back(person):
+            assert situation.state == "lapsed"
+            assert situation.trial is None
+        else:
+            person.last_active = self.clock.now()
+            assert situation.state == ("started" if person.begun else "instructed")
+            if person.begun:
+                assert situation.trial is not None
+                assert situation.trial.token == person.trials[len(person.answers)]
+                assert situation.trial.position == len(person.answers) + 1
+                person.shown = len(person.answers) + 1
+            return True
+        return False
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO, careless=st.booleans())
+    def take_trial(self, who: int, careless: bool) -> None:
+        self.take(self.person(who), careless=careless)
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO, careless=st.booleans())
+    def finish(self, who: int, careless: bool) -> None:
+        person = self.person(who)
+        while not person.over and self.ledger.come_back(person):
+            self.take(person, careless=careless)
+
+    def take(self, person: Person, *, careless: bool) -> None:
+        if not self.look(person):
+            return
+        if not person.begun:
+            begin(self.database, self.served, person.token, self.clock)
+            person.begun = True
+            self.look(person)
+        self.send_answer(person, careless=careless)
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO)
+    def answer_an_old_page(self, who: int) -> None:
+        """Who answers after a pause keeps the place if it is free, else nothing is stored."""
+        person = self.person(who)
+        if person.over or person.shown <= len(person.answers):
+            return
+        if self.ledger.come_back(person):
+            self.send_answer(person, careless=False)
+        else:
+            with pytest.raises(ConflictError):
+                self.send(person, len(person.answers), 1)
+
+    def send_answer(self, person: Person, *, careless: bool) -> None:
+        trial = person.trials[len(person.answers)]
+        value = good_value(person.catch.get(trial, 2))
+        self.send(person, len(person.answers), -value if careless else value)
+        person.answers.append(-value if careless else value)
+        person.last_active = self.clock.now()
+        if person.over:
+            situation = look(self.database, self.served, person.token, self.clock)
+            person.code = situation.completion_code
+            assert person.code
+            if person.excluded:
+                self.ledger.leave(person)
+
+    def send(self, person: Person, trial: int, value: int) -> None:
+        fields = {"rhythm": [str(value)], "emotion": [str(value)]}
+        token = person.trials[trial]
+        answer(self.database, self.served, person.token, token, fields, self.clock)
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO, changed=st.booleans())
+    def send_the_last_answer_again(self, who: int, changed: bool) -> None:
+        person = self.person(who)
+        if not person.answers:
+            return
+        last = len(person.answers) - 1
+        if changed:
+            with pytest.raises(ConflictError, match="already answered"):
+                self.send(person, last, -person.answers[last])
+        else:
+            self.send(person, last, person.answers[last])
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO)
+    def withdraw(self, who: int) -> None:
+        person = self.person(who)
+        if person.over and not person.withdrawn:
+            with pytest.raises(ConflictError, match="already finished"):
+                withdraw(self.database, person.token, self.clock)
+            return
+        withdraw(self.database, person.token, self.clock)
+        self.ledger.leave(person)
+        person.withdrawn = True
+        if self.withdrawn == "deleted":
+            person.answers = []
+
+    @rule(minutes=st.sampled_from([1, 20, 46]))
+    def time_passes(self, minutes: int) -> None:
+        self.clock.advance(minutes=minutes)
+
+    @precondition(lambda self: self.people)
+    @rule(who=WHO, newcomers=st.integers(1, 3))
+    def pause_while_others_come(self, who: int, newcomers: int) -> None:
+        person = self.person(who)
+        self.time_passes(46)
+        for _ in range(newcomers):
+            self.arrive()
+        self.look(person)
+
+    @rule(places=st.integers(1, 3))
+    def other_numbers_are_wanted(self, places: int) -> None:
+        self.want(places)
+
+    @invariant()
+    def the_database_says_what_the_ledger_says(self) -> None:
+        held = {place: person.token for place, person in self.ledger.holders.items()}
+        assert holders_stored(self.database) == held
+        assert answers_stored(self.database) == {p.token: p.answers for p in self.people}
+        with self.database.reading() as session:
+            codes = select(StudySession.token, StudySession.completion_code)
+            stored = dict(session.execute(codes).all())
+        assert stored == {person.token: person.code for person in self.people}
+
+    def teardown(self) -> None:
+        """While there is demand, the arms come to differ by no more than one, and fill."""
+        counts = self.ledger.counts(without=self.ledger.silent(self.clock.now()))
+        uneven = sum(max(counts.values()) - count for count in counts.values())
+        most = max(self.ledger.places, max(counts.values()))
+        for newcomer in range(1 + sum(most - count for count in counts.values())):
+            self.arrive()
+            counts = self.ledger.counts()
+            wanting = [count for count in counts.values() if count < self.ledger.places]
+            if newcomer + 1 >= uneven and wanting:
+                assert max(counts.values()) - min(counts.values()) <= 1
+        assert min(self.ledger.counts().values()) >= self.ledger.places
+        self.the_database_says_what_the_ledger_says()
+
+
+@pytest.mark.slow
+def test_places_and_answers_come_to_what_was_done(database: Database) -> None:
+    run_state_machine_as_test(
+        lambda: Schedule(database),
+        settings=settings(max_examples=10, stateful_step_count=30),
+    )
+
+
+def test_a_study_of_three_arms_has_as_many_trials_as_the_schedules_expect(
+    database: Database,
+) -> None:
+    schedule = Schedule(database)
+    schedule.open(1, "kept")
+    schedule.arrive()
+
+    assert len(schedule.people[0].trials) == PRESENTATIONS
+    assert len(schedule.people[0].catch) == 1

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.design.stimulus import Content, Stimulus
+from studyapp.session.served_study import ServedStudy
+from tests.studyapp.made_study import make_study
+
+
+def pair(segment: str, left: str, right: str) -> Content:
+    return (Stimulus.own(left, segment), Stimulus.own(right, segment))
+
+
+def test_both_orders_of_every_pair_are_served(tiny_study: Path) -> None:
+    served = ServedStudy.read(tiny_study)
+
+    assert len(served.videos) == 16
+    assert pair("take-0", "broken", "rule_based") in served.videos
+    assert pair("take-0", "broken", "mismatched") not in served.videos
+
+
+def test_a_study_without_catch_trials_needs_no_videos_for_them() -> None:
+    pairs = make_study(catch={"trials": 0}).pairs
+
+    assert all("broken" not in pair for pair in pairs)
+    assert len(pairs) == 4
+
+
+def test_a_missing_video_is_named(tiny_study: Path) -> None:
+    gone = tiny_study / "videos" / "pairs" / "005.mp4"
+    gone.unlink()
+
+    with pytest.raises(InputError, match=r"005\.mp4.*missing.*motionjury render"):
+        ServedStudy.read(tiny_study)
+
+
+def test_a_pair_that_was_never_rendered_is_named(tiny_study: Path) -> None:
+    stimuli = tiny_study / "stimuli.json"
+    stimuli.write_text(stimuli.read_text("utf-8").replace("take-3", "take-9"), "utf-8")
+
+    with pytest.raises(InputError, match=r"no video of 'rule_based' beside .* take-3"):
+        ServedStudy.read(tiny_study)
+
+
+def test_a_study_that_was_not_rendered_says_what_to_do(tiny_study: Path) -> None:
+    (tiny_study / "stimuli.json").unlink()
+
+    with pytest.raises(InputError, match="motionjury render"):
+        ServedStudy.read(tiny_study)

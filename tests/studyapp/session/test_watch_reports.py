@@ -1,0 +1,270 @@
+from __future__ import annotations
+
+import pytest
+from sqlalchemy import select
+
+from studyapp.database.tables import Trial, WatchRecord
+from studyapp.session.refusal import (
+    ConflictError,
+    NotTheirsError,
+    RefusalError,
+    TooMuchWatchedError,
+    UnacceptableError,
+)
+from studyapp.session.videos.watch_evidence import MOST_INTERVALS, REMEMBERED, Playback, Watched
+from studyapp.session.videos.watch_reports import record_watched
+from studyapp.session.withdrawal import withdraw
+from tests.studyapp.taking_part_steps import Participant
+
+UNCOUNTED = {
+    "fast": Playback(rate=1.5),
+    "hidden": Playback(hidden_seconds=2.0),
+    "silent": Playback(silent_seconds=2.0),
+}
+
+
+def report_again(participant: Participant, *intervals: tuple[float, float]) -> Watched:
+    """Send the first report of the present video once more."""
+    return record_watched(
+        participant.database,
+        participant.served,
+        participant.token,
+        participant.trial().videos[0].token,
+        batch=0,
+        intervals=intervals,
+        clock=participant.clock,
+    )
+
+
+@pytest.mark.parametrize("how", UNCOUNTED)
+def test_what_was_played_fast_hidden_or_silent_is_kept_but_does_not_count(
+    participant: Participant, how: str
+) -> None:
+    first = participant.trial().token
+    participant.clock.advance(seconds=10)
+
+    assert participant.watch((0.0, 2.0), playback=UNCOUNTED[how]) == pytest.approx(1.9)
+
+    with pytest.raises(UnacceptableError, match="About 2 s"):
+        participant.answer(first)
+    with participant.database.reading() as session:
+        (record,) = session.scalars(select(WatchRecord))
+        assert (record.intervals, record.played_seconds) == ([], 2.0)
+    assert participant.watch((0.0, 2.0), batch=1) == 0
+
+
+def test_a_little_faster_or_slower_than_recorded_counts(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=10)
+
+    assert participant.watch((0.0, 1.0), playback=Playback(rate=1.04)) == pytest.approx(0.9)
+    assert participant.watch((1.0, 2.0), batch=1, playback=Playback(rate=0.5)) == 0
+
+
+@pytest.mark.parametrize(
+    "playback",
+    [
+        Playback(hidden_seconds=50.0),
+        Playback(silent_seconds=50.0),
+        Playback(stalled_seconds=50.0),
+    ],
+)
+def test_no_more_can_be_hidden_silent_or_stalled_than_time_has_passed(
+    participant: Participant, playback: Playback
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=10)
+
+    with pytest.raises(TooMuchWatchedError):
+        participant.watch((0.0, 1.0), playback=playback)
+
+
+def test_stalls_and_pictures_are_added_up_as_they_were_measured(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=20)
+
+    participant.watch((0.0, 1.0), playback=Playback(stalls=2, stalled_seconds=7.5, frames=50))
+    participant.watch((1.0, 2.0), batch=1)
+    measured = Playback(stalls=1, stalled_seconds=0.5, frames=20, dropped_frames=3)
+    participant.watch((0.0, 1.0), batch=2, playback=measured)
+
+    with participant.database.reading() as session:
+        (record,) = session.scalars(select(WatchRecord))
+        assert (record.stalls, record.stalled_seconds) == (3, 8.0)
+        assert (record.frames, record.dropped_frames) == (70, 3)
+
+
+def test_playing_the_same_part_twice_is_no_more_than_once(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=10)
+
+    assert participant.watch((0.0, 1.0), (0.2, 1.0)) == pytest.approx(0.9)
+    assert participant.watch((0.0, 1.0), batch=1) == pytest.approx(0.9)
+    assert participant.watch((1.0, 1.9), batch=2) == 0
+
+
+def test_more_than_has_passed_is_refused_and_not_stored(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=0.5)
+
+    with pytest.raises(UnacceptableError, match="than time has passed"):
+        participant.watch((0.0, 2.0))
+    assert participant.trial().videos[0].watched.intervals == ()
+
+
+def test_many_small_reports_cannot_outrun_the_clock_either(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=0.5)
+    participant.watch((0.0, 1.0))
+
+    with pytest.raises(UnacceptableError):
+        participant.watch((1.0, 2.0), batch=1)
+
+
+def test_honest_reports_and_answers_are_taken_after_the_clock_went_back_an_hour(
+    participant: Participant,
+) -> None:
+    trial = participant.trial()
+    participant.clock.advance(seconds=5)
+    participant.clock.advance(hours=-1)
+
+    assert participant.watch((0.0, 2.0)) == 0
+    participant.answer(trial.token)
+
+    with participant.database.reading() as session:
+        first, second = session.scalars(select(Trial).order_by(Trial.position).limit(2))
+        assert first.answered_at is not None
+        assert first.seconds is None
+    second_trial = participant.trial()
+    participant.clock.advance(seconds=1)
+    with pytest.raises(TooMuchWatchedError):
+        participant.watch((0.0, 2.5), (0.0, 2.0), playback=Playback(hidden_seconds=5.0))
+    assert second_trial.position == second.position
+
+
+def test_the_same_report_sent_twice_is_stored_once(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=5)
+
+    assert participant.watch((0.0, 1.0)) == participant.watch((0.0, 1.0))
+    assert participant.trial().videos[0].watched.next_batch == 1
+
+
+def test_another_report_under_the_same_number_is_not_stored_and_the_answer_shows_it(
+    participant: Participant,
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=5)
+    participant.watch((0.0, 1.0))
+
+    assert participant.watch((1.0, 2.0)) == pytest.approx(0.9)
+    assert not report_again(participant, (1.0, 2.0)).stored
+    assert report_again(participant, (0.0, 1.0)).stored
+    assert participant.trial().videos[0].watched.intervals == ((0.0, 1.0),)
+    assert participant.trial().videos[0].watched.next_batch == 1
+
+
+def test_a_report_among_the_latest_is_known_again_and_an_older_number_is_used_up(
+    participant: Participant,
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=100)
+    participant.watch((0.0, 1.0))
+    assert report_again(participant, (0.0, 1.0)).stored
+
+    for batch in range(1, REMEMBERED + 1):
+        participant.watch((0.0, 1.0), batch=batch)
+
+    assert not report_again(participant, (0.0, 1.0)).stored
+    with participant.database.reading() as session:
+        (record,) = session.scalars(select(WatchRecord))
+        assert record.played_seconds == REMEMBERED + 1
+
+
+def test_a_report_reads_and_stores_no_more_however_many_came_before(
+    participant: Participant,
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=1000)
+    spans = [(start / 100, start / 100 + 0.004) for start in range(100)]
+
+    def stored_after(batches: range) -> tuple[int, int]:
+        for batch in batches:
+            participant.watch(*spans, batch=100 + batch)
+        with participant.database.reading() as session:
+            (record,) = session.scalars(select(WatchRecord))
+            return len(record.intervals), len(record.latest)
+
+    assert stored_after(range(REMEMBERED)) == stored_after(range(REMEMBERED, 2 * REMEMBERED))
+
+
+def test_a_video_in_too_many_parts_has_to_be_played_from_its_start(
+    participant: Participant,
+) -> None:
+    participant.look()
+    participant.clock.advance(seconds=1000)
+    spans = [(start / 200, start / 200 + 0.001) for start in range(MOST_INTERVALS + 1)]
+    participant.watch(*spans[:-1])
+
+    with pytest.raises(UnacceptableError, match="too many small parts"):
+        participant.watch(spans[-1], batch=1)
+
+    assert participant.watch((0.0, 2.0), batch=1) == 0
+
+
+def test_what_lies_outside_the_video_does_not_count(participant: Participant) -> None:
+    participant.look()
+    participant.clock.advance(seconds=60)
+
+    assert participant.watch((1.5, 30.0), (40.0, 50.0)) == pytest.approx(1.4)
+
+
+def test_a_trial_that_is_not_shown_cannot_be_watched(participant: Participant) -> None:
+    following = participant.trial().next_videos[0]
+    participant.clock.advance(seconds=60)
+
+    with pytest.raises(ConflictError):
+        record_watched(
+            participant.database,
+            participant.served,
+            participant.token,
+            following,
+            batch=0,
+            intervals=[(0.0, 2.0)],
+            clock=participant.clock,
+        )
+
+
+def test_somebody_elses_trial_cannot_be_watched(participant: Participant) -> None:
+    other = Participant(participant.database, participant.served, participant.clock)
+    theirs = other.enrol("another").begin().trial().videos[0].token
+
+    with pytest.raises(NotTheirsError):
+        record_watched(
+            participant.database,
+            participant.served,
+            participant.token,
+            theirs,
+            batch=0,
+            intervals=[],
+            clock=participant.clock,
+        )
+
+
+def test_nothing_is_stored_of_somebody_who_withdrew(participant: Participant) -> None:
+    video_token = participant.trial().videos[0].token
+    participant.clock.advance(seconds=5)
+    withdraw(participant.database, participant.token, participant.clock)
+
+    with pytest.raises(RefusalError):
+        record_watched(
+            participant.database,
+            participant.served,
+            participant.token,
+            video_token,
+            batch=0,
+            intervals=[(0.0, 2.0)],
+            clock=participant.clock,
+        )
+    with participant.database.reading() as session:
+        assert session.scalars(select(WatchRecord)).all() == []

@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import httpx
+import pytest
+
+from motion.errors import InputError
+from studyapp.database.engine import sqlite_url
+from studyapp.web.server import run_server
+from studyapp.web.worker import HELD_SECONDS
+from tests.hanging_lines import hanging, slow_body, whole_video
+from tests.support.fabricated_study import StudyShape, write_fabricated_study
+from tests.support.page_scan import seen_videos
+from tests.support.study_server import HOST, study_server
+from tests.support.visitor import Ledger, Visitor
+from tests.support.wire import Wire
+
+HEAVY = (
+    *("torch", "pyrender", "OpenGL", "matplotlib", "librosa", "anny"),
+    *("statsmodels", "scipy", "pandas"),
+)
+"""None is needed to serve a study; each takes long to load, or hundreds of megabytes."""
+
+
+def test_the_server_loads_nothing_heavy() -> None:
+    code = "import json, sys, studyapp.web.server; print(json.dumps(sorted(sys.modules)))"
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert set(HEAVY) & set(json.loads(done.stdout)) == set()
+
+
+def test_a_missing_video_is_named_before_anything_is_served(tiny_study: Path) -> None:
+    (tiny_study / "videos" / "pairs" / "003.mp4").unlink()
+
+    with pytest.raises(InputError, match=r"003\.mp4"):
+        run_server(tiny_study, "127.0.0.1", 0, 1)
+    assert not (tiny_study / "responses.db").exists()
+
+
+def test_a_study_whose_videos_lie_elsewhere_is_not_served(tiny_study: Path) -> None:
+    record = tiny_study / "stimuli.json"
+    record.write_text(record.read_text("utf-8").replace("videos/pairs/", "../pairs/"), "utf-8")
+
+    with pytest.raises(InputError, match="outside the study's folder"):
+        run_server(tiny_study, "127.0.0.1", 0, 1)
+    assert not (tiny_study / "responses.db").exists()
+
+
+def test_an_address_that_is_taken_is_said_before_anything_is_made(tiny_study: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+
+        with pytest.raises(InputError, match=rf"127\.0\.0\.1:{port}: .*--port"):
+            run_server(tiny_study, "127.0.0.1", port, 1)
+    assert not (tiny_study / "responses.db").exists()
+
+
+@pytest.mark.slow
+def test_two_workers_serve_pages_and_stop_when_told(tiny_study: Path) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    code = (
+        "import sys; from pathlib import Path; from studyapp.web.server import run_server; "
+        "run_server(Path(sys.argv[1]), '127.0.0.1', int(sys.argv[2]), 2)"
+    )
+    server = subprocess.Popen([sys.executable, "-c", code, str(tiny_study), str(port)])
+    try:
+        with httpx.Client(transport=httpx.HTTPTransport(retries=10)) as client:
+            deadline = time.monotonic() + 30
+            while True:
+                try:
+                    answer = client.get(f"http://127.0.0.1:{port}/")
+                    break
+                except httpx.ConnectError:
+                    assert time.monotonic() < deadline
+                    time.sleep(0.2)
+            # Not even a proxy on this machine names a path in a header.
+            forged = {"SCRIPT_NAME": "/evil", "PATH_INFO": "/evil", "X-Forwarded-Prefix": "/evil"}
+            as_before = client.get(f"http://127.0.0.1:{port}/", headers=forged)
+        assert (answer.status_code, as_before.status_code) == (200, 200)
+        assert "I agree" in answer.text
+        assert "/evil" not in as_before.text
+        assert (tiny_study / "responses.db").exists()
+    finally:
+        server.send_signal(signal.SIGTERM)
+        assert server.wait(timeout=30) == 0
+
+
+def test_a_path_that_is_none_is_said_before_anything_is_made(tiny_study: Path) -> None:
+    with pytest.raises(InputError, match="prefix 'studies'"):
+        run_server(tiny_study, "127.0.0.1", 0, 1, prefix="studies")
+    assert not (tiny_study / "responses.db").exists()
+
+
+def test_a_proxy_that_is_no_network_is_said_before_anything_is_made(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORWARDED_ALLOW_IPS", "10.0.0.5, the proxy")
+
+    with pytest.raises(InputError, match=r"FORWARDED_ALLOW_IPS: .*'the proxy'.*10\.0\.0\.5"):
+        run_server(tiny_study, "127.0.0.1", 0, 1)
+    assert not (tiny_study / "responses.db").exists()
+
+
+@pytest.mark.slow
+def test_an_honest_participant_takes_part_while_300_lines_hang_at_either_end(
+    tmp_path: Path,
+) -> None:
+    write_fabricated_study(tmp_path, StudyShape(places=4, trials=3, practice=0, catch=1))
+    os.truncate(tmp_path / "video.mp4", 32 << 20)
+    url = sqlite_url(tmp_path / "bench.db")
+    said = tmp_path / "said"
+    ledger = Ledger()
+
+    async def arrive() -> str:
+        async with Wire(HOST, server.port) as wire:
+            one = Visitor(wire=wire, ledger=ledger, chance=random.Random(1))  # noqa: S311
+            return await one.begin(await one.enrol())
+
+    async def take_part() -> None:
+        async with Wire(HOST, server.port) as wire, asyncio.timeout(60):
+            await Visitor(wire=wire, ledger=ledger, chance=random.Random(2)).take_part()  # noqa: S311
+
+    with study_server(tmp_path, said, database_url=url) as server:
+        video = whole_video(seen_videos(asyncio.run(arrive()))[0].source, HOST)
+        with (
+            hanging(server.port, slow_body("/", HOST), 300, trickle=b"x"),
+            hanging(server.port, video, 300),
+        ):
+            asyncio.run(take_part())
+
+    assert ledger.completed == 1
+    assert ledger.errors == []
+    assert said.read_text("utf-8") == ""
+
+
+@pytest.mark.slow
+def test_who_sends_too_many_reports_is_kept_waiting_for_the_answer(tmp_path: Path) -> None:
+    write_fabricated_study(tmp_path, StudyShape(places=4, trials=3, practice=0, catch=1))
+    url = sqlite_url(tmp_path / "bench.db")
+    said = tmp_path / "said"
+
+    async def flood() -> tuple[float, int]:
+        async with Wire(HOST, server.port) as wire, asyncio.timeout(60):
+            one = Visitor(wire=wire, ledger=Ledger(), chance=random.Random(1))  # noqa: S311
+            address = seen_videos(await one.begin(await one.enrol()))[0].watched_address
+            while True:
+                started = time.monotonic()
+                reply = await wire.post(address, b"", "application/json")
+                if reply.status == 429:
+                    waited = time.monotonic() - started
+                    return waited, (await wire.get("/healthz")).status
+
+    with study_server(tmp_path, said, database_url=url, speed=1.0) as server:
+        waited, afterwards = asyncio.run(flood())
+
+    assert waited >= HELD_SECONDS
+    assert afterwards == 200
+    assert said.read_text("utf-8") == ""
