@@ -207,7 +207,7 @@ def _network(network: Network) -> list[str]:
         _SYSTEMS[network.name],
         str(steps),
         f"step {facts.get('best_step', steps)}",
-        "a longer training, given by path" if network.is_given else "this page's command",
+        "given by path" if network.is_given else "trained by this page's command",
     ]
 
 
