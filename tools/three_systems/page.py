@@ -11,6 +11,7 @@ from typing import Any, Final
 from analysis.metrics.paper_tables import PAPER_TABLES, TableColumn
 from analysis.report.metric_section import TITLES
 from motion.errors import InputError
+from motion.listing import listed
 from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.simulation.population import default_population
 from tools.three_systems.line import Took
@@ -18,6 +19,11 @@ from tools.three_systems.networks import Network
 
 PAPERS: Final = ("amuse", "diffsheg", "s2ue")
 
+_WHOSE: Final[Mapping[str, str]] = {
+    "amuse": "AMUSE's",
+    "diffsheg": "DiffSHEG's",
+    "s2ue": "Speech2UnifiedExpressions'",
+}
 _ARROWS: Final[Mapping[str, str]] = {"lower": "↓", "higher": "↑", "near the reference": "→ gt"}
 _SYSTEMS: Final[Mapping[str, str]] = {
     "amuse-speech": "AMUSE's speech model",
@@ -151,15 +157,20 @@ class _Metrics:
 
     def reasons(self) -> list[str]:
         """Return why scores are missing, and what is to be known of them, each once."""
-        about: dict[str, dict[str, None]] = {}
-        for column in (column for paper in PAPERS for column in PAPER_TABLES[paper]):
-            for condition in self.conditions:
-                one = self.scores.get((condition, column.metric), {})
-                for why in (one.get("reason"), one.get("remark")):
-                    if why:
+        about: dict[str, dict[str, list[str]]] = {}
+        for paper in PAPERS:
+            for column in PAPER_TABLES[paper]:
+                for condition in self.conditions:
+                    one = self.scores.get((condition, column.metric), {})
+                    for why in filter(None, (one.get("reason"), one.get("remark"))):
                         whom = about.setdefault(why, {})
-                        whom[f"{column.label} of `{condition}`"] = None
-        return [f"{', '.join(whom)}: {why.rstrip('.')}." for why, whom in about.items()]
+                        name = f"{_WHOSE[paper]} {column.label}"
+                        whom.setdefault(name, []).append(f"`{condition}`")
+        return [
+            "; ".join(f"{name} of {listed(conditions)}" for name, conditions in whom.items())
+            + f": {why.rstrip('.')}."
+            for why, whom in about.items()
+        ]
 
 
 def _preferences(results: Mapping[str, Any], said: Any) -> Iterator[str]:
