@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from analysis.metrics.conditions import StudyMetrics
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
@@ -64,6 +65,9 @@ def followings(
     return found
 
 
+SIDES: Final = ("own", "swapped")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
     """One of the things a trained network must do, and whether it does.
@@ -97,17 +101,17 @@ def verdicts(
     trained : sequence of str
         The trained networks' conditions.
     """
-    own = ", ".join(f"{distances[name]:.3g}" for name in trained)
+    scores = ", ".join(f"{distances[name]:.3g}" for name in trained)
     judged = [
         Verdict(
             claim="FGD is at most half that of the untrained network",
             holds=all(distances[name] <= distances[UNTRAINED] / 2 for name in trained),
-            evidence=f"{own} beside {distances[UNTRAINED]:.3g}",
+            evidence=f"{scores} beside {distances[UNTRAINED]:.3g}",
         ),
         Verdict(
             claim="FGD is below that of `rule_based`",
             holds=all(distances[name] < distances[RULE_BASED] for name in trained),
-            evidence=f"{own} beside {distances[RULE_BASED]:.3g}",
+            evidence=f"{scores} beside {distances[RULE_BASED]:.3g}",
         ),
     ]
     for measure, called in (
@@ -134,6 +138,17 @@ def verdicts(
                 f"with swapped speech: {written(noise)}",
             )
         )
+    own, swapped = ([getattr(found[name], side)["strokes"] for name in trained] for side in SIDES)
+    pairs = [
+        f"{written(one)} beside {written(other)}" for one, other in zip(own, swapped, strict=True)
+    ]
+    judged.append(
+        Verdict(
+            claim="stroke alignment with its own speech is clearly above that with swapped speech",
+            holds=all(one.low > other.high for one, other in zip(own, swapped, strict=True)),
+            evidence=", ".join(pairs),
+        )
+    )
     return judged
 
 
