@@ -28,8 +28,7 @@ _SHARPNESS: Final = 3.0
 """How much more attention is paid to what is near in time."""
 
 _LEAST_SPREAD: Final = 1e-3
-"""Of a principal component; smaller ones are rounding."""
-
+"""Of a principal component, or of what is heard; smaller ones are rounding."""
 
 _PLACE: Final = 0.2
 """Size of the waves that tell a patch's place, beside patches of about 1."""
@@ -42,7 +41,9 @@ def place_patches(encoder: SpeechEncoder) -> None:
     positions = embeddings.position_embeddings
     bands, rows = embeddings.get_shape(embeddings.config)
     half = positions.shape[-1] // 2
-    pitch, time = (_waves(count, half) for count in (bands, rows))
+    pitch, time = (
+        _waves(torch.arange(count), math.pi / count, math.pi, half) for count in (bands, rows)
+    )
     places = torch.cat(
         [time.expand(bands, -1, -1), pitch[:, None].expand(-1, rows, -1)], dim=-1
     ).flatten(0, 1)
@@ -113,20 +114,18 @@ def _code_frames(prior: MotionPrior, frames: Tensor, held: int) -> None:
     last.bias.copy_(mean)
 
 
-def _waves(count: int, width: int) -> Tensor:
-    """Return waves (count, width) that tell `count` places, from half a wave's turn to many."""
-    turns = torch.logspace(math.log10(0.5), math.log10(count / 2), width // 2)
-    angles = 2 * math.pi * torch.arange(count)[:, None] / count * turns
-    return torch.cat([angles.sin(), angles.cos()], dim=1)
-
-
 def _times(count: int, frames: int, waves: int, before: int) -> Tensor:
     """Return what tells the time of `count` evenly spaced moments of a window."""
     moments = (torch.arange(count) + 0.5) * frames / count
-    slowest, fastest = math.pi / frames, 2 * math.pi / _SHORTEST
-    turns = torch.logspace(math.log10(slowest), math.log10(fastest), waves // 2)
-    angles = moments[:, None] * turns
-    return torch.cat([torch.zeros(count, before), angles.sin(), angles.cos()], dim=1)
+    told = _waves(moments, math.pi / frames, 2 * math.pi / _SHORTEST, waves)
+    return torch.cat([torch.zeros(count, before), told], dim=1)
+
+
+def _waves(places: Tensor, slowest: float, fastest: float, width: int) -> Tensor:
+    """Return sines and cosines (places, width) of `places`, from slow to fast, radians for 1."""
+    turns = torch.logspace(math.log10(slowest), math.log10(fastest), width // 2)
+    angles = places[:, None] * turns
+    return torch.cat([angles.sin(), angles.cos()], dim=1)
 
 
 def _look_near(attention: nn.MultiheadAttention, held: int) -> None:
