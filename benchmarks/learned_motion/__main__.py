@@ -170,9 +170,8 @@ def evenly(takes: Sequence[Take], count: int) -> list[Take]:
 
 def _facts(made: CorpusRequest, tests: int, networks: Sequence[Network], root: Path) -> list[str]:
     steps = {
-        system: read_weights(network.file(root)).facts["training"]["config"]["steps"]
+        network.system: read_weights(network.file(root)).facts["training"]["config"]["steps"]
         for network in networks
-        for system in (network.system,)
     }
     return [
         f"Corpus: {made.speakers} speakers, who all speak the same {made.sentences} passages; seed "

@@ -10,7 +10,7 @@ from typing import Final
 import tomlkit
 
 from benchmarks.learned_motion.recordings import FRAME_RATE, write_recordings
-from motion.audio import read_audio
+from motion.audio import Audio, read_audio
 from motion.files import write_text
 from motion.segment import Segment
 from motion.segments_table import write_segments
@@ -21,6 +21,18 @@ from training.data.take import Take
 MISMATCHED: Final = "mismatched"
 RULE_BASED: Final = "rule_based"
 UNTRAINED: Final = "untrained"
+
+
+def segment_of(take: Take, audio: Audio) -> Segment:
+    """Return the whole of a take's speech as a segment."""
+    return Segment(
+        name=take.name,
+        wav=take.speech.name,
+        start=0.0,
+        end=audio.duration,
+        speaker=take.speaker,
+        emotion=take.emotion,
+    )
 
 
 def write_study(
@@ -50,16 +62,7 @@ def write_study(
         wav = folder.speech / take.speech.name
         if not wav.exists():
             wav.hardlink_to(take.speech)
-        segments.append(
-            Segment(
-                name=take.name,
-                wav=wav.name,
-                start=0.0,
-                end=read_audio(wav).duration,
-                speaker=take.speaker,
-                emotion=take.emotion,
-            )
-        )
+        segments.append(segment_of(take, read_audio(wav)))
     write_segments(folder.speech, segments)
     write_recordings(takes, lambda take: folder.clip(GROUND_TRUTH, take.name))
     write_text(folder.definition, _definition(root, generators, seed))

@@ -13,6 +13,7 @@ from analysis.metrics.emotion_accuracy import EmotionConfusion, emotion_confusio
 from analysis.metrics.joint_motion import joint_motion
 from analysis.metrics.joint_positions import WRISTS, select
 from analysis.metrics.networks.evaluator import Evaluator, load_evaluator
+from benchmarks.learned_motion.compared_study import segment_of
 from benchmarks.learned_motion.following import (
     Followed,
     MeanFollowed,
@@ -27,7 +28,7 @@ from generators.amuse.settings import AmuseSettings
 from generators.interface import SpeechSegment
 from motion.audio import read_audio
 from motion.clip import MotionClip
-from motion.segment import EMOTIONS, Segment
+from motion.segment import EMOTIONS
 from training.corpus.motion_curves import mean_speed
 from training.data.take import Take
 
@@ -96,15 +97,7 @@ def edit(
     groups = {}
     for number, take in enumerate(takes):
         audio = read_audio(take.speech)
-        segment = Segment(
-            name=take.name,
-            wav=take.speech.name,
-            start=0.0,
-            end=audio.duration,
-            speaker=take.speaker,
-            emotion=take.emotion,
-        )
-        heard = SpeechSegment(segment=segment, audio=audio)
+        heard = SpeechSegment(segment=segment_of(take, audio), audio=audio)
         before = amuse[None].generate(heard, seed=number, frame_rate=FRAME_RATE)
         kept["before"].append(_named(speaker, before) == take.speaker)
         strokes["before"][take.name] = follow(before, speech[take.name])

@@ -18,8 +18,9 @@ import tomlkit
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.definition.folder import StudyFolder
+from studyapp.stimuli.digest import digest
 from tools.three_systems.line import Line, places
-from tools.three_systems.networks import STEPS, Network, digest, evaluators, networks
+from tools.three_systems.networks import STEPS, Network, evaluators, networks
 from tools.three_systems.page import measured, with_measured
 from tools.three_systems.pictures import shown_segment, write_picture
 from tools.three_systems.takes import bring, learned_takes, shown_takes
@@ -99,7 +100,7 @@ def make(given: argparse.Namespace) -> tuple[Line, list[Network]]:
             if is_due:
                 bring(folder, chosen)
     evaluators(line, RECORDINGS, study.evaluators, given.evaluator_steps)
-    depends = digest(network.file for network in made)
+    depends = digest(*(network.file for network in made))
     _place(study, made)
     processes = ("--processes", str(given.processes))
     line.run("generate", STUDY, of=depends)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from motion.errors import InputError
+from studyapp.stimuli.digest import digest
 from tools.three_systems.line import Line, places
 from training.weights_file import read_weights
 
@@ -74,7 +74,7 @@ def networks(
         if name == "amuse":
             words += ["--speech-model", *places([made["amuse-speech"].file], line.folder)]
         words += ["--steps", str(steps or usual), "--out", *places([out], line.folder)]
-        line.run(*words, of=digest(one.file for one in made.values()) if name == "amuse" else "")
+        line.run(*words, of=digest(*(one.file for one in made.values())) if name == "amuse" else "")
         made[name] = Network(name=name, file=out, is_given=False)
     return list(made.values())
 
@@ -88,11 +88,3 @@ def evaluators(line: Line, recordings: str, into: Path, steps: int | None) -> No
         words = [*kind, "--data", recordings, "--config", "tiny", "--out", out, *more]
         line.run("train", "evaluator", *words)
         shutil.copyfile(line.folder / out, into / f"{name}.safetensors")
-
-
-def digest(files: Any) -> str:
-    """Return a hash of the contents of files."""
-    found = hashlib.sha256()
-    for file in files:
-        found.update(file.read_bytes())
-    return found.hexdigest()[:16]
