@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -137,6 +137,18 @@ def spread_words(text: str, audio: Audio) -> tuple[Word, ...]:
 def words_of(text: str) -> tuple[str, ...]:
     """Return the words of a text in small letters, without what stands between them."""
     return tuple(_LETTERS.findall(text.lower()))
+
+
+def preferred_transcript(find: Callable[[str], Path | None]) -> Path | None:
+    """Return the transcript that `find` has under the first of the endings, all in small letters.
+
+    A table of something else is none.
+    """
+    for ending in TRANSCRIPT_ENDINGS:
+        found = find(ending)
+        if found is not None and (ending != ".csv" or is_word_table(found)):
+            return found
+    return None
 
 
 def is_word_table(path: Path) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 from motion.audio import Audio
 from motion.errors import InputError
 from motion.formats.semantic_txt import SemanticSpan, cut_semantic_scores, read_semantic_scores
-from motion.formats.transcript import TRANSCRIPT_ENDINGS, is_word_table, read_transcript
+from motion.formats.transcript import preferred_transcript, read_transcript
 from motion.segment import Segment
 
 _PLAIN = ".lab"
@@ -31,7 +31,12 @@ def with_words_beside(
     audio : Audio
         The take's speech.
     """
-    beside = _transcript(motion)
+    files = {
+        path.suffix.lower(): path
+        for path in sorted(motion.parent.iterdir())
+        if path.stem == motion.stem
+    }
+    beside = preferred_transcript(files.get)
     if beside is None:
         return list(segments), []
     try:
@@ -49,14 +54,6 @@ def with_words_beside(
         ]
     told = [replace(one, transcript=text) for one, text in zip(segments, said, strict=True)]
     return told, [f"{motion.name}: the words are those of {beside.name}"]
-
-
-def _transcript(motion: Path) -> Path | None:
-    for path in sorted(motion.parent.glob(f"{motion.stem}.*")):
-        ending = path.suffix.lower()
-        if ending in TRANSCRIPT_ENDINGS and (ending != ".csv" or is_word_table(path)):
-            return path
-    return None
 
 
 def semantics_beside(

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from motion.errors import InputError
-from motion.formats.transcript import TRANSCRIPT_ENDINGS, is_word_table
+from motion.formats.transcript import preferred_transcript
 from training.data.folder_files import SOUND_ENDINGS, FolderFiles
 from training.data.take import Split, Take
 
@@ -101,11 +101,7 @@ def sound_of(motion: Path, files: FolderFiles) -> Path:
 
 def transcript_of(motion: Path, files: FolderFiles) -> Path | None:
     """Return the file that tells what is said to a file of motion, where there is one."""
-    for ending in TRANSCRIPT_ENDINGS:
-        found = files.companion(motion, (ending,))
-        if found is not None and (ending != ".csv" or is_word_table(found)):
-            return found
-    return None
+    return preferred_transcript(lambda ending: files.companion(motion, (ending,)))
 
 
 def split_folder(place: PurePosixPath) -> tuple[PurePosixPath, Split | None]:
