@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from motion.files import replacing
-from studyapp.design.adaptive_simulation import CHOICES, TRIALS, Choice, tournament
+from studyapp.study.design.adaptive_simulation import CHOICES, TRIALS, Choice, tournament
 
 CONDITIONS: Final = 10
 STRENGTH_SDS: Final = (1.0, 2.0)

@@ -17,19 +17,16 @@ import click
 import numpy as np
 import pandas as pd
 
-from analysis.exclusions.sitting import KnownSitting
+from analysis.answers.cells import Cells
+from analysis.answers.layouts import PAIRWISE
+from analysis.answers.participant_facts import KnownSitting
+from analysis.answers.reading import Order, answers_in
+from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out
 from analysis.results.preference import win_share
 from analysis.results.sided import sided
-from analysis.tables.answers import AnswerTable
-from analysis.tables.cells import Cells
-from analysis.tables.layouts import PAIRWISE
-from analysis.tables.reading import Order, answers_in
 from motion.files import write_text
 from motion.segment import EMOTIONS, Segment
-from studyapp.definition.protocols.pairwise import PairwiseStudy
-from studyapp.definition.reading import parse_text
-from studyapp.definition.template_language import templates
 from studyapp.rehearsal.record import Expected
 from studyapp.rehearsal.simulation.conduct import Conduct
 from studyapp.rehearsal.simulation.judgement import judge
@@ -38,6 +35,9 @@ from studyapp.rehearsal.simulation.population import Population, default_populat
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.study.creation.template_language import templates
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.reading import parse_text
 
 REHEARSALS: Final = 200
 SEGMENTS_EACH: Final = 3

@@ -20,15 +20,15 @@ from motion.formats.clip_npz import read_clip
 from motion.freeze import freeze
 from motion.ground import stand_on_ground
 from motion.resample import resample
-from renderer.canvas import Canvas
-from renderer.channels import VIDEO
 from renderer.contact_shadow import ContactShadow, ShadowCaster
-from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.frames import FrameRenderer
 from renderer.framing import Camera
 from renderer.look import Look
-from renderer.loudness import at_common_loudness
 from renderer.surface import VertexNormals, surface_colours
+from renderer.video.canvas import Canvas
+from renderer.video.channels import VIDEO
+from renderer.video.encoder import SOUND_RATE, VideoWriter
+from renderer.video.loudness import at_common_loudness
 
 FRAMES_AT_ONCE: Final = 16
 """Frames whose vertices are in memory together, and that are drawn in one box round all of them."""

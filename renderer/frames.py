@@ -9,13 +9,13 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.channels import RGB
 from renderer.contact_shadow import ContactShadow
 from renderer.framing import Camera
 from renderer.look import AMBIENT_LIGHT, BACKGROUND, LIGHTS
 from renderer.offscreen import GROUND, OffscreenContext
 from renderer.opengl import pyrender
 from renderer.pixel_box import PixelBox
+from renderer.video.channels import RGB
 
 Floats = NDArray[np.float32]
 
@@ -107,7 +107,7 @@ class FrameRenderer:
         shadow : ContactShadow or None
             What the body casts on the ground.
         channels : ndarray, shape (4, 4)
-            One of `renderer.channels`.
+            One of `renderer.video.channels`.
 
         Returns
         -------

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import InputError
-from renderer.channels import RGB
 from renderer.contact_shadow import ELLIPSES, ContactShadow
 from renderer.opengl import PLATFORM, pyrender
 from renderer.pixel_box import PixelBox
+from renderer.video.channels import RGB
 
 _SHADERS: Final = Path(__file__).parent / "shaders"
 _PLATFORM_CLASSES: Final = {"osmesa": "OSMesaPlatform", "egl": "EGLPlatform"}
@@ -172,7 +172,7 @@ class OffscreenContext:
         box : PixelBox
             The part.
         channels : ndarray, shape (4, 4)
-            One of `renderer.channels`.
+            One of `renderer.video.channels`.
         shadow : ContactShadow or None
             What lies on the ground.
 

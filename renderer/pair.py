@@ -14,10 +14,10 @@ from PIL import Image, ImageDraw, ImageFont
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.files import replacing
-from renderer.canvas import plane_pixels
-from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
 from renderer.look import BACKGROUND, Look
-from renderer.loudness import at_common_loudness
+from renderer.video.canvas import plane_pixels
+from renderer.video.encoder import SOUND_RATE, VideoWriter, video_frame
+from renderer.video.loudness import at_common_loudness
 
 LABELS: Final = ("A", "B")
 """Left and right."""

@@ -17,8 +17,8 @@ from playwright.sync_api import Page, sync_playwright
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.links import first_owner_link
+from studyapp.study.folder import StudyFolder
 
 PICTURES = DOCS / "guide"
 FROM_PROLIFIC = "?PROLIFIC_PID=5f3c1d9e7a2b4c6d8e0f1a2b&STUDY_ID=6a1b2c3d&SESSION_ID=7e8f9a0b"

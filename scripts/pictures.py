@@ -24,8 +24,8 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from studyapp.database.engine import sqlite_url
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
+from studyapp.study.folder import StudyFolder
+from studyapp.study.stimuli import read_stimuli
 from tools.avatars.sheet import everyone
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -11,7 +11,7 @@ import av
 import numpy as np
 
 from motion.audio import Audio
-from renderer.encoder import SOUND_RATE
+from renderer.video.encoder import SOUND_RATE
 
 
 def _second_of_sound() -> Audio:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from studyapp.definition.finished_videos import finished_video
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.rendering import hide_sizes
 from studyapp.stimuli.video_copies import copy_videos
+from studyapp.study.finished_videos import finished_video
+from studyapp.study.folder import StudyFolder
 from tests.tiny_study import write_pair_video
 
 SEGMENTS = ("one", "two", "three")

@@ -11,7 +11,7 @@ import numpy as np
 
 from motion.segment import Segment
 from motion.segments_table import write_segments
-from studyapp.definition.stimuli import PairVideo, Stimuli, write_stimuli
+from studyapp.study.stimuli import PairVideo, Stimuli, write_stimuli
 
 EMOTIONS = ("happiness", "anger", "sadness", "neutral")
 PAIRS = (

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse, stats
 
-from analysis.clustered_variance import freedom_of, one_way
+from analysis.stats.clustered_variance import freedom_of, one_way
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
@@ -33,7 +33,7 @@ class Findings:
 def clustered_tests(values: Floats, participants: Codes, items: Codes) -> tuple[Floats, Floats]:
     """Test whether the means of many studies of one design are zero.
 
-    The same as `analysis.preferences.clustered.clustered_mean` of each row.
+    The same as `analysis.stats.clustered_mean.clustered_mean` of each row.
 
     Parameters
     ----------

@@ -21,8 +21,8 @@ from analysis.planning.part import Opinions, Part
 from analysis.results.net_preference import Expected, expected, net_preference
 from analysis.results.preference import FEWEST
 from analysis.results.sided import SidedAnswers
-from analysis.strengths.contrasts import difference_tests
-from analysis.strengths.plackett_luce import plackett_luce
+from analysis.stats.strengths.contrasts import difference_tests
+from analysis.stats.strengths.plackett_luce import plackett_luce
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.holm import holm_rows
 from analysis.planning.clustered_tests import Findings
+from analysis.stats.holm import holm_rows
 
 Floats = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from analysis.planning.plan import Plan
 from analysis.planning.power import Power
 from analysis.planning.smallest import WANTED
 from analysis.planning.words import segments
-from analysis.report.ink import INK, LINE, SERIES, SOFT, STYLE
-from analysis.report.sheet import Sheet, fitted
-from analysis.report.svg import WIDTH, as_pdf
+from analysis.report.figures.ink import INK, LINE, SERIES, SOFT, STYLE
+from analysis.report.figures.sheet import Sheet, fitted
+from analysis.report.figures.svg import WIDTH, as_pdf
 
 ACROSS: Final = 3
 """Panels beside one another."""

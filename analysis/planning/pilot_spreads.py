@@ -13,12 +13,12 @@ import pandas as pd
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
+from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
 from analysis.results.grouping import codes, parts
 from analysis.results.net_preference import net_preference
 from analysis.results.sided import sided
-from analysis.tables.answers import AnswerTable
+from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
 from motion.errors import InputError
 
 MANY: Final = 10

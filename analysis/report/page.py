@@ -8,22 +8,22 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
-from analysis.report.against_people_section import against_people_section
-from analysis.report.answer import answer
 from analysis.report.content import Page, Section
-from analysis.report.diagnostics_section import diagnostics_section
-from analysis.report.flow_section import flow_section
-from analysis.report.flow_words import flow_line
 from analysis.report.headline.heterogeneity import heterogeneity_section
 from analysis.report.headline.sections import first_picture, headline_sections
-from analysis.report.limits_section import limits_section
-from analysis.report.looks_section import looks_section
-from analysis.report.methods_section import methods_section
-from analysis.report.metric_section import metric_section
-from analysis.report.sensitivity_section import sensitivity_section
-from analysis.report.strip_section import strip_section
+from analysis.report.sections.against_people import against_people_section
+from analysis.report.sections.answer import answer
+from analysis.report.sections.diagnostics import diagnostics_section
+from analysis.report.sections.flow import flow_section
+from analysis.report.sections.flow_words import flow_line
+from analysis.report.sections.limits import limits_section
+from analysis.report.sections.looks import looks_section
+from analysis.report.sections.methods import methods_section
+from analysis.report.sections.metric import metric_section
+from analysis.report.sections.sensitivity import sensitivity_section
+from analysis.report.sections.strip import strip_section
+from analysis.report.sections.truth import truth_section
 from analysis.report.subject import Subject
-from analysis.report.truth_section import truth_section
 from analysis.results.report import TableReport
 
 TASKS: Final = MappingProxyType({"pairwise": "realism"})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analysis.report.content import Page
-from analysis.report.methods_section import ANCHOR
+from analysis.report.sections.methods import ANCHOR
 
 
 def paper_text(page: Page) -> str:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Final
 
-from analysis.preferences.clustered import ClusteredMean
+from analysis.stats.clustered_mean import ClusteredMean
 
 NO_BREAK: Final = "\u00a0"
 """A space at which no line is broken."""

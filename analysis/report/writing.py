@@ -13,12 +13,12 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from analysis.metrics.score_tables import score_table
+from analysis.measurement.score_tables import score_table
 from analysis.report.content import Page
 from analysis.report.csv_tables import csv_tables
-from analysis.report.metric_table import SCORES
 from analysis.report.page import TASKS, build_page
 from analysis.report.paper_text import paper_text
+from analysis.report.sections.metric_table import SCORES
 from analysis.report.subject import Subject
 from analysis.report.table_files import write_frame, write_page_files
 from analysis.results.plain import as_json

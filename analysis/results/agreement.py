@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.agreement.intraclass import Intraclass, intraclass_correlation
-from analysis.agreement.krippendorff import krippendorff_alpha
+from analysis.stats.intraclass import Intraclass, intraclass_correlation
+from analysis.stats.krippendorff import krippendorff_alpha
 
 LEVEL: Final = "ordinal"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.preferences.clustered import ClusteredMean
+from analysis.stats.clustered_mean import ClusteredMean
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.holm import holm
+from analysis.stats.holm import holm
 from motion.errors import InputError
 
 FORMS = "all, by question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]"

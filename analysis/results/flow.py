@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut
-from analysis.tables.answers import AnswerTable
 
 EVERYBODY: Final = ""
 """The arm of a table, and of a study that has one."""

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.tables.answers import AnswerTable
+from analysis.answers.table import AnswerTable
 
 Result = TypeVar("Result")
 ByQuestion = Mapping[str, Result] | Mapping[str, Mapping[str, Result]]

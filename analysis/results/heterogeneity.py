@@ -11,12 +11,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.heterogeneity.between import Between, between_groups, between_segments
-from analysis.heterogeneity.cells import Cell, cells
-from analysis.holm import holm
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import codes
 from analysis.results.place import ConditionPlace, PairPlace
+from analysis.stats.effect_cells import Cell, cells
+from analysis.stats.heterogeneity import Between, between_groups, between_segments
+from analysis.stats.holm import holm
 
 Floats = NDArray[np.float64]
 By = Literal["emotion", "speaker", "segment"]

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from analysis.preferences.clustered import LEVEL
 from analysis.results.estimate import Estimate
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
+from analysis.stats.clustered_mean import LEVEL
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 Sign = Literal["right", "wrong", "undecided", "equal"]

@@ -8,12 +8,12 @@ from typing import Final
 
 import pandas as pd
 
-from analysis.exclusions.applying import RuleOutcome, apply_rules
-from analysis.exclusions.rules import ExclusionRule, failed_catch_trials, marked
-from analysis.exclusions.sitting import KnownSitting
-from analysis.exclusions.sittings import NOTHING_KNOWN, sittings_of
-from analysis.tables.answers import AnswerTable
-from analysis.trial_kinds import ANALYSED_KINDS
+from analysis.answers.exclusion_rules import ExclusionRule, failed_catch_trials, marked
+from analysis.answers.exclusions import RuleOutcome, apply_rules
+from analysis.answers.facts_of_participants import NOTHING_KNOWN, sittings_of
+from analysis.answers.participant_facts import KnownSitting
+from analysis.answers.table import AnswerTable
+from analysis.answers.trial_kinds import ANALYSED_KINDS
 
 MAX_CATCH_FAILURES: Final = 1
 """Failed catch trials that a participant may have, unless told otherwise."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.equivalence import Equivalence, equivalence
 from analysis.results.estimate import Estimate
 from analysis.results.place import PairPlace
+from analysis.stats.equivalence import Equivalence, equivalence
 
 
 @dataclass(frozen=True, kw_only=True)

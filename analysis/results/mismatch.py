@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
 from analysis.results.family import EVERYTHING, Family, Member
@@ -22,7 +23,6 @@ from analysis.results.place import ConditionPlace
 from analysis.results.preference import Preference, left_share, preference, with_holm
 from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
-from analysis.tables.answers import AnswerTable
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,15 +8,15 @@ from typing import Final
 
 import numpy as np
 
-from analysis.ordinal.maximum import Beginning
-from analysis.ordinal.mixed_model import (
+from analysis.results.sided import Floats, SidedAnswers
+from analysis.stats.ordinal.maximum import Beginning
+from analysis.stats.ordinal.mixed_model import (
     OrdinalFit,
     RandomEffect,
     beginning_of,
     fit,
     likelihood_ratio,
 )
-from analysis.results.sided import Floats, SidedAnswers
 from motion.errors import InputError
 
 SEPARATED: Final = (

@@ -10,6 +10,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.answers.table import AnswerTable
+from analysis.answers.trial_kinds import ANALYSED_KINDS
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.estimate import Estimate
 from analysis.results.family import EVERYTHING, Family, Member
@@ -27,8 +29,6 @@ from analysis.results.strengths import (
     corrected_contrasts,
     strengths_of,
 )
-from analysis.tables.answers import AnswerTable
-from analysis.trial_kinds import ANALYSED_KINDS
 
 MOST_PAIRED: Final = 3
 """Conditions up to which single comparisons decide; of more, the strengths of all of them."""

@@ -12,18 +12,18 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.preferences.clustered import clustered_mean
+from analysis.answers.trial_kinds import ANALYSED_KINDS
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.family import Family, Member
 from analysis.results.grouping import codes, people
 from analysis.results.net_preference import NetPreference, net_preference
 from analysis.results.sided import SidedAnswers, sided
-from analysis.robustness.min_f import min_f
-from analysis.robustness.participant_means import group_means
-from analysis.robustness.pooled import pooled_tests
-from analysis.robustness.sign_test import sign_test
-from analysis.robustness.wilcoxon import signed_rank
-from analysis.trial_kinds import ANALYSED_KINDS
+from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.min_f import min_f
+from analysis.stats.participant_means import group_means
+from analysis.stats.pooled import pooled_tests
+from analysis.stats.sign_test import sign_test
+from analysis.stats.wilcoxon import signed_rank
 
 Z_95: Final = float(stats.norm.ppf(0.975))
 

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.quality.response_times import response_times
-from analysis.quality.straight_lining import straight_lining
+from analysis.answers.response_times import response_times
+from analysis.answers.straight_lining import straight_lining
 from analysis.results.grouping import codes
 
 ALIKE: Final = 0.9

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.rankings.friedman import blocks_of_rankings, friedman
-from analysis.rankings.kendall_w import kendall_w
-from analysis.rankings.placements import Placements
-from analysis.rankings.posthoc import PairwiseRanks, compare_pairs
 from analysis.results.place import PairPlace
+from analysis.stats.rankings.friedman import blocks_of_rankings, friedman
+from analysis.stats.rankings.kendall_w import kendall_w
+from analysis.stats.rankings.placements import Placements
+from analysis.stats.rankings.posthoc import PairwiseRanks, compare_pairs
 
 
 @dataclass(frozen=True, kw_only=True)

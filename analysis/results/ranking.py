@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.rankings.placements import Placements, placements
-from analysis.rankings.summary import RankSummary, rank_summaries
+from analysis.answers.table import AnswerTable
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
@@ -42,7 +41,8 @@ from analysis.results.strengths import (
     corrected_contrasts,
     worths_of,
 )
-from analysis.tables.answers import AnswerTable
+from analysis.stats.rankings.placements import Placements, placements
+from analysis.stats.rankings.summary import RankSummary, rank_summaries
 
 
 @dataclass(frozen=True, kw_only=True)

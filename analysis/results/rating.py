@@ -10,8 +10,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from analysis.equivalence import equivalence_of_means
-from analysis.ratings.table import RatingSummary, rating_table
+from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of
 from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
@@ -27,7 +26,8 @@ from analysis.results.rating_contrasts import (
 )
 from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
 from analysis.results.retest import TestRetest, retest_of
-from analysis.tables.answers import AnswerTable
+from analysis.stats.equivalence import equivalence_of_means
+from analysis.stats.rating_table import RatingSummary, rating_table
 
 
 @dataclass(frozen=True, kw_only=True)

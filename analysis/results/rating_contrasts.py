@@ -10,13 +10,13 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from analysis.ratings.cliffs_delta import cliffs_delta
-from analysis.ratings.differences import RatedCells, mean_differences, rated_cells
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.family import Family, Member
 from analysis.results.grouping import codes
 from analysis.results.place import PairPlace
 from analysis.results.rating_model import RatingModel
+from analysis.stats.cliffs_delta import cliffs_delta
+from analysis.stats.rating_differences import RatedCells, mean_differences, rated_cells
 
 
 @dataclass(frozen=True, kw_only=True)

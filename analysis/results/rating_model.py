@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.ordinal.mixed_model import RandomEffect, fit
 from analysis.results.grouping import codes
+from analysis.stats.ordinal.mixed_model import RandomEffect, fit
 from motion.errors import InputError
 
 MOST_SCORES: Final = 21

@@ -11,11 +11,14 @@ from typing import Final
 
 from threadpoolctl import threadpool_limits
 
-from analysis.against_people.against_people import metrics_against_people
-from analysis.against_people.result import AgainstPeople
-from analysis.exclusions.applying import RuleOutcome
-from analysis.exclusions.rules import ExclusionRule
-from analysis.metrics.conditions import StudyMetrics
+from analysis.answers.exclusion_rules import ExclusionRule
+from analysis.answers.exclusions import RuleOutcome
+from analysis.answers.layouts import LAYOUTS
+from analysis.answers.reading import read_answers
+from analysis.answers.table import AnswerTable
+from analysis.measurement.conditions import StudyMetrics
+from analysis.results.against_people.against_people import metrics_against_people
+from analysis.results.against_people.result import AgainstPeople
 from analysis.results.family import EVERYTHING, Family, read_family
 from analysis.results.flow import ArmState, Flow, participant_flow
 from analysis.results.grouping import ByQuestion
@@ -27,9 +30,6 @@ from analysis.results.quality import Quality, quality
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results
 from analysis.results.sensitivity import Sensitivity, sensitivity
-from analysis.tables.answers import AnswerTable
-from analysis.tables.layouts import LAYOUTS
-from analysis.tables.reading import read_answers
 from motion.errors import InputError
 
 PROTOCOLS: Final = tuple(LAYOUTS)

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.quality.retest import repeated_answers, retest_agreement
+from analysis.answers.retest import repeated_answers, retest_agreement
 from analysis.results.grouping import codes
 
 

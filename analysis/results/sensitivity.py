@@ -12,14 +12,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.preferences.clustered import ClusteredMean, clustered_mean
-from analysis.rankings.placements import placements
-from analysis.rankings.summary import rank_summaries
+from analysis.answers.table import AnswerTable
 from analysis.results.grouping import codes, parts, set_name
 from analysis.results.left_out import LeftOut
 from analysis.results.rating import limits_of
 from analysis.results.sided import sided
-from analysis.tables.answers import AnswerTable
+from analysis.stats.clustered_mean import ClusteredMean, clustered_mean
+from analysis.stats.rankings.placements import placements
+from analysis.stats.rankings.summary import rank_summaries
 
 Means = Iterator[tuple[tuple[str, ...], ClusteredMean]]
 """Conditions, and their number."""

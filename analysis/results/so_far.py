@@ -15,8 +15,7 @@ from typing import Final, Literal
 import numpy as np
 import pandas as pd
 
-from analysis.rankings.summary import rank_summaries
-from analysis.ratings.table import rating_table
+from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement
 from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import codes, parts, set_name, shown_conditions
@@ -29,7 +28,8 @@ from analysis.results.ranking import placements_of
 from analysis.results.rating import limits_of, rating_agreement, rating_retest, scores_of
 from analysis.results.retest import TestRetest
 from analysis.results.sided import sided
-from analysis.tables.answers import AnswerTable
+from analysis.stats.rankings.summary import rank_summaries
+from analysis.stats.rating_table import rating_table
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 

@@ -13,16 +13,16 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.preferences.clustered import LEVEL
 from analysis.results.family import Family, Member
 from analysis.results.grouping import codes, shown_conditions
 from analysis.results.place import PairPlace
-from analysis.robustness.participant_means import group_means
-from analysis.robustness.sign_test import sign_test
-from analysis.strengths.bradley_terry import BradleyTerry, bradley_terry
-from analysis.strengths.contrasts import Omnibus, difference_tests, omnibus, rank_intervals
-from analysis.strengths.plackett_luce import PlackettLuce, plackett_luce
-from analysis.strengths.votes import Votes
+from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.participant_means import group_means
+from analysis.stats.sign_test import sign_test
+from analysis.stats.strengths.bradley_terry import BradleyTerry, bradley_terry
+from analysis.stats.strengths.contrasts import Omnibus, difference_tests, omnibus, rank_intervals
+from analysis.stats.strengths.plackett_luce import PlackettLuce, plackett_luce
+from analysis.stats.strengths.votes import Votes
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]

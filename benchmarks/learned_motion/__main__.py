@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from analysis.metrics import network_names as names
+from analysis.evaluators import network_names as names
 from benchmarks.learned_motion.compared_study import (
     MISMATCHED,
     RULE_BASED,
@@ -35,10 +35,10 @@ from benchmarks.learned_motion.page import Findings, page
 from benchmarks.learned_motion.recordings import FRAME_RATE, write_recordings
 from benchmarks.learned_motion.truth import speeches, spoken
 from motion.files import write_text
-from studyapp.command.progress import progress
-from studyapp.definition.study import GROUND_TRUTH
+from studyapp.cli.progress import progress
 from studyapp.results.metrics import measure_study
 from studyapp.stimuli.generation import generate
+from studyapp.study.settings.study import GROUND_TRUTH
 from training.corpus.making import make_corpus
 from training.corpus.process import VERSION
 from training.corpus.request import CorpusRequest

@@ -14,8 +14,8 @@ from motion.audio import Audio, read_audio
 from motion.files import write_text
 from motion.segment import Segment
 from motion.segments_table import write_segments
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import GROUND_TRUTH
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import Take
 
 MISMATCHED: Final = "mismatched"

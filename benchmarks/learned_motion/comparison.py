@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from analysis.metrics.conditions import StudyMetrics
+from analysis.measurement.conditions import StudyMetrics
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
 from benchmarks.learned_motion.following import (
     MEASURES,
@@ -18,8 +18,8 @@ from benchmarks.learned_motion.following import (
 )
 from generators.mismatched import partners
 from motion.formats import read_clip
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import GROUND_TRUTH
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import GROUND_TRUTH
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.evaluators.evaluator import Evaluator, load_evaluator
+from analysis.measurement.joint_motion import joint_motion
 from analysis.metrics.emotion_accuracy import EmotionConfusion, emotion_confusion
-from analysis.metrics.joint_motion import joint_motion
 from analysis.metrics.joint_positions import WRISTS, select
-from analysis.metrics.networks.evaluator import Evaluator, load_evaluator
 from benchmarks.learned_motion.compared_study import segment_of
 from benchmarks.learned_motion.following import (
     Followed,

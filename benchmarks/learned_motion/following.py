@@ -12,10 +12,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.measurement.joint_motion import joint_motion
 from analysis.metrics.beat_alignment import AMUSE, BeatSettings, beat_alignment
-from analysis.metrics.joint_motion import joint_motion
 from analysis.metrics.joint_positions import WRISTS, select
-from analysis.resampling.two_way import bootstrap_means, cells_of, percentile_interval
+from analysis.stats.two_way_bootstrap import bootstrap_means, cells_of, percentile_interval
 from motion.clip import MotionClip
 from motion.face import ARKIT_NAMES
 from motion.speech_onsets import DETECTOR

@@ -12,17 +12,17 @@ from typing import Final
 
 import torch
 
-from analysis.metrics.networks.clip_views import Channels
-from analysis.metrics.networks.design import Kind
-from analysis.metrics.networks.evaluator_request import TRAINING, EvaluatorRequest
-from analysis.metrics.networks.training import train_evaluator
-from analysis.metrics.networks.training_clips import ClipSource
+from analysis.evaluators.clip_views import Channels
+from analysis.evaluators.design import Kind
+from analysis.evaluators.evaluator_request import TRAINING, EvaluatorRequest
+from analysis.evaluators.training import train_evaluator
+from analysis.evaluators.training_clips import ClipSource
 from generators.diffsheg.model import Denoiser
 from generators.diffsheg.network_file import load_network, write_network
 from generators.registry import trainable_of
 from generators.trainable import TrainingRequest
 from motion.formats import read_clip
-from studyapp.command.progress import progress
+from studyapp.cli.progress import progress
 from training.data.take import Take, TakeFolder
 from training.run_folder import RunFolder
 

@@ -10,12 +10,12 @@ from typing import Final
 
 import numpy as np
 
-from analysis.metrics import network_names as names
-from analysis.metrics.conditions import StudyMetrics
+from analysis.evaluators import network_names as names
+from analysis.measurement.conditions import StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from benchmarks.learned_motion.comparison import Followings, Verdict, score_of, written
 from benchmarks.learned_motion.editing import Edited
-from studyapp.definition.study import GROUND_TRUTH
+from studyapp.study.settings.study import GROUND_TRUTH
 
 SCORES: Final = (
     ("FGD ↓", names.FGD),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 
-from renderer.threads import ONE_THREAD
+from renderer.jobs.threads import ONE_THREAD
 
 os.environ.update(ONE_THREAD)  # before NumPy and Mesa load: measured as in a worker
 
@@ -32,12 +32,12 @@ from motion.body import read_body
 from motion.formats import write_clip
 from renderer.avatars import default_body
 from renderer.clip_video import Stage, write_clip_video
-from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.framing import Camera, frame_clips
-from renderer.job import ClipJob, Job, PairJob
-from renderer.jobs import run_jobs
+from renderer.jobs.job import ClipJob, Job, PairJob
+from renderer.jobs.making import run_jobs
 from renderer.look import Look
 from renderer.pair import composed_frames, write_pair
+from renderer.video.encoder import SOUND_RATE, VideoWriter
 
 SECONDS: Final = 4.0
 ROUNDS: Final = 3

@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.channels import RGB
 from renderer.clip_video import Stage
 from renderer.frames import SUPERSAMPLING, FrameRenderer
 from renderer.framing import Camera
@@ -16,6 +15,7 @@ from renderer.look import BACKGROUND
 from renderer.offscreen import PLANES
 from renderer.pixel_box import PixelBox
 from renderer.surface import VertexNormals, surface_colours
+from renderer.video.channels import RGB
 
 Pictures = NDArray[np.float64]
 

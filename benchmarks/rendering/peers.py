@@ -24,9 +24,9 @@ from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.body import BodyModel
 from renderer.frames import looking
 from renderer.framing import Camera
+from renderer.jobs.threads import ONE_THREAD
 from renderer.look import Look
 from renderer.surface import surface_colours
-from renderer.threads import ONE_THREAD
 
 _SCRIPTS: Final = Path(__file__).parent
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 
-from renderer.threads import ONE_THREAD
+from renderer.jobs.threads import ONE_THREAD
 
 os.environ.update(ONE_THREAD)  # before NumPy and Mesa load: measured as in a worker
 
@@ -25,9 +25,9 @@ from motion.body import read_body
 from motion.clip import MotionClip
 from renderer.avatars import default_body
 from renderer.clip_video import Stage
-from renderer.encoder import SOUND_RATE, VideoWriter
 from renderer.framing import frame_clips
 from renderer.look import Look
+from renderer.video.encoder import SOUND_RATE, VideoWriter
 
 FRAMES: Final = 10_000
 

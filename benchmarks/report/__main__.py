@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from analysis.tables.layouts import LAYOUTS
+from analysis.answers.layouts import LAYOUTS
 from benchmarks.report.filled_study import fill_study
 from benchmarks.report.made_answers import made_table
 
@@ -59,7 +59,7 @@ def _measure(name: str, answers: int, folder: Path) -> None:
 
 _REPORT: Final = """
 import resource, sys
-from studyapp.command.main import main
+from studyapp.cli.main import main
 sys.argv[:1] = ["motionjury", "report"]
 main()
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)

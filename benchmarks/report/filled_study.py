@@ -21,9 +21,9 @@ from studyapp.database.tables import (
     Video,
     WatchRecord,
 )
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.reading import parse_text
-from studyapp.definition.versioning import operation_part
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.reading import parse_text
+from studyapp.study.versioning import operation_part
 
 TRIALS: Final = 48
 SECONDS: Final = 6.0

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.resampling.two_way import bootstrap_means, cells_of
+from analysis.stats.two_way_bootstrap import bootstrap_means, cells_of
 from benchmarks.statistics.clock import timed
 
 Floats = NDArray[np.float64]

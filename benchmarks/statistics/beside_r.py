@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
+from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
 from benchmarks.statistics.clock import timed
 from benchmarks.validity.studies import Design, Preferences, preferences
 

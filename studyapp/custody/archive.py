@@ -21,7 +21,7 @@ from pydantic import ValidationError
 
 from motion.errors import InputError
 from studyapp.custody.manifest import NAME, Manifest, StoredFile
-from studyapp.definition.validation import explain
+from studyapp.study.settings.validation import explain
 
 ENDINGS: Final = (".tar", ".tar.gz", ".tgz")
 BLOCK: Final = 1 << 20

@@ -21,7 +21,7 @@ from studyapp.custody.study_files import found_file, media_files, small_files
 from studyapp.custody.verification import check_archive
 from studyapp.database.copies import rows_of_copy, schema_of_copy, write_copy
 from studyapp.database.engine import database_url_of, shown_address
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.folder import StudyFolder
 
 _UNFINISHED: Final = "unfinished-backup-"
 

@@ -9,8 +9,8 @@ from studyapp.clock import Clock
 from studyapp.custody.forgetting import Remembered, forget, has_forgotten, remembered
 from studyapp.database.engine import Database, database_url_of
 from studyapp.database.scrubbing import leave_nothing
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.study.folder import StudyFolder
 
 
 def remembered_of(folder: StudyFolder, name: str) -> tuple[Remembered, ...]:

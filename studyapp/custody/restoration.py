@@ -26,11 +26,11 @@ from studyapp.database.engine import (
     sqlite_file,
     sqlite_url,
 )
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.lock import held_alone
-from studyapp.definition.stimuli import read_stimuli
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.stimuli.disk_space import as_text
+from studyapp.study.folder import StudyFolder
+from studyapp.study.lock import held_alone
+from studyapp.study.stimuli import read_stimuli
 
 _UNFINISHED: Final = ".unfinished-restore-"
 _FOR_THE_OWNER: Final = frozenset({DATABASE, "pseudonyms.key", "invitations.csv"})

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from studyapp.custody.archive import BLOCK, OnFile
 from studyapp.custody.manifest import MEDIA, SMALL_FILES, StoredFile
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.folder import StudyFolder
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -41,7 +41,7 @@ from studyapp.database.postgresql import (
     taking_time,
 )
 from studyapp.database.waiting_line import in_line
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.folder import StudyFolder
 
 BUSY_SECONDS: Final = 30
 """How long a writer waits for another one before it gives up."""

@@ -15,7 +15,7 @@ from urllib.parse import unquote, urlsplit
 import httpx
 
 from motion.errors import InputError
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 
 WEBHOOK: Final = "MOTIONJURY_ALARM_WEBHOOK"
 """An address that gets each alarm as JSON; whoever knows it can write there."""

@@ -12,8 +12,8 @@ from sqlalchemy import or_, select
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import Response, Trial, TrialStimulus
-from studyapp.definition.study import Study
 from studyapp.session.exclusion import JUDGED
+from studyapp.study.settings.study import Study
 
 
 class Check(NamedTuple):

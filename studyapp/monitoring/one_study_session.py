@@ -18,12 +18,12 @@ from studyapp.database.tables import (
     Video,
     WatchRecord,
 )
-from studyapp.definition.study import Study
 from studyapp.monitoring.study_sessions import Sitting, sittings
 from studyapp.researchers.exclusion_decisions import DecidedExclusion, exclusion_decisions
 from studyapp.session.exclusion import JUDGED
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.videos.watch_evidence import FASTEST, length, watched_share, watched_so_far
+from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from studyapp.design.arm import Arm
 from studyapp.monitoring.study_sessions import Sitting
+from studyapp.study.design.arm import Arm
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,19 +8,19 @@ from typing import Final
 
 import pandas as pd
 
+from analysis.answers.cells import Cells
+from analysis.answers.layouts import LAYOUTS
+from analysis.answers.reading import answers_in, read_answers
+from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
 from analysis.results.left_out import LeftOut, leave_out, table_rules
-from analysis.tables.answers import AnswerTable
-from analysis.tables.cells import Cells
-from analysis.tables.layouts import LAYOUTS
-from analysis.tables.reading import answers_in, read_answers
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.answer_table import study_answers
 from studyapp.results.answers import answers_to_report
 from studyapp.results.exclusions import decided_by_hand, study_exclusions
 from studyapp.results.report_arms import of_present_design
+from studyapp.study.folder import StudyFolder
 
 ROUGH: Final = 10
 """Participants or segments below which spreads are rough."""

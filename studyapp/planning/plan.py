@@ -14,7 +14,6 @@ from analysis.planning.power import FEWEST_EXACT, Effort
 from analysis.planning.size import Size, Sketch
 from analysis.planning.writing import CELLS, write_plan
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
 from studyapp.planning.pilot import Pilot, read_pilot
 from studyapp.planning.planned_study import (
     PlannedStudy,
@@ -25,6 +24,7 @@ from studyapp.planning.planned_study import (
     planned_segments,
     with_trials,
 )
+from studyapp.study.folder import StudyFolder
 
 EFFECTS: Final = (0.2, 0.4, 0.6)
 """Differences that are looked for unless told otherwise, in logits."""

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 
 from analysis.planning.part import Kind, Part, Test, Trials
-from studyapp.definition.protocols.mismatch import FIT, MismatchStudy
-from studyapp.definition.protocols.ranking import RankingStudy
-from studyapp.definition.protocols.rating import RatingStudy
-from studyapp.definition.study import Study
-from studyapp.design.planned_trial import PlannedTrial
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.protocols.mismatch import FIT, MismatchStudy
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.study import Study
 
 Shown = Sequence[tuple[int, PlannedTrial]]
 """Who is shown which trials."""

@@ -9,18 +9,18 @@ from typing import Any, Final
 
 import numpy as np
 
+from analysis.answers.trial_kinds import ANALYSED_KINDS
 from analysis.planning.part import Test
 from analysis.planning.size import Size, kept
-from analysis.trial_kinds import ANALYSED_KINDS
 from motion.errors import InputError
 from motion.segment import EMOTIONS, Segment
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.protocols.mismatch import MismatchStudy
-from studyapp.definition.protocols.pairwise import PairwiseStudy
-from studyapp.definition.protocols.ranking import RankingStudy
-from studyapp.definition.protocols.rating import RatingStudy
-from studyapp.definition.study import Study
 from studyapp.planning.planned_parts import planned_parts
+from studyapp.study.folder import StudyFolder
+from studyapp.study.protocols.mismatch import MismatchStudy
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.study import Study
 
 EXCLUDED: Final = 0.1
 """Share of participants who are taken to be left out where nobody has taken part."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import permutations
 from typing import Final
 
-from studyapp.design.planned_trial import PlannedTrial
+from studyapp.study.design.planned_trial import PlannedTrial
 
 ANALYSED: Final = ("main", "repeat")
 

@@ -23,9 +23,9 @@ from motion.freeze import freeze
 from motion.resample import resample
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import forward_kinematics, joint_index
-from studyapp.definition.study import Study
 from studyapp.preflight.finding import Finding, note, warning
 from studyapp.preflight.material import Material
+from studyapp.study.settings.study import Study
 
 WIDTH: Final = 64
 """Pixels to which pictures are made smaller: grain and the encoder's traces go, limbs stay."""

@@ -9,10 +9,6 @@ from typing import Final
 from pydantic import ValidationError
 
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.reading import parse_text, read_text
-from studyapp.definition.recruitment import Recruitment
-from studyapp.definition.study import Study
 from studyapp.preflight.address_checks import address_findings
 from studyapp.preflight.balance_checks import balance_findings
 from studyapp.preflight.catch_checks import catch_picture_findings
@@ -43,6 +39,10 @@ from studyapp.preflight.time_checks import (
     pace_of_study,
     time_findings,
 )
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.reading import parse_text, read_text
+from studyapp.study.settings.recruitment import Recruitment
+from studyapp.study.settings.study import Study
 
 STUDY_FILE: Final = error(
     "study-file",

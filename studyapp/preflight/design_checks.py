@@ -9,12 +9,12 @@ from typing import Final
 
 from motion.listing import listed
 from motion.segment import EMOTIONS
-from studyapp.definition.exclusions import Coverage
-from studyapp.definition.study import Study
-from studyapp.design.planned_trial import Kind, PlannedTrial
 from studyapp.preflight.finding import Finding, error, note, warning
 from studyapp.preflight.material import Material
 from studyapp.results.study_notes import study_notes
+from studyapp.study.design.planned_trial import Kind, PlannedTrial
+from studyapp.study.settings.exclusions import Coverage
+from studyapp.study.settings.study import Study
 
 NO_TRIALS: Final = error(
     "no-trials",

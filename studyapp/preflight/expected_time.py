@@ -9,11 +9,11 @@ from math import ceil
 from statistics import median
 from typing import Final
 
-from studyapp.definition.study import Study
-from studyapp.design.planned_trial import PlannedTrial
-from studyapp.design.stimulus import Content
 from studyapp.preflight.material import Material
 from studyapp.session.time_left import expected_seconds
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.stimulus import Content
+from studyapp.study.settings.study import Study
 
 SECONDS_FOR_A_FORM_QUESTION: Final = 8.0
 SECONDS_FOR_INSTRUCTIONS: Final = 60.0

@@ -8,8 +8,6 @@ from types import MappingProxyType
 from typing import Final
 
 from motion.segment import Segment
-from studyapp.definition.finished_videos import finished_video, similar_file
-from studyapp.design.stimulus import Content
 from studyapp.preflight.finding import Finding, FindingKind, error, warning
 from studyapp.preflight.material import Material
 from studyapp.session.served_study import described
@@ -21,6 +19,8 @@ from studyapp.stimuli.media_probe import (
     flaw_of,
     format_of,
 )
+from studyapp.study.design.stimulus import Content
+from studyapp.study.finished_videos import finished_video, similar_file
 
 VIDEO_MISSING: Final = error(
     "video-missing",

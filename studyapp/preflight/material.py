@@ -10,13 +10,13 @@ from types import MappingProxyType
 from typing import Final, Self
 
 from motion.segment import Segment
-from studyapp.definition.finished_videos import finished_video
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.media import Media, VideoFile
-from studyapp.definition.study import Study
-from studyapp.design.arm import Arm
-from studyapp.design.planned_trial import PlannedTrial
-from studyapp.design.stimulus import Content
+from studyapp.study.design.arm import Arm
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.stimulus import Content
+from studyapp.study.finished_videos import finished_video
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Media, VideoFile
+from studyapp.study.settings.study import Study
 
 MOST_PLACES: Final = 240
 """Places of an arm whose trials are planned; of more, as many of the first ones."""

@@ -12,11 +12,11 @@ from motion.errors import InputError
 from motion.formats import read_clip
 from motion.freeze import CHANNELS, freeze, moving_channels
 from motion.listing import listed
-from studyapp.definition.study import Study
 from studyapp.preflight.catch_checks import catch_motion_findings
 from studyapp.preflight.finding import Finding, error, warning
 from studyapp.preflight.material import Material
 from studyapp.stimuli.shown_body import left_out, shown_abilities
+from studyapp.study.settings.study import Study
 
 MOTION_UNREADABLE: Final = error(
     "motion-unreadable",

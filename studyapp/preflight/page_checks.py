@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from typing import Final, get_args
 
 from motion.listing import listed
-from studyapp.definition.page import Language, reaches_somebody
-from studyapp.definition.study import Study
-from studyapp.definition.template_language import TEMPLATES_IN, still_english, templates
 from studyapp.preflight.finding import Finding, error, warning
+from studyapp.study.creation.template_language import TEMPLATES_IN, still_english, templates
+from studyapp.study.settings.page import Language, reaches_somebody
+from studyapp.study.settings.study import Study
 
 ORGANISATION_MISSING: Final = warning(
     "organisation-missing",

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from studyapp.design.planned_trial import PlannedTrial
-from studyapp.design.stimulus import Content
 from studyapp.preflight.finding import Finding, error, note
 from studyapp.preflight.material import Material
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.stimulus import Content
 
 PAGE_WEIGHT: Final = note("page-weight", "how many megabytes of video participants load")
 PAGE_HEAVY: Final = error(

@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from motion.listing import listed
-from studyapp.definition.pay import hourly, money
-from studyapp.definition.study import Study
 from studyapp.preflight.finding import Finding, error, note, warning
+from studyapp.study.settings.pay import hourly, money
+from studyapp.study.settings.study import Study
 
 PAY_UNKNOWN: Final = error(
     "pay-unknown",

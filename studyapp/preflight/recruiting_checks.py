@@ -8,11 +8,11 @@ from typing import Final
 
 from motion.errors import InputError
 from motion.listing import listed
-from studyapp.definition.recruitment import FEWEST_FAILED_CHECKS, Recruitment
-from studyapp.definition.study import Study
 from studyapp.preflight.finding import Finding, error, note, warning
 from studyapp.recruitment.prolific_draft import CODE_TYPES, places_of
 from studyapp.recruitment.record import FILE, read_made_there
+from studyapp.study.settings.recruitment import FEWEST_FAILED_CHECKS, Recruitment
+from studyapp.study.settings.study import Study
 
 CODES_MISSING: Final = error(
     "codes-missing",

@@ -19,10 +19,6 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.tables import Video
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.form import Form
-from studyapp.definition.study import Study
-from studyapp.definition.versioning import design_digest
 from studyapp.preflight.finding import Finding, error, note, warning
 from studyapp.preflight.material import Material
 from studyapp.preflight.time_checks import arrivals
@@ -33,6 +29,10 @@ from studyapp.session.participation import begin
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version
 from studyapp.stimuli.disk_space import as_text
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.form import Form
+from studyapp.study.settings.study import Study
+from studyapp.study.versioning import design_digest
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 

@@ -10,9 +10,6 @@ from typing import Final
 
 from motion.errors import InputError
 from motion.listing import listed
-from studyapp.definition.finished_videos import finished_video, seconds_of, shows_copy
-from studyapp.definition.media import VideoFile
-from studyapp.design.stimulus import Content
 from studyapp.preflight.finding import Finding, error, warning
 from studyapp.preflight.finished_video_checks import (
     VIDEO_LENGTH,
@@ -31,6 +28,9 @@ from studyapp.stimuli.media_probe import (
     written_in,
 )
 from studyapp.stimuli.video_copies import out_of_date
+from studyapp.study.design.stimulus import Content
+from studyapp.study.finished_videos import finished_video, seconds_of, shows_copy
+from studyapp.study.media import VideoFile
 
 RENDER: Final = "Run 'motionjury render'"
 

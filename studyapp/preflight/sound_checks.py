@@ -10,11 +10,11 @@ from typing import Final
 
 from motion.audio import Audio, read_audio
 from motion.errors import InputError
-from renderer.loudness import SHORTEST, TARGET, integrated_loudness
-from studyapp.definition.finished_videos import finished_video
-from studyapp.design.stimulus import Stimulus
+from renderer.video.loudness import SHORTEST, TARGET, integrated_loudness
 from studyapp.preflight.finding import Finding, error, warning
 from studyapp.preflight.material import Material
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.finished_videos import finished_video
 
 SOUND_SILENT: Final = error(
     "sound-silent",

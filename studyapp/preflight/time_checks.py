@@ -12,11 +12,11 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.preflight.expected_time import ExpectedTime, expected_time
 from studyapp.preflight.finding import Finding, note, warning
 from studyapp.preflight.material import Material
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 
 def finished_seconds(database: Database) -> tuple[float, ...]:

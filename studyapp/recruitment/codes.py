@@ -11,10 +11,10 @@ import tomlkit
 
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.definition.completion_codes import draw_code
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.reading import parse_text, read_text
 from studyapp.recruitment.record import FILE, read_made_there
+from studyapp.study.completion_codes import draw_code
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.reading import parse_text, read_text
 
 KEYS: Final = ("completed", "screened_out", "failed_attention")
 HEADING: Final = re.compile(r"^\[recruitment\.prolific\][^\n]*\n", re.MULTILINE)

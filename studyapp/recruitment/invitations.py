@@ -21,8 +21,8 @@ from motion.files import write_text
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.database.tables import Invitation, StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.tokens import token_hash
+from studyapp.study.folder import StudyFolder
 
 COLUMNS: Final = ("for", "link")
 

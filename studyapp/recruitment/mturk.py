@@ -9,8 +9,6 @@ from xml.sax.saxutils import escape
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.recruitment.mturk_client import Assignment, Hit, MTurkClient
 from studyapp.recruitment.payment import (
     Arrived,
@@ -21,6 +19,8 @@ from studyapp.recruitment.payment import (
 )
 from studyapp.recruitment.prolific_draft import places_of, require_public
 from studyapp.recruitment.record import MadeThere, read_made_there, write_made_there
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 SCHEMA: Final = (
     "http://mechanicalturk.amazonaws.com/AWSMechanicalTurkDataSchemas/2006-07-14/"

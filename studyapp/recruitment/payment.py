@@ -17,8 +17,8 @@ from sqlalchemy.orm import selectinload
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import ScreenOut, StudySession
-from studyapp.definition.recruitment import Prolific
 from studyapp.session.state import state_of
+from studyapp.study.settings.recruitment import Prolific
 
 Ours = Literal[
     "completed",

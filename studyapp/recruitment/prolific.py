@@ -10,7 +10,6 @@ from typing import Any
 from motion.errors import InputError
 from motion.listing import listed
 from studyapp.database.engine import Database, database_url_of
-from studyapp.definition.folder import StudyFolder
 from studyapp.recruitment.payment import (
     Arrived,
     Judged,
@@ -22,6 +21,7 @@ from studyapp.recruitment.payment import (
 from studyapp.recruitment.prolific_client import ProlificClient, ProlificStudy, Submission
 from studyapp.recruitment.prolific_draft import internal_name, prolific_draft
 from studyapp.recruitment.record import read_made_there, write_made_there
+from studyapp.study.folder import StudyFolder
 
 
 @dataclass(frozen=True, kw_only=True)

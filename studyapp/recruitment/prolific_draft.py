@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from motion.errors import InputError
 from motion.segment import Segment
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 
 PLACEHOLDERS: Final = (
     "?PROLIFIC_PID={{%PROLIFIC_PID%}}&STUDY_ID={{%STUDY_ID%}}&SESSION_ID={{%SESSION_ID%}}"

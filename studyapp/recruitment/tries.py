@@ -12,13 +12,13 @@ from studyapp.clock import Clock
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.scrubbing import leave_nothing
 from studyapp.database.tables import Base, StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.session.arrival.intake import present_intake
 from studyapp.session.arrival.intake_decisions import extend
 from studyapp.session.arrival.places import has_open_place
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from studyapp.study.folder import StudyFolder
 
 
 def make_test_participation(root: Path, served: ServedStudy, clock: Clock, *, by: str) -> str:

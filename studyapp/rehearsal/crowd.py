@@ -11,7 +11,6 @@ from typing import Final
 import httpx
 
 from motion.errors import InputError
-from studyapp.definition.study import Study
 from studyapp.rehearsal.browser import by_browser
 from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.examiner import Examiners
@@ -22,6 +21,7 @@ from studyapp.rehearsal.probes import Probe
 from studyapp.rehearsal.record import Truth
 from studyapp.rehearsal.resumption import Roster
 from studyapp.rehearsal.visit import Departure
+from studyapp.study.settings.study import Study
 
 STAGGER: Final = 0.05
 """Seconds between the first arrivals."""

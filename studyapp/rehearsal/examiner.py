@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.form_probes import probe_form
 from studyapp.rehearsal.forms import FormFields
@@ -14,6 +13,7 @@ from studyapp.rehearsal.participant import answer_trial
 from studyapp.rehearsal.probes import Probe, probe_trial
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.visit import Visit
+from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)

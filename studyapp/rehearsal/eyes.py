@@ -10,11 +10,11 @@ from sqlalchemy.orm import Session, joinedload, selectinload
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, Video, WatchRecord
-from studyapp.design.asking import AnswerKey, Answers
-from studyapp.design.stimulus import Stimulus
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.players import token_candidates
 from studyapp.rehearsal.simulation.sight import SeenTrial, Sight
+from studyapp.study.design.asking import AnswerKey, Answers
+from studyapp.study.design.stimulus import Stimulus
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from studyapp.definition.form import LONGEST_TEXT, FormQuestion
-from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormData, FormFields
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.probes import Probe, Prober
 from studyapp.rehearsal.visit import Visit
+from studyapp.study.settings.form import LONGEST_TEXT, FormQuestion
+from studyapp.study.settings.study import Study
 from studyapp.web.participants.about_participant import FORM_FIELD
 
 

@@ -8,13 +8,13 @@ from threading import Event
 
 import httpx
 
-from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes, FinishedSitting
 from studyapp.rehearsal.forms import FormData
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.probes import Probe, Prober, as_data, other_answers
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.visit import Visit
+from studyapp.study.settings.study import Study
 
 
 def probe_finished(client: httpx.Client, study: Study, eyes: Eyes) -> tuple[Probe, ...]:

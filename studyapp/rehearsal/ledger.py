@@ -10,8 +10,8 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from studyapp.design.asking import AnswerKey
 from studyapp.rehearsal.simulation.judgement import Judgement
+from studyapp.study.design.asking import AnswerKey
 
 AcknowledgedKey = tuple[str, int, str, int]
 """Participant, position of the trial, question, and number of the stimulus (0 for the trial)."""

@@ -10,7 +10,6 @@ from typing import Final
 
 import httpx
 
-from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormFields
 from studyapp.rehearsal.ledger import Ledger
@@ -21,6 +20,7 @@ from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import Sight
 from studyapp.rehearsal.visit import Departure, Visit
+from studyapp.study.settings.study import Study
 from studyapp.web.participants.about_participant import FORM_FIELD
 
 SAME_PAGE_AT_MOST: Final = 3

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import httpx
 
-from studyapp.definition.study import Study
-from studyapp.design.asking import AnswerKey
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormData
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.rehearsal.visit import Visit
+from studyapp.study.design.asking import AnswerKey
+from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)

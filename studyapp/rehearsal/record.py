@@ -10,8 +10,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from analysis.results.known_values import KnownValue
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.definition.validation import explain
 from studyapp.rehearsal.simulation.population import Population
+from studyapp.study.settings.validation import explain
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 

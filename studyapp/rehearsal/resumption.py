@@ -17,9 +17,6 @@ from motion.segment import Segment
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import Stimuli, read_stimuli
-from studyapp.definition.study import Study
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
@@ -27,6 +24,9 @@ from studyapp.rehearsal.simulation.conduct import Conduct
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
+from studyapp.study.stimuli import Stimuli, read_stimuli
 
 _SQLITE_ENDINGS: Final = ("", "-wal", "-shm")
 

@@ -11,9 +11,6 @@ from typing import Final
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.lock import held_alone
-from studyapp.definition.study import Study
 from studyapp.rehearsal.browser import require_browser
 from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.crowd import Crowd
@@ -27,6 +24,9 @@ from studyapp.rehearsal.resumption import call_roster, let_time_pass, prepare
 from studyapp.rehearsal.server import rehearsal_server
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.folder import StudyFolder
+from studyapp.study.lock import held_alone
+from studyapp.study.settings.study import Study
 
 SPEED: Final = 100.0
 """How much faster than real a rehearsal's clock runs."""

@@ -7,12 +7,12 @@ from contextlib import contextmanager
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.account import Account
 from studyapp.researchers.links import invite, offer_new_password
 from studyapp.researchers.membership import accounts
 from studyapp.researchers.roles import Role
 from studyapp.researchers.second_factor import reset_second_factor
+from studyapp.study.folder import StudyFolder
 
 
 def listed_researchers(folder: StudyFolder) -> list[Account]:

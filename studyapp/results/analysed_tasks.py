@@ -9,19 +9,19 @@ from typing import Final
 
 import pandas as pd
 
+from analysis.answers.cells import Cells
+from analysis.answers.layouts import LAYOUTS
+from analysis.answers.reading import Order, answers_in
+from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out
-from analysis.tables.answers import AnswerTable
-from analysis.tables.cells import Cells
-from analysis.tables.layouts import LAYOUTS
-from analysis.tables.reading import Order, answers_in
-from studyapp.definition.exclusions import ExclusionSection
-from studyapp.definition.protocols.ranking import RankingStudy
-from studyapp.definition.protocols.rating import RatingStudy
-from studyapp.definition.study import Study
 from studyapp.results.answer_table import empty_answers, study_answers
 from studyapp.results.answers import Answers
 from studyapp.results.exclusions import StudyExclusions, decided_by_hand, study_exclusions
 from studyapp.results.report_arms import of_present_design
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.exclusions import ExclusionSection
+from studyapp.study.settings.study import Study
 
 ANSWERS: Final = "answers.csv"
 """The table of a study's answers, as reports write it under ``tables``: in the columns that any

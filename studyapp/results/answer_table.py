@@ -13,14 +13,14 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from analysis.exclusions.sitting import KnownSitting
-from studyapp.definition.protocols.mismatch import FIT, REALISM
-from studyapp.definition.protocols.ranking import RankingStudy
-from studyapp.definition.protocols.rating import RatingStudy
-from studyapp.definition.scales import STEPS
-from studyapp.definition.study import Study
-from studyapp.design.asking import AnswerKey
+from analysis.answers.participant_facts import KnownSitting
 from studyapp.results.stored_answers import StoredAnswers
+from studyapp.study.design.asking import AnswerKey
+from studyapp.study.protocols.mismatch import FIT, REALISM
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.scales import STEPS
+from studyapp.study.settings.study import Study
 
 SHARED: Final = (
     *("participant", "segment", "question", "trial", "kind", "set", "emotion", "speaker"),

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from analysis.exclusions.rules import ExclusionRule, excluded_by_hand
+from analysis.answers.exclusion_rules import ExclusionRule, excluded_by_hand
 from motion.listing import listed
-from studyapp.definition.exclusions import ExclusionSection
+from studyapp.study.settings.exclusions import ExclusionSection
 
 
 @dataclass(frozen=True, kw_only=True)

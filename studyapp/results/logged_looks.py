@@ -11,12 +11,12 @@ from analysis.results.looks import NOT_LOGGED, Look, LooksBefore, looks_before
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.researchers.looks import note_look
 from studyapp.results.answers import Answers
 from studyapp.results.so_far import study_state
 from studyapp.results.stored_answers import StoredAnswers
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 
 def earlier_looks(study: Study, answers: Answers) -> LooksBefore:

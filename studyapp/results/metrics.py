@@ -7,20 +7,20 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
-from analysis.metrics.conditions import StudyMetrics
-from analysis.metrics.feature_networks import PublishedFile, Source
-from analysis.metrics.joint_motion import JointMotionStore
-from analysis.metrics.measured_clips import LandmarkBody
-from analysis.metrics.measuring import study_metrics
-from analysis.metrics.presets import combined
-from analysis.metrics.segment_scores import Excerpt
+from analysis.evaluators.feature_networks import PublishedFile, Source
+from analysis.measurement.conditions import StudyMetrics
+from analysis.measurement.joint_motion import JointMotionStore
+from analysis.measurement.measured_clips import LandmarkBody
+from analysis.measurement.measuring import study_metrics
+from analysis.measurement.presets import combined
+from analysis.measurement.segment_scores import Excerpt
 from motion.errors import InputError
 from motion.formats.joint_positions import is_joint_table
 from motion.segments_table import SEGMENTS_FILE, read_segments
 from renderer.avatars import default_body
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import GROUND_TRUTH, Study
 from studyapp.stimuli.shown_body import body_file, expression_matrix_file
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import GROUND_TRUTH, Study
 
 Show = Callable[[int, int], None]
 
@@ -52,7 +52,7 @@ def measure_study(
     folder : StudyFolder
         The study.
     presets, processes, on_progress
-        As for `analysis.metrics.measuring.study_metrics`.
+        As for `analysis.measurement.measuring.study_metrics`.
     evaluators : sequence of Path or PublishedFile
         Feature networks, besides those of the study (`study_evaluators`).
     penetration : bool
@@ -148,7 +148,7 @@ def measure_folders(
     speech : Path or None
         ``<segment>.wav``, or a table ``segments.csv`` with the recordings it names.
     presets, processes, on_progress
-        As for `analysis.metrics.measuring.study_metrics`.
+        As for `analysis.measurement.measuring.study_metrics`.
     evaluators : sequence of Path or PublishedFile
         Feature networks.
     penetration : bool

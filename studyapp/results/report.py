@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from analysis.exclusions.rules import ExclusionRule
-from analysis.metrics.score_tables import metrics_document
+from analysis.answers.exclusion_rules import ExclusionRule
+from analysis.measurement.score_tables import metrics_document
 from analysis.report import Subject, write_report
 from analysis.report.page import TASKS
 from analysis.results.left_out import LeftOut
@@ -26,9 +26,6 @@ from analysis.results.report import (
 from motion.files import replacing
 from motion.segment import Segment
 from motion.spreadsheet import harmless_frame
-from studyapp.definition.exclusions import ExclusionSection
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
 from studyapp.results.answers import Answers, answers_to_report, read_rehearsal
 from studyapp.results.exclusions import StudyExclusions
@@ -37,6 +34,9 @@ from studyapp.results.report_arms import arm_of_each, arm_states, of_present_des
 from studyapp.results.report_settings import agreed_on
 from studyapp.results.report_subject import study_subject
 from studyapp.results.stored_answers import StoredAnswers
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.exclusions import ExclusionSection
+from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.results.flow import EVERYBODY, ArmState
-from studyapp.definition.study import Study
 from studyapp.results.stored_answers import StoredAnswers
+from studyapp.study.settings.study import Study
 
 
 def of_present_design(study_sessions: pd.DataFrame) -> NDArray[np.bool_]:

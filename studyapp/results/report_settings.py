@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from motion.errors import InputError
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 
 Value = TypeVar("Value", float, str)
 

@@ -19,10 +19,10 @@ from motion.audio import Audio, read_audio
 from motion.errors import InputError
 from motion.segment import Segment
 from renderer.figures.moments import even_moments, loud_moments
-from studyapp.definition.finished_videos import seconds_of
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.stimuli.shown_videos import shown_videos
+from studyapp.study.finished_videos import seconds_of
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 COUNT: Final = 6
 """Moments: as many as stand beside each other on a page."""

@@ -5,21 +5,21 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 
-from analysis.metrics.conditions import StudyMetrics
-from analysis.metrics.presets import PRESETS, REPORT
-from analysis.report.metric_section import PAPER_OF
+from analysis.measurement.conditions import StudyMetrics
+from analysis.measurement.presets import PRESETS, REPORT
+from analysis.report.sections.metric import PAPER_OF
 from analysis.report.subject import Excerpt, Origin, Subject
 from motion.segment import Segment
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.protocols.pairwise import PairwiseStudy
-from studyapp.definition.protocols.rating import RatingStudy
-from studyapp.definition.scales import STEPS
-from studyapp.definition.study import GROUND_TRUTH, Study
 from studyapp.rehearsal.record import known_values, read_truth
 from studyapp.results.analysed_tasks import compared
 from studyapp.results.metrics import measure_study
 from studyapp.results.report_strips import study_stills
 from studyapp.results.study_notes import study_notes
+from studyapp.study.folder import StudyFolder
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.scales import STEPS
+from studyapp.study.settings.study import GROUND_TRUTH, Study
 
 
 def study_subject(

@@ -14,8 +14,6 @@ from pydantic import BaseModel
 from analysis.results.plain import rounded
 from analysis.results.so_far import AgreedSoFar, EstimateSoFar, agreed_so_far, estimates_so_far
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.researchers.interim.documents import (
     Agreed,
     AgreementDocument,
@@ -29,6 +27,8 @@ from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_
 from studyapp.results.answers import read_answers
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.stored_answers import StoredAnswers
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 
 def study_state(study: Study, stored: StoredAnswers) -> StudyState:

@@ -7,8 +7,8 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.database.tables import StudyVersion
-from studyapp.definition.reading import parse_text
-from studyapp.definition.study import Study
+from studyapp.study.settings.reading import parse_text
+from studyapp.study.settings.study import Study
 
 
 def stated_study(session: Session, version: int) -> Study | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 
 
 def study_notes(study: Study) -> tuple[str, ...]:

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from studyapp.definition.study import Study
-from studyapp.design.asking import AnswerKey, Answers, Ask, Trial
-from studyapp.design.message import Message
 from studyapp.session.refusal import UnacceptableError
+from studyapp.study.design.asking import AnswerKey, Answers, Ask, Trial
+from studyapp.study.design.message import Message
+from studyapp.study.settings.study import Study
 
 Fields = Mapping[str, Sequence[str]]
 """A form as it was sent: every value of every name."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.definition.study import Study
 from studyapp.session.arrival.places import regain_place
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.state import current_trial, find, state_of
+from studyapp.study.settings.study import Study
 
 
 def break_due(study_session: StudySession, study: Study) -> int | None:

@@ -8,11 +8,11 @@ from typing import Final
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import StudySession
-from studyapp.definition.completion_codes import draw_code
-from studyapp.definition.study import Study
 from studyapp.session.exclusion import failures, is_excluded
 from studyapp.session.rows import note
 from studyapp.session.state import current_trial, form_due
+from studyapp.study.completion_codes import draw_code
+from studyapp.study.settings.study import Study
 
 FEWEST_LEFT_OUT: Final = 2
 ONE_LEFT_OUT_IN: Final = 10

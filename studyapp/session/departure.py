@@ -7,7 +7,7 @@ from typing import Final
 from urllib.parse import urlencode
 
 from studyapp.database.tables import StudySession
-from studyapp.definition.recruitment import Channel, Outcome, Recruitment
+from studyapp.study.settings.recruitment import Channel, Outcome, Recruitment
 
 PROLIFIC_SITE: Final = "https://app.prolific.com"
 PROLIFIC_END: Final = f"{PROLIFIC_SITE}/submissions/complete"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
-from analysis.exclusions.sitting import Sitting
+from analysis.answers.participant_facts import Sitting
 from studyapp.database.tables import StudySession, Trial
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 
 JUDGED: Final = ("catch", "attention")
 """Kinds of trial that can be failed, and the rules that count the failures."""

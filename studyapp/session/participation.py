@@ -9,9 +9,6 @@ from sqlalchemy.orm import Session
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial, Video
-from studyapp.definition.form import Stage
-from studyapp.definition.study import Study
-from studyapp.design.asking import Ask
 from studyapp.session.arrival.places import regain_place
 from studyapp.session.breaks import break_due
 from studyapp.session.departure import Leaving, leaving
@@ -21,6 +18,9 @@ from studyapp.session.sound_check import draw_digits, left_unheard, sound_check_
 from studyapp.session.state import State, current_trial, find, form_due, state_of
 from studyapp.session.time_left import expected_seconds, minutes_left
 from studyapp.session.videos.watch_evidence import Watched, watched_so_far
+from studyapp.study.design.asking import Ask
+from studyapp.study.settings.form import Stage
+from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)

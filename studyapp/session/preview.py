@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from studyapp.design.arm import Arm
-from studyapp.design.planned_trial import PlannedTrial
-from studyapp.design.stimulus import Content
 from studyapp.session.participation import ShownTrial, ShownVideo
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.time_left import expected_seconds, minutes_left
 from studyapp.session.videos.watch_evidence import Watched
+from studyapp.study.design.arm import Arm
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.stimulus import Content
 
 TOKEN: Final = "preview"  # noqa: S105 - it opens nothing
 """Stands where a participant's own would."""

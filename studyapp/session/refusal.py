@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from studyapp.design.message import Message, Value
+from studyapp.study.design.message import Message, Value
 
 
 class RefusalError(Exception):

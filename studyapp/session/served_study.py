@@ -11,14 +11,14 @@ from typing import Self
 from motion.errors import InputError
 from motion.listing import listed
 from motion.segment import Segment
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.media import Media, VideoFile
-from studyapp.definition.reading import parse_text, read_text
-from studyapp.definition.study import Study
-from studyapp.definition.versioning import arm_digest, design_digest
-from studyapp.design.arm import Arm
-from studyapp.design.stimulus import Content
 from studyapp.session.refusal import ConflictError
+from studyapp.study.design.arm import Arm
+from studyapp.study.design.stimulus import Content
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Media, VideoFile
+from studyapp.study.settings.reading import parse_text, read_text
+from studyapp.study.settings.study import Study
+from studyapp.study.versioning import arm_digest, design_digest
 
 
 @dataclass(frozen=True, kw_only=True)

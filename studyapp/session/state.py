@@ -11,11 +11,11 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import StudySession, Trial, Video
-from studyapp.definition.form import Stage
-from studyapp.definition.study import Study
-from studyapp.design.message import Message
 from studyapp.session.refusal import ConflictError, NotTheirsError, UnknownAddressError
 from studyapp.session.rows import load_place_and_trials, load_video
+from studyapp.study.design.message import Message
+from studyapp.study.settings.form import Stage
+from studyapp.study.settings.study import Study
 
 State = Literal["instructed", "started", "completed", "unwatched", "withdrawn", "lapsed"]
 

@@ -11,7 +11,6 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, Event, StudySession, StudyVersion
-from studyapp.definition.versioning import operation_changes, operation_part
 from studyapp.session.arrival.places import (
     open_places,
     release_outdated,
@@ -19,6 +18,7 @@ from studyapp.session.arrival.places import (
     take_allocation_turn,
 )
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.versioning import operation_changes, operation_part
 
 
 def open_study(

@@ -12,10 +12,10 @@ from sqlalchemy.orm import Session
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import FormAnswer, RefusalLine, StudySession, Trial
-from studyapp.definition.page import Page
 from studyapp.researchers.exclusion_decisions import erase_decisions
 from studyapp.session.refusal import ConflictError
 from studyapp.session.state import find, state_of
+from studyapp.study.settings.page import Page
 
 Promise = Literal["deleted", "kept"]
 """What becomes of the answers of who withdraws."""

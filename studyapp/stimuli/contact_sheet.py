@@ -14,10 +14,10 @@ from renderer.figures.glance import glance_at
 from renderer.figures.sheet import Sheet, SheetCell, sheet_page, sheet_pictures
 from renderer.figures.sheet_cell import Cell, draw_cell
 from renderer.version import CELL_VERSION
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.stimuli.digest import digest
 from studyapp.stimuli.shown_videos import ShownVideo, shown_videos
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 _UNSHOWN: Final = SheetCell(cell=None, remark="is not shown to participants", video="")
 

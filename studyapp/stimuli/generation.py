@@ -18,10 +18,10 @@ from motion.errors import InputError
 from motion.formats import read_clip, write_clip
 from motion.placement import place
 from motion.segment import Segment
-from studyapp.definition.conditions import Condition
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.stimuli.digest import digest
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.study import Study
 
 
 class OnClip(Protocol):

@@ -12,8 +12,8 @@ import av
 
 from motion.audio import read_audio
 from motion.errors import InputError
-from renderer.encoder import SOUND_RATE
-from renderer.loudness import integrated_loudness
+from renderer.video.encoder import SOUND_RATE
+from renderer.video.loudness import integrated_loudness
 
 DURATION_TOLERANCE: Final = 0.1
 """Seconds by which a video may be longer or shorter than its segment."""

@@ -16,10 +16,10 @@ from typing import Final
 import httpx
 
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
-from studyapp.design.stimulus import Content
 from studyapp.session.preview import planned_trials, players
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.design.stimulus import Content
+from studyapp.study.folder import StudyFolder
 from studyapp.web.media_store.bucket import Bucket, connect
 from studyapp.web.media_store.record import (
     FILE,

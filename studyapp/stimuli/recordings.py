@@ -20,12 +20,12 @@ from motion.placement import place
 from motion.resample import cut
 from motion.segment import Segment, check_name
 from motion.segments_table import read_segments, write_segments
-from studyapp.definition.creation import add_condition
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.stimuli.recorded_face import with_face_beside
 from studyapp.stimuli.recorded_words import semantics_beside, with_words_beside
 from studyapp.stimuli.shown_body import licensed_hands
+from studyapp.study.creation.study_file import add_condition
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 SEGMENT_TOLERANCE: Final = 0.1
 """Seconds by which motion and speech of one segment may differ."""

@@ -13,16 +13,16 @@ from motion.clip import MotionClip
 from motion.ground import stand_on_ground
 from motion.segment import Segment
 from renderer.framing import Camera, frame_clips
-from renderer.job import ClipJob, DubJob, PairJob
+from renderer.jobs.job import ClipJob, DubJob, PairJob
 from renderer.look import Look
 from renderer.version import RENDERER_VERSION
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import ClipVideo, PairVideo
-from studyapp.definition.study import Study
-from studyapp.design.stimulus import Content
 from studyapp.stimuli.digest import digest
 from studyapp.stimuli.shown_body import body_file, expression_matrix_file, left_out, shown_body
 from studyapp.stimuli.shown_motion import moved_clips, read_motion_shown
+from studyapp.study.design.stimulus import Content
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
+from studyapp.study.stimuli import ClipVideo, PairVideo
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Final, Self
 
-from renderer.job import Outcome
-from studyapp.definition.stimuli import ClipVideo, PairVideo, Stimuli, read_stimuli, write_stimuli
+from renderer.jobs.job import Outcome
 from studyapp.stimuli.render_plan import RenderPlan
+from studyapp.study.stimuli import ClipVideo, PairVideo, Stimuli, read_stimuli, write_stimuli
 
 _WRITTEN_EVERY: Final = 1.0
 """Seconds between two writings; of thousands of videos, each takes its time."""

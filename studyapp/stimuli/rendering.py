@@ -10,20 +10,20 @@ from pathlib import Path
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.segment import Segment
-from renderer.encoder import SOUND_RATE
-from renderer.frame_cache import FrameCache
-from renderer.job import Job, Outcome, PairJob
-from renderer.jobs import run_jobs
-from renderer.loudness import at_common_loudness
-from renderer.mp4_padding import pad_to_equal_size
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.lock import held_alone
-from studyapp.definition.media import Media
-from studyapp.definition.stimuli import ClipVideo, PairVideo, read_stimuli
+from renderer.jobs.job import Job, Outcome, PairJob
+from renderer.jobs.making import run_jobs
+from renderer.video.encoder import SOUND_RATE
+from renderer.video.frame_cache import FrameCache
+from renderer.video.loudness import at_common_loudness
+from renderer.video.mp4_padding import pad_to_equal_size
 from studyapp.stimuli.disk_space import check_room, frames_limit
 from studyapp.stimuli.render_plan import RenderPlan, sides_of
 from studyapp.stimuli.render_record import RenderCount, RenderProgress, RenderRecord
 from studyapp.stimuli.video_copies import copy_videos
+from studyapp.study.folder import StudyFolder
+from studyapp.study.lock import held_alone
+from studyapp.study.media import Media
+from studyapp.study.stimuli import ClipVideo, PairVideo, read_stimuli
 
 
 def render(

@@ -14,8 +14,8 @@ from motion.clip import MotionClip
 from motion.expression_matrix import read_expression_matrix
 from motion.hands import read_mean_hands
 from renderer.avatars import AVATARS, default_body
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 
 def body_file(folder: StudyFolder, study: Study) -> Path:

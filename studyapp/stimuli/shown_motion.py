@@ -9,9 +9,9 @@ from motion.errors import InputError
 from motion.formats import read_clip
 from motion.freeze import freeze
 from motion.segment import Segment
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.stimuli.recordings import check_same_length
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 
 def moved_clips(study: Study, segments: Sequence[Segment]) -> list[tuple[str, Segment]]:

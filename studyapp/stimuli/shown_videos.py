@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from studyapp.definition.finished_videos import finished_video
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
-from studyapp.definition.study import Study
-from studyapp.design.stimulus import Stimulus
 from studyapp.stimuli.digest import digest
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.finished_videos import finished_video
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
+from studyapp.study.stimuli import read_stimuli
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.networks.training_clips import ClipSource
+from analysis.evaluators.training_clips import ClipSource
 from motion.body import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
@@ -22,8 +22,8 @@ from motion.formats.joint_positions import is_joint_table
 from motion.hands import read_mean_hands
 from motion.segments_table import SEGMENTS_FILE
 from renderer.avatars import default_body
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.shown_body import shown_body
+from studyapp.study.folder import StudyFolder
 
 _MOTION: Final = (".npz", ".npy", ".bvh", ".csv")
 

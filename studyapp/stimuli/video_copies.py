@@ -15,16 +15,16 @@ from pathlib import Path
 
 from motion.errors import InputError
 from motion.segment import Segment
-from renderer.stream_copy import copy_video, end_of
 from renderer.version import COPY_VERSION
-from studyapp.definition.finished_videos import finished_video, shows_copy, similar_file
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.media import stimulus_of
-from studyapp.definition.stimuli import Stimuli, VideoCopy, read_stimuli, write_stimuli
-from studyapp.definition.study import Study
-from studyapp.design.stimulus import Stimulus
+from renderer.video.stream_copy import copy_video, end_of
 from studyapp.stimuli.digest import digest
 from studyapp.stimuli.media_probe import flaw_of
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.finished_videos import finished_video, shows_copy, similar_file
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import stimulus_of
+from studyapp.study.settings.study import Study
+from studyapp.study.stimuli import Stimuli, VideoCopy, read_stimuli, write_stimuli
 
 
 @dataclass(frozen=True, kw_only=True)

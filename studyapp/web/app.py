@@ -12,11 +12,11 @@ from jinja2 import StrictUndefined
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of, sqlite_url
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.form import LONGEST_TEXT
 from studyapp.researchers.interim.computing import FigureProcess
 from studyapp.session.served_study import ServedStudy, VideoRecord
 from studyapp.session.versions import open_study
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.form import LONGEST_TEXT
 from studyapp.web import health, media
 from studyapp.web.errors import register_error_pages
 from studyapp.web.headers import protect

@@ -12,7 +12,6 @@ from werkzeug.datastructures import MultiDict
 from werkzeug.exceptions import HTTPException
 
 from studyapp.database.waiting_line import LineHeldError
-from studyapp.design.message import Message
 from studyapp.session.refusal import (
     ConflictError,
     CrowdedAddressError,
@@ -27,6 +26,7 @@ from studyapp.session.refusal import (
     UnprovenError,
 )
 from studyapp.session.refusal_log import note_refusal
+from studyapp.study.design.message import Message
 from studyapp.web.language import _, say
 from studyapp.web.running import running
 

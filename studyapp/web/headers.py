@@ -7,8 +7,8 @@ from typing import Final
 
 from flask import Flask, Response, request
 
-from studyapp.definition.recruitment import Recruitment
 from studyapp.session.departure import MTURK_FRAMES, MTURK_SITES
+from studyapp.study.settings.recruitment import Recruitment
 
 PROTECTION: Final = {
     # The address of a page holds the participant's token.

@@ -11,8 +11,8 @@ from werkzeug.exceptions import RequestedRangeNotSatisfiable
 from werkzeug.wsgi import wrap_file
 
 from motion.errors import InputError
-from studyapp.design.stimulus import Content
 from studyapp.session.videos.video_access import content_of, content_to_send, earlier_contents
+from studyapp.study.design.stimulus import Content
 from studyapp.web.media_store.store import KEPT_SECONDS as REDIRECT_SECONDS
 from studyapp.web.running import running
 

@@ -10,9 +10,9 @@ from flask import Flask, current_app
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.definition.study import Study
 from studyapp.researchers.interim.computing import FigureProcess
 from studyapp.session.served_study import ServedStudy, VideoRecord
+from studyapp.study.settings.study import Study
 from studyapp.web.media_store.store import MediaStore
 
 EXTENSION: Final = "motionjury"

@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image
 
 from benchmarks.adaptive_pairs import KNOWN, answers_needed, draw, report, simulate
-from studyapp.design.adaptive_simulation import CHOICES, TRIALS
+from studyapp.study.design.adaptive_simulation import CHOICES, TRIALS
 
 
 def test_the_figure_is_drawn_and_its_numbers_are_told(tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from threading import Event, Semaphore
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormFields
@@ -19,6 +18,7 @@ from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.visit import Visit
+from studyapp.study.folder import StudyFolder
 
 AS_REAL = 1.0
 """How fast the clock runs of a study that is not rehearsed."""

@@ -147,7 +147,7 @@ def _study_server(deployment: Deployment, root: Path) -> Iterator[subprocess.Pop
     assert program == "/opt/motionjury/bin/motionjury"
     told = (root / f"etc/motionjury/{deployment.name}.env").read_text("utf-8").splitlines()
     pairs = (line.split("=", 1) for line in told if line and not line.startswith("#"))
-    start = "from studyapp.command.main import main; main()"
+    start = "from studyapp.cli.main import main; main()"
     command = [sys.executable, "-c", start, *arguments]
     environment = {**os.environ, **dict(pairs)}
     listens = partial(_connect, deployment.port)

@@ -19,12 +19,12 @@ from typing import Final
 
 import pytest
 
-from renderer.mp4_padding import pad_to_equal_size
+from renderer.video.mp4_padding import pad_to_equal_size
 from studyapp.database.tables import Trial, TrialStimulus
-from studyapp.definition.finished_videos import finished_video
-from studyapp.definition.folder import StudyFolder
-from studyapp.design.stimulus import Content, Stimulus
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.design.stimulus import Content, Stimulus
+from studyapp.study.finished_videos import finished_video
+from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.functional.adversary import unlike_videos

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 from studyapp.web.language import Language, language_of, speak
 from studyapp.web.running import running
 from tests.finished_study import write_study_of_one_video

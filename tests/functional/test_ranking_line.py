@@ -19,7 +19,7 @@ from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip, write_clip
 from motion.formats.arkit_json import write_arkit_json
-from studyapp.command.main import group
+from studyapp.cli.main import group
 from tests.generators.diffsheg.small_network import written_network
 
 pytestmark = pytest.mark.slow

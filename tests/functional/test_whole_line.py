@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import write_clip
-from studyapp.command.main import group
+from studyapp.cli.main import group
 
 pytestmark = pytest.mark.slow
 
@@ -33,7 +33,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def motionjury(home: Path) -> Callable[..., str]:
     def run(*arguments: object) -> str:
-        program = "from studyapp.command.main import main; main()"
+        program = "from studyapp.cli.main import main; main()"
         done = subprocess.run(
             [sys.executable, "-c", program, *map(str, arguments)],
             cwd=home,

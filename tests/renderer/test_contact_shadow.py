@@ -10,12 +10,12 @@ import pytest
 from motion.body import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
-from renderer.canvas import plane_pixels
 from renderer.clip_video import Stage
 from renderer.contact_shadow import ContactShadow, ShadowCaster
 from renderer.framing import frame_clips
 from renderer.look import BACKGROUND, Look
 from renderer.pixel_box import PixelBox
+from renderer.video.canvas import plane_pixels
 
 LEFT, RIGHT, TRUNK = 0, 1, 2
 

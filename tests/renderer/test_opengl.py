@@ -41,7 +41,7 @@ def test_a_platform_asked_for_but_missing_is_named() -> None:
 
 
 def test_planning_videos_needs_no_opengl() -> None:
-    code = "import renderer.jobs, renderer.framing, sys; sys.exit('pyrender' in sys.modules)"
+    code = "import renderer.jobs.making, renderer.framing, sys; sys.exit('pyrender' in sys.modules)"
     assert _run(code).returncode == 0
 
 

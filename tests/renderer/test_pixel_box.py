@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from motion.body import BodyModel
 from motion.clip import MotionClip
-from renderer.canvas import plane_pixels
 from renderer.clip_video import Stage
 from renderer.framing import Camera
 from renderer.look import Look
 from renderer.pixel_box import PixelBox
+from renderer.video.canvas import plane_pixels
 
 SIDE = 320
 ONWARDS = np.array([[1.0, 0, 0, 0], [0, -1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])

@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from renderer.clip_video import Stage, write_clip_video
-from renderer.dub import write_dubbed
 from renderer.figures.glance import glance_at
 from renderer.figures.sheet_cell import draw_cell
 from renderer.framing import Camera
 from renderer.look import Look
 from renderer.pair import write_pair
-from renderer.stream_copy import copy_video
 from renderer.version import CELL_VERSION, COPY_VERSION, RENDERER_VERSION
+from renderer.video.dub import write_dubbed
+from renderer.video.stream_copy import copy_video
 from tests.fingerprint import fingerprint
 from tests.renderer.conftest import SECONDS
 

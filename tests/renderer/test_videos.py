@@ -17,8 +17,8 @@ from motion.formats import write_clip
 from renderer.clip_video import Stage, write_clip_video
 from renderer.framing import Camera
 from renderer.look import BACKGROUND, Look
-from renderer.loudness import TARGET, integrated_loudness
 from renderer.pair import write_pair
+from renderer.video.loudness import TARGET, integrated_loudness
 from tests.renderer.conftest import SECONDS
 from tests.renderer.golden import assert_like_golden
 

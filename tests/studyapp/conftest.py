@@ -15,11 +15,11 @@ from argon2 import PasswordHasher
 from flask import Flask
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.definition.creation import new_study
-from studyapp.definition.folder import StudyFolder
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.stimuli.recordings import Take
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.finished_study import write_finished_study, write_short_video

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.interim.computing import SECONDS, FigureProcess, NoFiguresError
 from studyapp.researchers.interim.documents import What
 from studyapp.results.so_far import DOCUMENTS
+from studyapp.study.folder import StudyFolder
 
 
 @dataclass(frozen=True)

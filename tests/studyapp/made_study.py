@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from motion.segment import Segment
-from studyapp.definition.protocols.pairwise import PairwiseStudy
-from studyapp.design.planned_trial import PlannedTrial
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.protocols.pairwise import PairwiseStudy
 
 
 def make_study(**changes: Any) -> PairwiseStudy:

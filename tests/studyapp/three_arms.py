@@ -6,8 +6,8 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from studyapp.definition.media import VideoFile
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.media import VideoFile
 from tests.studyapp.made_study import make_segments, make_study
 
 LEASE_MINUTES: Final = 45

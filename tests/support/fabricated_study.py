@@ -9,8 +9,8 @@ from typing import Final
 import av
 import numpy as np
 
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import Stimuli, VideoCopy, write_stimuli
+from studyapp.study.folder import StudyFolder
+from studyapp.study.stimuli import Stimuli, VideoCopy, write_stimuli
 
 FRAME_RATE: Final = 15
 SIZE: Final = 128

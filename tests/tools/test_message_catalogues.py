@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from babel.messages.catalog import Catalog, Message
 
-from studyapp.definition.page import Page
+from studyapp.study.settings.page import Page
 from studyapp.web.language import SOURCE, catalogue_path
 from tools.message_catalogues import TRANSLATED, catalogue_of, found_texts, read_catalogue, updated
 

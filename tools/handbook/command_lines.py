@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import click
 
-from studyapp.command.main import group
+from studyapp.cli.main import group
 from tools.handbook.fenced import fenced_blocks
 
 _PROGRAM = "motionjury"

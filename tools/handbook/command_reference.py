@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import click
 
-from studyapp.command.main import group
+from studyapp.cli.main import group
 
 _PROGRAM = "motionjury"
 

@@ -17,8 +17,8 @@ import tomlkit
 
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.digest import digest
+from studyapp.study.folder import StudyFolder
 from tools.three_systems.line import Line, places
 from tools.three_systems.networks import STEPS, Network, evaluators, networks
 from tools.three_systems.page import measured, with_measured

@@ -8,12 +8,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from analysis.metrics.paper_tables import PAPER_TABLES, TableColumn
-from analysis.report.metric_section import TITLES
+from analysis.measurement.paper_tables import PAPER_TABLES, TableColumn
+from analysis.report.sections.metric import TITLES
 from motion.errors import InputError
 from motion.listing import listed
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.simulation.population import default_population
+from studyapp.study.folder import StudyFolder
 from tools.three_systems.line import Took
 from tools.three_systems.networks import Network
 

@@ -8,7 +8,7 @@ from typing import Final
 from PIL import Image
 
 from motion.files import replacing
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.folder import StudyFolder
 
 _WIDE: Final = 840
 _COLOURS: Final = 128

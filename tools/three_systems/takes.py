@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 
 from motion.audio import read_audio
 from motion.segment import EMOTIONS
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import GROUND_TRUTH
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import GROUND_TRUTH
 from training.data.take import Take as RecordedTake
 
 

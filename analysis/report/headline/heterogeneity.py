@@ -8,18 +8,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from analysis.heterogeneity.cells import FEW
-from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Picture, Section, Table, cells
+from analysis.report.figures.dot_figure import Dot, dot_pictures, round_ticks, spread
+from analysis.report.figures.panels import RowName, Scale
 from analysis.report.headline.apart import Apart, taken_apart
-from analysis.report.headline.dot_figure import Dot, dot_pictures, round_ticks, spread
-from analysis.report.headline.panels import RowName, Scale
 from analysis.report.headline.words import between, counted, number
 from analysis.report.subject import Subject
 from analysis.results.estimate import Estimate
 from analysis.results.heterogeneity import KINDS, By, Within
 from analysis.results.report import TableReport
+from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.effect_cells import FEW
 
 MOST_PANELS: Final = 24
 """Effects up to which forest plots are drawn; more of them stand in the tables alone."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from analysis.report.content import Section
-from analysis.report.headline.preference_figure import preference_pictures
+from analysis.report.figures.preference_figure import preference_pictures
 from analysis.report.headline.preference_rows import PreferenceGroup, mismatch_groups
 from analysis.report.headline.preference_tables import (
     counts_table,

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from analysis.preferences.clustered import LEVEL
 from analysis.report.by_question import of
 from analysis.report.content import Picture, Section
-from analysis.report.headline.matrix_figure import Won, matrix_pictures
-from analysis.report.headline.preference_figure import preference_pictures
+from analysis.report.figures.matrix_figure import Won, matrix_pictures
+from analysis.report.figures.preference_figure import preference_pictures
 from analysis.report.headline.preference_rows import PreferenceGroup, complement, pairwise_groups
 from analysis.report.headline.preference_tables import (
     counts_table,
@@ -27,6 +26,7 @@ from analysis.report.headline.strengths import (
 from analysis.report.headline.words import in_set, of_set, share_words, suffix, why_no_figure
 from analysis.report.subject import Subject
 from analysis.results.pairwise import Comparison, PairwiseResults
+from analysis.stats.clustered_mean import LEVEL
 
 MOST_BARS: Final = 15
 """Comparisons up to which each has its bar; more of them are shown as a matrix."""

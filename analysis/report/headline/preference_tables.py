@@ -5,11 +5,9 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import Final
 
-from analysis.clustered_variance import TWO_WAY
-from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Cell, Table, cells
-from analysis.report.headline.preference_figure import levels
+from analysis.report.figures.preference_figure import levels
 from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow
 from analysis.report.headline.words import (
     CLUSTERED,
@@ -19,6 +17,8 @@ from analysis.report.headline.words import (
     plus_minus,
     share_words,
 )
+from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.clustered_variance import TWO_WAY
 
 INSTEAD: Final = MappingProxyType(
     {

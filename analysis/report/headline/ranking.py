@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from analysis.preferences.clustered import LEVEL
 from analysis.report.by_question import of
 from analysis.report.content import Picture, Section
-from analysis.report.headline.ranking_figures import first_share_pictures, place_pictures
+from analysis.report.figures.ranking_figures import first_share_pictures, place_pictures
 from analysis.report.headline.ranking_tables import place_table, posthoc_table, rank_table
 from analysis.report.headline.strengths import (
     contrasts_table,
@@ -18,6 +17,7 @@ from analysis.report.headline.strengths import (
 from analysis.report.headline.words import in_set, of_set, suffix, why_no_figure
 from analysis.report.subject import Subject
 from analysis.results.ranking import RankedCondition, RankingResults
+from analysis.stats.clustered_mean import LEVEL
 
 _DATA = "conditions.csv"
 

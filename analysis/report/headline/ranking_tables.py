@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Table, cells
-from analysis.report.headline.ranking_figures import ordinal
+from analysis.report.figures.ranking_figures import ordinal
 from analysis.report.headline.words import (
     CLUSTERED,
     between,
@@ -20,6 +19,7 @@ from analysis.report.headline.words import (
 )
 from analysis.results.rank_tests import Concordance, Friedman, RankContrast
 from analysis.results.ranking import RankedCondition
+from analysis.stats.clustered_mean import LEVEL
 
 
 def place_table(conditions: Sequence[RankedCondition], *, name: str, data: str) -> Table:

@@ -7,7 +7,7 @@ from typing import Final
 
 from analysis.report.by_question import of
 from analysis.report.content import Section
-from analysis.report.headline.rating_figures import (
+from analysis.report.figures.rating_figures import (
     contrast_pictures,
     cumulative_pictures,
     distribution_pictures,

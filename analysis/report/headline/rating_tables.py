@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 
-from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.words import (
@@ -20,6 +19,7 @@ from analysis.report.headline.words import (
 from analysis.results.rating import RatedCondition
 from analysis.results.rating_contrasts import RatingContrast
 from analysis.results.rating_model import RatingModel
+from analysis.stats.clustered_mean import LEVEL
 
 _MOST_BESIDE = 3
 

@@ -6,11 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from analysis.preferences.clustered import LEVEL
 from analysis.report import wording
 from analysis.report.content import Cell, Picture, Table, cells
-from analysis.report.headline.dot_figure import Dot, dot_pictures, round_ticks, spread
-from analysis.report.headline.panels import RowName, Scale
+from analysis.report.figures.dot_figure import Dot, dot_pictures, round_ticks, spread
+from analysis.report.figures.panels import RowName, Scale
 from analysis.report.headline.words import (
     between,
     counted,
@@ -21,6 +20,7 @@ from analysis.report.headline.words import (
     ranks,
 )
 from analysis.results.strengths import StrengthContrast, Strengths, Worths
+from analysis.stats.clustered_mean import LEVEL
 
 Fitted = Strengths | Worths
 
@@ -65,7 +65,7 @@ def strength_pictures(
     axis : str
         What the values are.
     name, title, caption, data
-        See `analysis.report.svg.picture`.
+        See `analysis.report.figures.svg.picture`.
     mark : str
         Written on top; empty for none.
     """

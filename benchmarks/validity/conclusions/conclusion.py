@@ -10,9 +10,9 @@ from typing import Final
 import numpy as np
 from scipy import stats
 
-from analysis.preferences.clustered import ClusteredMean
-from analysis.strengths.contrasts import difference_tests, rank_intervals
-from analysis.strengths.two_way import TwoWayErrors
+from analysis.stats.clustered_mean import ClusteredMean
+from analysis.stats.strengths.contrasts import difference_tests, rank_intervals
+from analysis.stats.strengths.two_way import TwoWayErrors
 from benchmarks.validity.studies import Design
 
 Floats = np.typing.NDArray[np.float64]

@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.preferences.clustered import clustered_mean
 from analysis.results.family import EVERYTHING
 from analysis.results.strengths import (
     Standings,
@@ -17,6 +16,7 @@ from analysis.results.strengths import (
     strengths_of,
     worths_of,
 )
+from analysis.stats.clustered_mean import clustered_mean
 from benchmarks.validity.conclusions.conclusion import Conclusion, Protocol, no_truths
 from benchmarks.validity.studies import Codes, Design, judgements, preferences, ranks, votes
 

@@ -9,15 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from analysis.equivalence import equivalence
-from analysis.heterogeneity.between import between_groups, between_segments
-from analysis.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
-from analysis.preferences.clustered import clustered_mean
-from analysis.robustness.min_f import min_f
-from analysis.robustness.participant_means import group_means
-from analysis.robustness.pooled import pooled_tests
-from analysis.robustness.sign_test import sign_test
-from analysis.robustness.wilcoxon import signed_rank
+from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.equivalence import equivalence
+from analysis.stats.heterogeneity import between_groups, between_segments
+from analysis.stats.min_f import min_f
+from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
+from analysis.stats.participant_means import group_means
+from analysis.stats.pooled import pooled_tests
+from analysis.stats.sign_test import sign_test
+from analysis.stats.wilcoxon import signed_rank
 from benchmarks.validity.conclusions.conclusion import (
     EFFECT,
     Conclusion,

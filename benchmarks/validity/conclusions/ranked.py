@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.rankings.friedman import Blocks, friedman
-from analysis.rankings.placements import placements
-from analysis.rankings.summary import rank_summaries
-from analysis.robustness.participant_means import group_means
-from analysis.strengths.plackett_luce import PlackettLuce, plackett_luce
+from analysis.stats.participant_means import group_means
+from analysis.stats.rankings.friedman import Blocks, friedman
+from analysis.stats.rankings.placements import placements
+from analysis.stats.rankings.summary import rank_summaries
+from analysis.stats.strengths.plackett_luce import PlackettLuce, plackett_luce
 from benchmarks.validity.conclusions.conclusion import (
     RANKS_HOLD,
     Conclusion,

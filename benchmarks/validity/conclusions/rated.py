@@ -8,11 +8,11 @@ from typing import Final
 
 import numpy as np
 
-from analysis.equivalence import equivalence, equivalence_of_means
-from analysis.preferences.clustered import clustered_mean
-from analysis.ratings.differences import RatedCells, mean_difference, rated_cells
-from analysis.robustness.participant_means import group_means
-from analysis.robustness.wilcoxon import signed_rank
+from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.equivalence import equivalence, equivalence_of_means
+from analysis.stats.participant_means import group_means
+from analysis.stats.rating_differences import RatedCells, mean_difference, rated_cells
+from analysis.stats.wilcoxon import signed_rank
 from benchmarks.validity.conclusions.conclusion import (
     EFFECT,
     Conclusion,

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from analysis.strengths.bradley_terry import bradley_terry
-from analysis.strengths.votes import Votes
+from analysis.stats.strengths.bradley_terry import bradley_terry
+from analysis.stats.strengths.votes import Votes
 from benchmarks.validity.conclusions.conclusion import (
     RANKS_HOLD,
     Conclusion,

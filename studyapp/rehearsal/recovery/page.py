@@ -11,7 +11,6 @@ from analysis.report.wording import fixed
 from analysis.report.writing import render_page
 from analysis.results.known_values import Found, KnownDifference
 from motion.files import write_text
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.recovery.recovery import Recovery
 from studyapp.rehearsal.recovery.tables import recovery_tables
 from studyapp.rehearsal.recovery.words import (
@@ -23,6 +22,7 @@ from studyapp.rehearsal.recovery.words import (
     signs_in_words,
 )
 from studyapp.rehearsal.simulation.kinds import DESCRIPTIONS
+from studyapp.study.folder import StudyFolder
 
 PAGE = "recovery.html"
 

@@ -16,8 +16,6 @@ from analysis.results.known_values import (
 from analysis.results.report import Settings, Source, TableReport, analyse_answers
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.monitoring.study_sessions import Sitting, sittings
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.record import known_values, read_truth
@@ -27,6 +25,8 @@ from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_task
 from studyapp.results.answers import Answers, answers_in, snapshot
 from studyapp.results.report_arms import arm_of_each, arm_states
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)

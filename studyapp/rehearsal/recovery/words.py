@@ -9,8 +9,8 @@ from typing import Final
 
 from scipy.stats import binom
 
-from analysis.preferences.clustered import LEVEL
 from analysis.results.known_values import Found, KnownDifference, Sign
+from analysis.stats.clustered_mean import LEVEL
 from motion.listing import listed
 from studyapp.rehearsal.recovery.people import KindRecovered
 from studyapp.rehearsal.recovery.recovery import Recovery

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from studyapp.definition.protocols.ranking import RankingStudy
-from studyapp.definition.study import Study
-from studyapp.design.asking import AnswerKey, Answers, Ask
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.study.design.asking import AnswerKey, Answers, Ask
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from studyapp.definition.rehearsal import stated_for
-from studyapp.definition.study import GROUND_TRUTH
 from studyapp.rehearsal.simulation.kinds import KINDS, Kind
+from studyapp.study.settings.rehearsal import stated_for
+from studyapp.study.settings.study import GROUND_TRUTH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from studyapp.definition.study import Study
+    from studyapp.study.settings.study import Study
 
 QUALITY: Final[Mapping[str, float]] = MappingProxyType(
     {GROUND_TRUTH: 1.0, "rule_based": 0.5, "mismatched": 0.0, "static": -1.0, "broken": -6.0}

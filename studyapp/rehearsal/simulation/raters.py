@@ -18,10 +18,10 @@ from studyapp.rehearsal.simulation.scales import (
 if TYPE_CHECKING:
     import numpy as np
 
-    from studyapp.design.asking import Ask
-    from studyapp.design.stimulus import Stimulus
     from studyapp.rehearsal.simulation.population import Population
     from studyapp.rehearsal.simulation.sight import SeenTrial
+    from studyapp.study.design.asking import Ask
+    from studyapp.study.design.stimulus import Stimulus
 
 SIDE_PULL: Final = 2.5
 """Logits by which somebody side-biased prefers the side they are drawn to."""

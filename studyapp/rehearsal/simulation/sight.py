@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from studyapp.design.stimulus import Stimulus
+from studyapp.study.design.stimulus import Stimulus
 
 
 @dataclass(frozen=True, kw_only=True)

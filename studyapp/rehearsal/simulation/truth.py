@@ -10,15 +10,15 @@ from itertools import combinations
 import numpy as np
 
 from motion.segment import Segment
-from studyapp.definition.protocols.mismatch import FIT, REALISM, MismatchStudy
-from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
-from studyapp.definition.protocols.ranking import RankingStudy
-from studyapp.definition.protocols.rating import RatingStudy
-from studyapp.definition.study import Study
 from studyapp.rehearsal.record import Expected, Measure
 from studyapp.rehearsal.simulation.integrals import mean_rank, mean_rating, win_share
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import segment_fit, speech_fit
+from studyapp.study.protocols.mismatch import FIT, REALISM, MismatchStudy
+from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.study import Study
 
 Average = Callable[[np.ndarray, float], float]
 """What raters answer on average, given utilities or gaps (k,) and their standard deviation."""

@@ -15,12 +15,12 @@ import pandas as pd
 
 from motion.files import write_text
 from motion.spreadsheet import harmless_frame
-from studyapp.definition.study import Study
 from studyapp.researchers.pseudonyms import FOLDER
 from studyapp.results.export.columns import PARTICIPANT, Column, TableColumns
 from studyapp.results.export.labels import column_labels
 from studyapp.results.export.plain_json import as_json
 from studyapp.results.export.typed import as_text
+from studyapp.study.settings.study import Study
 
 BIDS_VERSION: Final = "1.11.0"
 MISSING: Final = "n/a"

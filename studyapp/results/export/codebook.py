@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from importlib import metadata
 from typing import Any
 
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.form import FormQuestion
-from studyapp.definition.questions import Question
-from studyapp.definition.study import Study
 from studyapp.results.export.columns import Column, TableColumns
 from studyapp.results.export.labels import answer_labels, column_labels, form_labels
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.form import FormQuestion
+from studyapp.study.settings.questions import Question
+from studyapp.study.settings.study import Study
 
 
 def codebook(

@@ -8,13 +8,13 @@ from typing import Final
 
 import pandas as pd
 
-from analysis.exclusions.applying import RuleOutcome
-from analysis.exclusions.rules import BY_HAND
+from analysis.answers.exclusion_rules import BY_HAND
+from analysis.answers.exclusions import RuleOutcome
 from motion.errors import InputError
-from studyapp.definition.protocols.mismatch import FIT, REALISM
-from studyapp.definition.study import Study
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
 from studyapp.results.answers import Answers
+from studyapp.study.protocols.mismatch import FIT, REALISM
+from studyapp.study.settings.study import Study
 
 PARTS_OF: Final[Mapping[str, str]] = {"mismatch": FIT, "pairwise": REALISM}
 """Of a mismatch study, the part that each of its two tasks is."""

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from analysis.exclusions.rules import excluded_by_hand
-from studyapp.definition.form import FormQuestion
-from studyapp.definition.protocols.mismatch import MismatchStudy
-from studyapp.definition.questions import Question
-from studyapp.definition.scales import BAND, SLIDER_END, STEPS, RatingQuestion
-from studyapp.definition.study import Study
-from studyapp.design.preference import PREFERENCES
+from analysis.answers.exclusion_rules import excluded_by_hand
+from studyapp.study.design.preference import PREFERENCES
+from studyapp.study.protocols.mismatch import MismatchStudy
+from studyapp.study.settings.form import FormQuestion
+from studyapp.study.settings.questions import Question
+from studyapp.study.settings.scales import BAND, SLIDER_END, STEPS, RatingQuestion
+from studyapp.study.settings.study import Study
 
 Labels = Mapping[str, str]
 """Each value as text, and what it means."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 
 
 def read_me(study: Study, *, people: int, study_folder: str) -> str:

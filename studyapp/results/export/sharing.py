@@ -15,8 +15,6 @@ from sqlalchemy import select
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.database.tables import StudyVersion
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import Answers, Source, answers_in, snapshot
 from studyapp.results.export.bids_tables import (
@@ -40,6 +38,8 @@ from studyapp.results.export.tables import ExportedTable, exported_tables
 from studyapp.results.logged_looks import note_way_out, with_looks_before
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.shared_answers import write_shared_answers
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 
 CHECKSUMS: Final = "SHA256SUMS"
 STUDY: Final = Path("sourcedata") / "study"

@@ -12,10 +12,10 @@ from pathlib import Path
 
 from motion.files import write_text
 from motion.segment import Segment
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.media import Media
-from studyapp.definition.study import Study
 from studyapp.session.served_study import described
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Media
+from studyapp.study.settings.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,6 @@ from typing import Final
 import pandas as pd
 
 from motion.files import replacing, write_text
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import Answers, Source, answers_in, snapshot
 from studyapp.results.export.answer_columns import ANSWERS
@@ -35,6 +34,7 @@ from studyapp.results.export.tables import (
 )
 from studyapp.results.export.typed import Format, typed, write_table
 from studyapp.results.logged_looks import note_way_out
+from studyapp.study.folder import StudyFolder
 
 
 def nothing_to_export() -> tuple[ExportedTable, ...]:

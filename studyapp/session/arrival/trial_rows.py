@@ -30,9 +30,9 @@ from sqlalchemy.sql.functions import GenericFunction
 from sqlalchemy.types import TypeEngine
 
 from studyapp.database.tables import Base, Trial, TrialStimulus, Video
-from studyapp.design.planned_trial import PlannedTrial
-from studyapp.design.stimulus import Content
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.stimulus import Content
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""

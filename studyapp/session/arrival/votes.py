@@ -7,11 +7,11 @@ from collections import defaultdict
 from sqlalchemy import select, tuple_
 from sqlalchemy.orm import Session, aliased
 
-from analysis.trial_kinds import ANALYSED_KINDS
+from analysis.answers.trial_kinds import ANALYSED_KINDS
 from studyapp.database.tables import Response, StudySession, Trial, TrialStimulus
-from studyapp.design.tally import NO_VOTES, Tally
 from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.design.tally import NO_VOTES, Tally
 
 
 def votes_so_far(session: Session, served: ServedStudy) -> Tally:

@@ -13,7 +13,7 @@ from sqlalchemy.orm import aliased
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession, Trial, TrialStimulus, Video
-from studyapp.design.stimulus import Content, Stimulus
+from studyapp.study.design.stimulus import Content, Stimulus
 
 _Other = aliased(Trial)
 

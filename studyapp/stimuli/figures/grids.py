@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Final
 
 from motion.errors import InputError
-from renderer.encoder import SOUND_RATE
 from renderer.figures.grid_video import SLOWEST, GridLayout, Panel, write_grid
 from renderer.figures.skeleton_lines import Place
-from studyapp.definition.folder import StudyFolder
+from renderer.video.encoder import SOUND_RATE
 from studyapp.stimuli.figures.material import FigureMaterial
+from studyapp.study.folder import StudyFolder
 
 WIDEST: Final = 1920
 """Pixels across a video whose panel size was not chosen."""

@@ -20,9 +20,9 @@ from renderer.figures.cut_out import Box
 from renderer.figures.moments import MOST_MOMENTS, Moment, even_moments, loud_moments
 from renderer.figures.panels import common_box
 from renderer.framing import Camera
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.shown_body import licensed_hands
+from studyapp.study.folder import StudyFolder
 
 MOST_PIXELS: Final = 2160
 

@@ -21,8 +21,8 @@ from renderer.figures.plate import DOTS_PER_INCH, check_ending
 from renderer.figures.skeleton_lines import Place, joints_of, with_skeleton
 from renderer.figures.strip import StripLayout, draw_strip
 from renderer.stills import frame_at
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.figures.material import FigureMaterial, check_distinct
+from studyapp.study.folder import StudyFolder
 
 
 @dataclass(frozen=True, kw_only=True)

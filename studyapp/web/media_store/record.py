@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from motion.errors import InputError
 from motion.files import write_text
-from studyapp.definition.validation import explain
+from studyapp.study.settings.validation import explain
 
 FILE: Final = "published.json"
 _NAME_BYTES: Final = 16

@@ -10,8 +10,8 @@ from typing import Final, Self
 from urllib.parse import urlsplit
 
 from motion.errors import InputError
-from studyapp.design.stimulus import Content
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.design.stimulus import Content
 from studyapp.web.media_store.bucket import Bucket, connect
 from studyapp.web.media_store.record import FILE, PublishedVideo, read_published
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from flask import render_template, request
 
-from studyapp.definition.form import Stage
+from studyapp.study.settings.form import Stage
 from studyapp.web.language import say
 from studyapp.web.running import running
 

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from flask import Blueprint, Response, make_response, render_template, request
 from flask.typing import ResponseReturnValue
 
-from studyapp.definition.form import Stage
-from studyapp.definition.study import Study
 from studyapp.session.arrival.enrolment import Arrival, enrol, enrolled, require_welcome
 from studyapp.session.arrival.screen_outs import note_screen_out, was_screened_out
 from studyapp.session.departure import leaving_at_once, way_back
 from studyapp.session.form_answers import check_eligibility
 from studyapp.session.refusal import IneligibleError, StudyFullError, UnacceptableError
+from studyapp.study.settings.form import Stage
+from studyapp.study.settings.study import Study
 from studyapp.web.errors import STATUS, told
 from studyapp.web.language import say
 from studyapp.web.participants.about_participant import form_fields, problems_of

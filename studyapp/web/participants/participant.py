@@ -8,7 +8,6 @@ from flask import Blueprint, jsonify, redirect, render_template, request, url_fo
 from flask.typing import ResponseReturnValue
 from pydantic import ValidationError
 
-from studyapp.definition.form import Stage
 from studyapp.session.answer_fields import Fields
 from studyapp.session.answers import answer, skip_unplayable
 from studyapp.session.breaks import leave_break
@@ -17,6 +16,7 @@ from studyapp.session.participation import ShownTrial, begin, look
 from studyapp.session.refusal import UnacceptableError
 from studyapp.session.sound_check import TRIES_BEFORE_LEAVING
 from studyapp.session.videos.watch_reports import record_watched
+from studyapp.study.settings.form import Stage
 from studyapp.web.errors import note, told, wants_json
 from studyapp.web.participants.about_participant import form_fields, form_page
 from studyapp.web.participants.trial_page import trial_page

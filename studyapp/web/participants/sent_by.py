@@ -8,13 +8,13 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
-from studyapp.definition.recruitment import Channel
 from studyapp.recruitment.invitations import invited
 from studyapp.recruitment.signed_links import SIGNED, signed_names
 from studyapp.researchers.tokens import token_hash
 from studyapp.session.arrival.enrolment import Arrival
 from studyapp.session.departure import MTURK_SITES
 from studyapp.session.refusal import UnacceptableError, UninvitedError
+from studyapp.study.settings.recruitment import Channel
 from studyapp.web.address import newcomers_address
 from studyapp.web.participants.returning import read_cookie
 from studyapp.web.running import running

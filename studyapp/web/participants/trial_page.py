@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from studyapp.definition.study import Study
 from studyapp.session.participation import ShownTrial, ShownVideo
+from studyapp.study.settings.study import Study
 from studyapp.web.language import _
 from studyapp.web.participants.wording import AskedQuestion, asked_questions, letter
 

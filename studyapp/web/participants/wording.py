@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
-from studyapp.definition.protocols.ranking import RankingStudy
-from studyapp.definition.questions import Question
-from studyapp.definition.scales import BAND, STEPS, RatingQuestion
-from studyapp.definition.study import Study
-from studyapp.design.asking import Ask
-from studyapp.design.message import Message
 from studyapp.session.participation import ShownTrial
+from studyapp.study.design.asking import Ask
+from studyapp.study.design.message import Message
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.settings.questions import Question
+from studyapp.study.settings.scales import BAND, STEPS, RatingQuestion
+from studyapp.study.settings.study import Study
 from studyapp.web.language import _, say, spoken
 
 Labels = tuple[tuple[int, str], ...]
@@ -48,7 +48,7 @@ CATEGORY_LABELS: Final = (
     Message("good"),
     Message("excellent"),
 )
-"""The words of `studyapp.definition.scales.QUALITY_CATEGORIES`."""
+"""The words of `studyapp.study.settings.scales.QUALITY_CATEGORIES`."""
 
 CHANNEL_WORDS: Final = {
     "face": Message("the face"),

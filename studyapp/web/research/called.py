@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.researchers.roles import Right
+from studyapp.study.folder import StudyFolder
 from studyapp.web.research.visitor import researcher
 from studyapp.web.running import running
 

@@ -10,7 +10,7 @@ from flask import abort
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.folder import StudyFolder
 from studyapp.web.running import running
 
 Data = Literal["study", "rehearsal"]

@@ -9,13 +9,13 @@ from __future__ import annotations
 from flask import Response, abort, current_app, jsonify, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from studyapp.design.planned_trial import PlannedTrial
 from studyapp.recruitment.tries import (
     count_test_participations,
     erase_test_participations,
     make_test_participation,
 )
 from studyapp.session.preview import TOKEN, planned_trials, players, previewed_trial
+from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.web.errors import wants_json
 from studyapp.web.media import send_video
 from studyapp.web.participants.trial_page import trial_page

@@ -7,7 +7,7 @@ from typing import Final
 from flask import abort, redirect, request, url_for
 from flask.typing import ResponseReturnValue
 
-from analysis.peeking import LEVEL, equally_spaced, false_positive_rate
+from analysis.stats.peeking import LEVEL, equally_spaced, false_positive_rate
 from motion.errors import InputError
 from studyapp.monitoring.overview import places_so_far
 from studyapp.monitoring.place_counts import PlaceCounts

@@ -1,59 +1,69 @@
 from __future__ import annotations
 
-import zlib
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
-import torch
-from torch import Tensor
 
-from analysis.evaluators.presets import PRESETS
+from analysis.evaluators.evaluator import Evaluator, load_evaluator
+from analysis.evaluators.evaluator_request import TRAINING, EvaluatorRequest
+from analysis.evaluators.training import train_evaluator
+from motion.body import read_body
+from motion.face_landmarks import FaceLandmarks
+from renderer.avatars import default_body
+from tests.analysis.evaluators.swinging import sources
+from training.run_folder import RunFolder
+from training.threads import torch_threads
 
 
-def seeded_weights(shapes: Mapping[str, Sequence[int]], salt: str = "") -> dict[str, Tensor]:
-    """Return the weights with which the reference's networks were asked."""
-    weights = {}
-    for name, shape in shapes.items():
-        random = np.random.default_rng(zlib.crc32((salt + name).encode()))
-        weight = 0.05 * random.standard_normal(tuple(shape))
-        if name.endswith("running_var"):
-            weight = 1 + np.abs(weight)
-        elif name.endswith(".weight") and len(shape) == 1:
-            weight = 1 + weight
-        counts = name.endswith("num_batches_tracked")
-        weights[name] = torch.tensor(0) if counts else torch.tensor(weight, dtype=torch.float32)
-    return weights
+@pytest.fixture(scope="package", autouse=True)
+def one_thread() -> Iterator[None]:
+    """Leave torch one thread: tests run beside each other, and threads would wait for threads."""
+    with torch_threads(1):
+        yield
+
+
+def trained(folder: Path, kind: str, channels: str, *, steps: int, **options: object) -> Path:
+    """Train a tiny network for a few steps and return its file."""
+    training = replace(TRAINING[kind, "tiny"], steps=steps)
+    request = EvaluatorRequest(
+        kind=kind, size="tiny", channels=channels, training=training, **options
+    )
+    out = folder / f"{kind}-{channels}.safetensors"
+    # A session's first file is made before `one_thread` holds, and bytes are compared with it.
+    with torch_threads(1):
+        train_evaluator(request, sources(), out, RunFolder(out.with_suffix(".run")))
+    return out
 
 
 @pytest.fixture(scope="session")
-def reference(shared_data: Path) -> Path:
-    """Return the folder of the published networks' outputs, or skip the test."""
-    folder = shared_data.parent / "reference" / "evaluators"
-    if not folder.is_dir():
-        pytest.skip("the published networks' outputs (../shared/reference/evaluators) are not here")
-    return folder
+def emotion_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return trained(tmp_path_factory.mktemp("emotion"), "emotion", "body", steps=15)
 
 
-def write_checkpoint(
-    folder: Path, preset: str, weights: Mapping[str, Tensor] | None = None, **more: object
-) -> Path:
-    """Write a checkpoint as the authors' scripts do; of seeded weights where none are given."""
-    chosen = PRESETS[preset]
-    if weights is None:
-        own = chosen.network().state_dict()
-        weights = seeded_weights({name: tuple(weight.shape) for name, weight in own.items()})
-    content: object = dict(weights)
-    for key in reversed(chosen.place):
-        content = {key: content, **more}
-    path = folder / f"{preset}.bin"
-    torch.save(content, path)
-    return path
+@pytest.fixture(scope="session")
+def gesture_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return trained(tmp_path_factory.mktemp("gesture"), "motion", "gesture", steps=4)
+
+
+@pytest.fixture(scope="session")
+def face_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    landmarks = FaceLandmarks.of(read_body(default_body()))
+    folder = tmp_path_factory.mktemp("face")
+    return trained(folder, "face", "landmarks", steps=4, landmarks=landmarks)
+
+
+@pytest.fixture(scope="session")
+def both_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return trained(tmp_path_factory.mktemp("both"), "motion", "both", steps=2, frozen=("root",))
 
 
 @pytest.fixture
-def checkpoint(tmp_path: Path) -> Callable[..., Path]:
-    """Return `write_checkpoint` into the test's own folder."""
-    return partial(write_checkpoint, tmp_path)
+def emotion(emotion_file: Path) -> Evaluator:
+    return load_evaluator(emotion_file)
+
+
+@pytest.fixture
+def gesture(gesture_file: Path) -> Evaluator:
+    return load_evaluator(gesture_file)

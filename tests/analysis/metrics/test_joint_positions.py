@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.metrics.joint_motion import joint_motion
+from analysis.measurement.joint_motion import joint_motion
 from analysis.metrics.joint_positions import common_frame_rate, select
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analysis.planning.clustered_tests import clustered_tests
-from analysis.preferences.clustered import clustered_mean
+from analysis.stats.clustered_mean import clustered_mean
 
 
 @pytest.mark.parametrize("density", [0.4, 1.0])

@@ -3,13 +3,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.holm import holm
 from analysis.planning.clustered_tests import Findings
 from analysis.planning.families import (
     Company,
     decided_by_holm,
     right,
 )
+from analysis.stats.holm import holm
 
 
 def test_a_block_alone_is_corrected_within_itself() -> None:

@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.layouts import LAYOUTS
+from analysis.answers.reading import read_answers
 from analysis.planning.part import Opinions
 from analysis.planning.pilot_spreads import pilot_opinions
 from analysis.results.left_out import leave_out
-from analysis.tables.layouts import LAYOUTS
-from analysis.tables.reading import read_answers
 from benchmarks.validity.studies import THRESHOLDS, Design, judgements, preferences, ranks, ratings
 from motion.errors import InputError
 

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.holm import holm_rows
 from analysis.planning.deciding_tests import DecidingTests
 from analysis.planning.drawn_answers import drawn_answers
 from analysis.planning.part import Opinions, Part
 from analysis.planning.power import Effort, Power, power_of
 from analysis.planning.size import Sketch
-from analysis.preferences.clustered import clustered_mean
 from analysis.results.net_preference import net_preference
 from analysis.results.sided import SidedAnswers
+from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.holm import holm_rows
 
 ALIKE = Opinions(participant_sd=0.3, item_sd=0.3)
 QUICK = Effort(quick=400, exact=40)

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
-from analysis.report import ink, write_report
+from analysis.report import write_report
+from analysis.report.figures import ink
 from tests.analysis.report.made_reports import report_of, subject_of
 from tests.analysis.results.made_tables import pairwise_table
 from tests.functional.browsing import IN_A_BROWSER, launched

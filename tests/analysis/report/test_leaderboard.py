@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.report.answer import answer
+from analysis.report.sections.answer import answer
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport
 from analysis.results.strengths import Strengths

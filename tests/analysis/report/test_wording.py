@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from analysis.preferences.clustered import clustered_mean
 from analysis.report import wording
+from analysis.stats.clustered_mean import clustered_mean
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,9 @@ import pandas as pd
 import pytest
 from bs4 import BeautifulSoup
 
-from analysis.report import ink, write_report
+from analysis.report import write_report
 from analysis.report.content import Cell, Page, Section, Table
+from analysis.report.figures import ink
 from analysis.report.table_files import as_frame, write_page_files
 from studyapp.results.report import report_table
 from tests.analysis.report.made_reports import report_of, subject_of

@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.holm import holm
 from analysis.results.report import analyse_table
+from analysis.stats.holm import holm
 from tests.analysis.results.made_tables import TABLES
 
 

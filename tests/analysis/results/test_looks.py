@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from analysis.peeking import equally_spaced
 from analysis.results.looks import NOT_LOGGED, Look, looks_before
+from analysis.stats.peeking import equally_spaced
 
 LOOK = Look(
     day="2026-05-04",

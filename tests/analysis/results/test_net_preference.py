@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.ordinal.mixed_model import RandomEffect, beginning_of
 from analysis.results.net_preference import expected, net_preference
 from analysis.results.sided import SidedAnswers
+from analysis.stats.ordinal.mixed_model import RandomEffect, beginning_of
 from benchmarks.validity.studies import THRESHOLDS, Design, preferences
 
 DESIGN = Design(participants=15, items=12, effect=0.4, participant_sd=0.6, item_sd=0.45)

@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.clustered_variance import ONE_SEGMENT
-from analysis.holm import holm
-from analysis.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
-from analysis.preferences.clustered import clustered_mean
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport, analyse_table
+from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.clustered_variance import ONE_SEGMENT
+from analysis.stats.holm import holm
+from analysis.stats.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
 from motion.errors import InputError
 from tests.analysis.results.made_tables import catch_rows, pairwise_table
 

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.holm import holm
 from analysis.results.plain import plain
 from analysis.results.rating import RatingResults
 from analysis.results.report import analyse_table
+from analysis.stats.holm import holm
 from tests.analysis.results.made_tables import rating_table
 
 REFERENCE = Path(__file__).parents[4] / "shared" / "reference" / "stats"

@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.exclusions.rules import ExclusionRule, answered_too_fast, marked, watched_less
+from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, marked, watched_less
+from analysis.answers.layouts import LAYOUTS
+from analysis.answers.reading import read_answers
 from analysis.results.left_out import leave_out
 from analysis.results.report import analyse_table
 from analysis.results.sensitivity import Sensitivity, sensitivity
-from analysis.tables.layouts import LAYOUTS
-from analysis.tables.reading import read_answers
 from tests.analysis.results.made_tables import TABLES, ranking_table
 
 PLANNED = watched_less(0.9)

@@ -7,12 +7,12 @@ from typing import Any
 import pandas as pd
 import pytest
 
+from analysis.answers.layouts import LAYOUTS
+from analysis.answers.reading import read_answers
+from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out, table_rules
 from analysis.results.report import analyse_table
 from analysis.results.so_far import agreed_so_far, estimates_so_far
-from analysis.tables.answers import AnswerTable
-from analysis.tables.layouts import LAYOUTS
-from analysis.tables.reading import read_answers
 from tests.analysis.results.made_tables import TABLES
 
 PROTOCOLS = sorted(TABLES)

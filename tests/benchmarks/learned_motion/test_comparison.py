@@ -4,15 +4,15 @@ import math
 
 import pytest
 
-from analysis.metrics import network_names as names
-from analysis.metrics.conditions import ConditionScore, StudyMetrics
+from analysis.evaluators import network_names as names
+from analysis.measurement.conditions import ConditionScore, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
 from benchmarks.learned_motion.comparison import Followings, score_of, verdicts, written
 from benchmarks.learned_motion.editing import Edited
 from benchmarks.learned_motion.following import MEASURES, MeanFollowed
 from benchmarks.learned_motion.page import HEARD, Findings, page
-from studyapp.definition.study import GROUND_TRUTH
+from studyapp.study.settings.study import GROUND_TRUTH
 
 NOTHING = MeanFollowed(mean=math.nan, low=math.nan, high=math.nan, clips=0)
 GOOD = {RULE_BASED: 8.0, UNTRAINED: 10.0, "trained_1": 3.0, "trained_2": 4.0}

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.metrics.seams import Windows, seam_acceleration
+from analysis.measurement.seams import Windows, seam_acceleration
 from generators.interface import SpeechSegment
 from generators.s2ue.generate import S2ue
 from generators.s2ue.settings import S2ueSettings

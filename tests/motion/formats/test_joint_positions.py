@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.evaluators.clip_inputs import ted_joints
+from analysis.evaluators.published.clip_inputs import ted_joints
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_motion

@@ -22,11 +22,11 @@ from studyapp.custody.verification import check_archive
 from studyapp.database.copies import require_empty
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import AuditLine, StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import withdraw
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.support.throwaway_postgresql import ThrowawayPostgresql
 

@@ -16,12 +16,12 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import Alarm
-from studyapp.definition.study import Alarms
 from studyapp.monitoring import alarm_channels
 from studyapp.monitoring.alarm_channels import SMTP, WEBHOOK, AlarmChannels
 from studyapp.monitoring.alarms import raise_alarms
 from studyapp.session.arrival.newcomers import count_newcomer
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.settings.study import Alarms
 from tests.local_server import listening
 from tests.studyapp.made_study import make_study
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -6,7 +6,6 @@ from datetime import timedelta
 
 import pytest
 
-from studyapp.design.arm import Arm
 from studyapp.monitoring.answered_trials import (
     AnsweredTrial,
     progress,
@@ -19,6 +18,7 @@ from studyapp.monitoring.overview import forecast
 from studyapp.monitoring.place_counts import all_together, count_places
 from studyapp.monitoring.selection import ROWS, page_of, pages_of
 from studyapp.monitoring.sides import sides
+from studyapp.study.design.arm import Arm
 from tests.studyapp.monitoring.made_study_sessions import NOON, sitting
 
 

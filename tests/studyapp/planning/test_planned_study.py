@@ -8,9 +8,6 @@ import pytest
 
 from analysis.planning.part import Part
 from motion.errors import InputError
-from studyapp.definition.creation import new_study
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.study import Study
 from studyapp.planning.planned_study import (
     PlannedStudy,
     excluded_by_default,
@@ -20,6 +17,9 @@ from studyapp.planning.planned_study import (
     with_items,
     with_trials,
 )
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.study import Study
 from tests.studyapp.made_study import make_segments, make_study
 
 SEGMENTS = make_segments(["anger", "sadness", "fear"] * 4)

@@ -5,10 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.protocols.pairwise import PairwiseStudy
-from studyapp.design.planned_trial import PlannedTrial
-from studyapp.design.stimulus import Stimulus
 from studyapp.preflight.balance import (
     Plans,
     counts_of_pairs,
@@ -18,6 +14,10 @@ from studyapp.preflight.balance import (
 )
 from studyapp.preflight.balance_checks import balance_findings
 from studyapp.preflight.material import Material
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.folder import StudyFolder
+from studyapp.study.protocols.pairwise import PairwiseStudy
 from tests.studyapp.made_study import make_segments, make_study
 
 (SEGMENT, OTHER) = make_segments(["neutral", "anger"])

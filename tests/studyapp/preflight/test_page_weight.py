@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 
 from motion.segment import Segment
-from studyapp.definition.folder import StudyFolder
-from studyapp.design.planned_trial import PlannedTrial
-from studyapp.design.stimulus import Stimulus
 from studyapp.preflight.finding import Severity
 from studyapp.preflight.material import Material
 from studyapp.preflight.page_weight import Weight, weight_findings, weight_of
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_finished_study, write_short_video
 
 

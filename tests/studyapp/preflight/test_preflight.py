@@ -11,14 +11,14 @@ import tomlkit
 
 from motion.audio import Audio
 from motion.formats import read_clip, write_clip
-from renderer.encoder import SOUND_RATE, VideoWriter
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
+from renderer.video.encoder import SOUND_RATE, VideoWriter
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import Severity
 from studyapp.results.study_notes import study_notes
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.study.folder import StudyFolder
+from studyapp.study.stimuli import PairVideo, Stimuli, read_stimuli, write_stimuli
 
 
 def pretend_rendered(folder: StudyFolder, video: Path) -> None:

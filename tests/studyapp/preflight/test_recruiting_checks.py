@@ -4,10 +4,10 @@ from typing import Any
 
 import pytest
 
-from studyapp.definition.recruitment import Recruitment
 from studyapp.preflight.finding import Severity
 from studyapp.preflight.pay_checks import pay_findings
 from studyapp.preflight.recruiting_checks import code_findings, recruiting_findings
+from studyapp.study.settings.recruitment import Recruitment
 from tests.studyapp.made_study import make_study
 
 CODES = {"completed": "KX7QM2PWTR", "screened_out": "HB4NVJ9ZCD", "failed_attention": "WU3FGRE8KA"}

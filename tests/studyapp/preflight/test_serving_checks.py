@@ -13,10 +13,10 @@ from flask import Response
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import IntakeChange
-from studyapp.definition.folder import StudyFolder
 from studyapp.preflight import serving_checks
 from studyapp.preflight.material import Material
 from studyapp.preflight.serving_checks import probe_findings, serving_findings
+from studyapp.study.folder import StudyFolder
 from studyapp.web import media
 from tests.studyapp.answered_study import answer_study
 

@@ -7,8 +7,6 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.preflight.expected_time import ExpectedTime, expected_time, words
 from studyapp.preflight.material import Material
 from studyapp.preflight.page_checks import page_findings
@@ -19,6 +17,8 @@ from studyapp.preflight.time_checks import (
     pace_of_study,
     time_findings,
 )
+from studyapp.study.folder import StudyFolder
+from studyapp.study.protocols.pairwise import PairwiseStudy
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.made_study import make_segments, make_study
 
@@ -67,7 +67,7 @@ def test_there_are_many_ways_to_reach_somebody(contact: str) -> None:
 
 
 def test_texts_of_a_template_are_known_in_every_language(tmp_path: Path) -> None:
-    from studyapp.definition.creation import new_study
+    from studyapp.study.creation.study_file import new_study
 
     for language in ("en", "de", "ja"):
         study = new_study(tmp_path / f"{language}.toml", name="s", language=language)

@@ -11,10 +11,7 @@ import numpy as np
 import pytest
 
 from motion.audio import Audio
-from renderer.encoder import SOUND_RATE
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.media import Media
-from studyapp.design.stimulus import Stimulus
+from renderer.video.encoder import SOUND_RATE
 from studyapp.preflight.catch_checks import catch_picture_findings
 from studyapp.preflight.check import check, finished_videos
 from studyapp.preflight.finished_video_checks import finished_video_findings
@@ -22,6 +19,9 @@ from studyapp.preflight.material import Material
 from studyapp.preflight.shown_video_checks import shown_video_findings
 from studyapp.preflight.sound_checks import silent_share, sound_findings
 from studyapp.stimuli.media_probe import plays_at_once, written_in
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Media
 from tests.encoded import Told, write_video
 
 

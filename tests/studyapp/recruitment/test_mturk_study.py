@@ -13,12 +13,12 @@ from botocore.stub import Stubber
 
 from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of
-from studyapp.definition.folder import StudyFolder
 from studyapp.recruitment import mturk
 from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 ADDRESS = "https://study.example.org/"

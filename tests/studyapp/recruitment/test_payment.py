@@ -6,7 +6,6 @@ import pytest
 
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.definition.recruitment import Prolific, Recruitment
 from studyapp.recruitment.payment import (
     Arrived,
     Ours,
@@ -20,6 +19,7 @@ from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.arrival.screen_outs import note_screen_out
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.withdrawal import withdraw
+from studyapp.study.settings.recruitment import Prolific, Recruitment
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 CODES = Prolific(completed="KX7QM2PWTR", screened_out="HB4NVJ9ZCD", failed_attention="WU3FGRE8KA")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import COMMON, PROTOCOLS, write_study_of_one_video
 
 AROUND = "sound_check = true\nbreak_every = 1\n"

@@ -14,11 +14,10 @@ from click.testing import CliRunner
 from flask import Flask
 from sqlalchemy import func, select
 
+from studyapp.cli.backup_command import command as backup_command
 from studyapp.clock import Clock
-from studyapp.command.backup_command import command as backup_command
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Response, StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.monitoring.study_sessions import sittings
 from studyapp.recruitment import mturk, prolific
 from studyapp.recruitment.mturk_client import SANDBOX, MTurkClient
@@ -31,6 +30,7 @@ from studyapp.rehearsal.resumption import prepare
 from studyapp.results.answers import answers_to_report, read_answers
 from studyapp.results.export.writing import export
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.answered_study import answer_study

@@ -14,12 +14,12 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal import browser as browser_room
 from studyapp.rehearsal.browser import require_browser
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.run import rehearse
 from studyapp.rehearsal.simulation.population import default_population
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_short_video
 from tests.functional.browsing import IN_A_BROWSER
 from tests.studyapp.rehearsal.protocol_studies import write_study

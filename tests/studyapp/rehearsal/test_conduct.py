@@ -11,7 +11,6 @@ from flask import Flask
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, Response, StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.participant import Participant
@@ -22,6 +21,7 @@ from studyapp.rehearsal.simulation.kinds import Kind
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import Departure
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.steps import browser
 
 

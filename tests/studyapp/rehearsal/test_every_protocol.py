@@ -14,7 +14,6 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.examiner import Examiner
 from studyapp.rehearsal.eyes import Eyes, seen
 from studyapp.rehearsal.late_probes import probe_finished
@@ -27,6 +26,7 @@ from studyapp.rehearsal.simulation.population import default_population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from studyapp.session.exclusion import is_excluded
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import write_short_video
 from tests.studyapp.rehearsal.protocol_studies import STUDIES, write_study
 from tests.studyapp.rehearsal.steps import at_first_trial, browser

@@ -11,18 +11,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.definition.protocols.mismatch import MismatchStudy
-from studyapp.definition.protocols.ranking import RankingStudy
-from studyapp.definition.protocols.rating import RatingStudy
-from studyapp.definition.study import Study
-from studyapp.design.asking import Ask
-from studyapp.design.stimulus import Stimulus
 from studyapp.rehearsal.record import Expected, Measure
 from studyapp.rehearsal.simulation.integrals import averaged, mean_rank, mean_rating
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.study.design.asking import Ask
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.protocols.mismatch import MismatchStudy
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.study import Study
 from tests.studyapp.made_study import make_segments
 
 CONDITIONS = ("ours", "theirs", "real")

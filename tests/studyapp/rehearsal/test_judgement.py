@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 
 from motion.segment import Segment
-from studyapp.definition.reading import parse_text
-from studyapp.definition.study import Study
 from studyapp.rehearsal.simulation.judgement import Judgement, judge
 from studyapp.rehearsal.simulation.kinds import Kind
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.study.settings.reading import parse_text
+from studyapp.study.settings.study import Study
 from tests.finished_study import COMMON, PROTOCOLS
 from tests.studyapp.made_study import make_segments
 

@@ -9,12 +9,12 @@ import httpx
 import pytest
 from flask import Flask
 
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
+from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
 from tests.studyapp.rehearsal.steps import SPEED, browser

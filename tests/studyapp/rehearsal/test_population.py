@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from studyapp.definition.protocols.pairwise import PairwiseStudy
-from studyapp.definition.rehearsal import Rehearsal
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.raters import Rater
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.rehearsal import Rehearsal
 
 
 def test_the_conditions_every_study_knows_are_ordered_as_expected(population: Population) -> None:

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studyapp.design.asking import Ask
-from studyapp.design.preference import PREFERENCES
-from studyapp.design.stimulus import Stimulus
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
+from studyapp.study.design.asking import Ask
+from studyapp.study.design.preference import PREFERENCES
+from studyapp.study.design.stimulus import Stimulus
 
 CONDITIONS = ("a", "b", "flaw")
 FAIR = Population(

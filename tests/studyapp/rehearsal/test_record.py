@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.definition.protocols.pairwise import PairwiseStudy
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.study.protocols.pairwise import PairwiseStudy
 from tests.studyapp.made_study import make_segments
 
 

@@ -12,7 +12,6 @@ from sqlalchemy import delete, select, update
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Response, StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.ledger import Ledger
 from studyapp.rehearsal.participant import Participant
@@ -23,6 +22,7 @@ from studyapp.rehearsal.resumption import call_roster, let_time_pass
 from studyapp.rehearsal.simulation.kinds import Kind
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.rehearsal.visit import Departure
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.rehearsal.steps import browser
 
 

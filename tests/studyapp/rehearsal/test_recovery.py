@@ -9,21 +9,21 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.cells import Cells
+from analysis.answers.layouts import PAIRWISE
+from analysis.answers.reading import Order, answers_in
+from analysis.answers.table import AnswerTable
 from analysis.results.estimate import Estimate
 from analysis.results.left_out import LeftOut, leave_out
 from analysis.results.preference import win_share
 from analysis.results.sided import sided
-from analysis.tables.answers import AnswerTable
-from analysis.tables.cells import Cells
-from analysis.tables.layouts import PAIRWISE
-from analysis.tables.reading import Order, answers_in
 from motion.segment import EMOTIONS, Segment
-from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
 from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
 from tests.studyapp.made_study import pair_plan
 
 SEGMENTS = tuple(

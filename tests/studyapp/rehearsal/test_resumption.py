@@ -9,10 +9,10 @@ import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Place, StudySession, StudyVersion
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.record import Truth, read_truth
 from studyapp.rehearsal.resumption import call_roster, prepare
 from studyapp.rehearsal.simulation.population import Population, default_population
+from studyapp.study.folder import StudyFolder
 
 TRUTH = Truth(seed=1, study="", population=Population(quality={}), expected=())
 

@@ -21,8 +21,6 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.protocols.pairwise import PairwiseStudy, comparison_name
 from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.run import rehearse
@@ -32,6 +30,8 @@ from studyapp.rehearsal.simulation.population import Population, default_populat
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.results.export.answer_rows import responses_table
+from studyapp.study.folder import StudyFolder
+from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
 from tests.studyapp.made_study import pair_plan
 from tests.studyapp.read_once import read_once
 
@@ -191,7 +191,7 @@ def kill(folder: StudyFolder, how: signal.Signals) -> None:
     """Kill the program that rehearses once somebody has answered."""
     program = (
         "import sys; from pathlib import Path; "
-        "from studyapp.definition.folder import StudyFolder; "
+        "from studyapp.study.folder import StudyFolder; "
         "from studyapp.rehearsal.run import rehearse; "
         "rehearse(StudyFolder(Path(sys.argv[1])), seed=3, workers=2, speed=4)"
     )

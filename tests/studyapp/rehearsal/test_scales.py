@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.definition.scales import RatingQuestion
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.scales import (
     preference_thresholds,
@@ -13,6 +12,7 @@ from studyapp.rehearsal.simulation.scales import (
     rating_thresholds,
     step,
 )
+from studyapp.study.settings.scales import RatingQuestion
 
 POPULATION = Population(quality={})
 UTILITIES = st.lists(st.floats(-9, 9), min_size=2, max_size=8)

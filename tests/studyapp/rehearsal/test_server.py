@@ -4,8 +4,8 @@ import httpx
 import pytest
 
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
 from studyapp.rehearsal.server import rehearsal_server
+from studyapp.study.folder import StudyFolder
 
 
 def test_the_study_is_served_until_the_block_ends_also_where_nobody_new_is_let_in(

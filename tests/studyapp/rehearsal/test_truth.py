@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.definition.protocols.pairwise import PairwiseStudy
-from studyapp.design.asking import Ask
-from studyapp.design.preference import PREFERENCES
-from studyapp.design.stimulus import Stimulus
 from studyapp.rehearsal.record import Expected
 from studyapp.rehearsal.simulation.integrals import win_share
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
 from studyapp.rehearsal.simulation.truth import expectations
+from studyapp.study.design.asking import Ask
+from studyapp.study.design.preference import PREFERENCES
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.protocols.pairwise import PairwiseStudy
 from tests.studyapp.made_study import make_segments
 
 SEGMENTS = make_segments(["anger"] * 6)

@@ -3,10 +3,10 @@ from __future__ import annotations
 import pytest
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.answer_table import MIDDLE, StudyAnswers, empty_answers, study_answers
 from studyapp.results.export.answer_rows import responses_table
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.read_once import read_once

@@ -8,15 +8,15 @@ from click.testing import CliRunner
 from sqlalchemy import select
 
 from motion.errors import InputError
-from studyapp.command.main import group
+from studyapp.cli.main import group
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.answers import answers_to_report, read_answers, read_rehearsal
 from studyapp.results.export.writing import export
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import withdraw
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from studyapp.definition.exclusions import Coverage, FailedCatch, Incomplete
 from studyapp.results.exclusions import ByHand, StudyExclusions, study_exclusions
+from studyapp.study.settings.exclusions import Coverage, FailedCatch, Incomplete
 
 STATED = (Incomplete(), FailedCatch(more_than=1))
 

@@ -11,18 +11,18 @@ from pathlib import Path
 import pytest
 from sqlalchemy import update
 
-from analysis.peeking import equally_spaced, false_positive_rate
-from analysis.report import ink
+from analysis.report.figures import ink
 from analysis.results.looks import NOT_LOGGED, LooksBefore
+from analysis.stats.peeking import equally_spaced, false_positive_rate
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.looks import StudyState, looks, note_look
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
 from studyapp.results.logged_looks import earlier_looks, note_way_out
 from studyapp.results.report import report
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.answered_study import answer_study
 
 NOON = datetime(2026, 5, 4, 12, tzinfo=UTC)

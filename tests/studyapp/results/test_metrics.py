@@ -9,10 +9,10 @@ import pytest
 from motion.errors import InputError
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import BODY_JOINTS
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.metrics import measure_folders, measure_study
 from studyapp.stimuli.recordings import Take, import_take
-from tests.analysis.evaluators.conftest import write_checkpoint
+from studyapp.study.folder import StudyFolder
+from tests.analysis.evaluators.published.conftest import write_checkpoint
 
 QUICK = {"presets": ("genea", "s2ue"), "processes": 1}
 

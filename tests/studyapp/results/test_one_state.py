@@ -13,7 +13,6 @@ from sqlalchemy import Engine, event
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.answers import answers_to_report
 from studyapp.results.export.sharing import share
 from studyapp.results.export.writing import export
@@ -21,6 +20,7 @@ from studyapp.results.so_far import agreement_so_far
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import withdraw
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 Reader = Callable[[StudyFolder, Path], object]

@@ -7,10 +7,10 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.report import ink
+from analysis.report.figures import ink
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.report import report, report_table
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
 from tests.studyapp.answered_study import answer_study
 

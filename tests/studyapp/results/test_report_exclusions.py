@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from studyapp.definition.exclusions import FailedCatch, StraightLining
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.report import report
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.exclusions import FailedCatch, StraightLining
 from tests.finished_study import write_finished_study, write_short_video
 from tests.studyapp.answered_study import answer_study
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.definition.creation import new_study
 from studyapp.results.report_subject import report_presets
+from studyapp.study.creation.study_file import new_study
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.report_strips import COUNT, NO_VIDEOS, SIDE, Stills, study_stills
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import SEGMENTS, write_finished_study, write_short_video
 
 

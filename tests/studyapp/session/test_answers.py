@@ -6,7 +6,6 @@ import pytest
 from sqlalchemy import select, update
 
 from studyapp.database.tables import Response, StudySession, Video
-from studyapp.definition.completion_codes import CODE_LENGTH, CODE_LETTERS
 from studyapp.session.answers import skip_unplayable
 from studyapp.session.completion import FEWEST_LEFT_OUT
 from studyapp.session.refusal import (
@@ -16,6 +15,7 @@ from studyapp.session.refusal import (
     UnknownAddressError,
 )
 from studyapp.session.videos.watch_evidence import Playback
+from studyapp.study.completion_codes import CODE_LENGTH, CODE_LETTERS
 from tests.studyapp.taking_part_steps import ANSWERS, Participant
 
 

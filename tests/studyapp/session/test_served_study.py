@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from studyapp.design.stimulus import Content, Stimulus
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.design.stimulus import Content, Stimulus
 from tests.studyapp.made_study import make_study
 
 

@@ -8,8 +8,6 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.definition.study import Study
-from studyapp.design.stimulus import Stimulus
 from studyapp.results.export.answer_rows import study_sessions_table
 from studyapp.session.arrival.enrolment import Arrival, enrol, enrolled
 from studyapp.session.form_answers import answer_form
@@ -23,6 +21,8 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.session.sound_check import check_sound, digits_to_speak, leave_unheard
 from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import withdraw
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.settings.study import Study
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.test_form_answers import ABOUT, ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant, SetClock

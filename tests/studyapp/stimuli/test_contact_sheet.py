@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import ClipVideo, Stimuli, read_stimuli, write_stimuli
 from studyapp.stimuli.contact_sheet import write_contact_sheet
+from studyapp.study.folder import StudyFolder
+from studyapp.study.stimuli import ClipVideo, Stimuli, read_stimuli, write_stimuli
 from tests.finished_study import (
     PROTOCOLS,
     SEGMENTS,

@@ -9,8 +9,8 @@ import pytest
 
 from motion.errors import InputError
 from renderer.look import Look
-from studyapp.definition.stimuli import ClipVideo
 from studyapp.stimuli.disk_space import check_room
+from studyapp.study.stimuli import ClipVideo
 
 
 class Usage(NamedTuple):

@@ -15,12 +15,12 @@ from motion.errors import InputError
 from motion.formats import read_clip, write_clip
 from renderer.figures.moments import Moment
 from renderer.look import BACKGROUND
-from studyapp.command.main import group
-from studyapp.definition.folder import StudyFolder
+from studyapp.cli.main import group
 from studyapp.stimuli.figures.grids import write_grid_of
 from studyapp.stimuli.figures.material import FigureMaterial
 from studyapp.stimuli.figures.stills import Choice, Print, write_overlay, write_still, write_strip
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.study.folder import StudyFolder
 
 pytestmark = pytest.mark.slow
 

@@ -10,14 +10,14 @@ import pytest
 import tomlkit
 
 from motion.freeze import moving_channels
-from studyapp.definition.creation import new_study
-from studyapp.definition.folder import StudyFolder
 from studyapp.preflight.finding import Severity
 from studyapp.preflight.material import Material
 from studyapp.preflight.motion_checks import motion_findings
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.shown_motion import read_motion_shown
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import running
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video

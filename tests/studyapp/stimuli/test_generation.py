@@ -10,9 +10,9 @@ import tomlkit
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.placement import place
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.study.folder import StudyFolder
 
 MakeTake = Callable[..., Take]
 

@@ -13,10 +13,10 @@ from generators.diffsheg.settings import DiffShegSettings, SamplingSettings
 from generators.registry import load_generator
 from motion.errors import InputError
 from motion.formats import read_clip
-from studyapp.definition.creation import new_study
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.generation import generate, settings_of
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.folder import StudyFolder
 from tests.generators.diffsheg.small_network import written_network
 from training.hearing.hubert import stand_in
 

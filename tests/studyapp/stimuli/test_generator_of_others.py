@@ -19,10 +19,10 @@ from generators.trainable import Trainable
 from motion.audio import Audio, write_wav
 from motion.clip import MotionClip
 from motion.formats import read_clip
-from studyapp.command.main import group
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.reading import read_study
+from studyapp.cli.main import group
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.reading import read_study
 
 
 class Pace(Settings):

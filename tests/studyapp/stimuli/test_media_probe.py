@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from motion.audio import Audio, write_wav
-from renderer.encoder import SOUND_RATE, VideoWriter
+from renderer.video.encoder import SOUND_RATE, VideoWriter
 from studyapp.stimuli.media_probe import Flaw, flaw_of, loudness_of
 
 

@@ -9,10 +9,10 @@ import av
 import pytest
 
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, Publication, let_in, publish, remove
+from studyapp.study.folder import StudyFolder
+from studyapp.study.stimuli import read_stimuli
 from studyapp.web.media_store.record import FILE, Place, Published, read_published
 from studyapp.web.media_store.store import digests_of
 from tests.studyapp.s3_stand_in import BUCKET, SECRET, Store, forget_keys

@@ -8,10 +8,10 @@ import pytest
 
 from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
 from motion.segments_table import write_segments
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.export.study_copy import copy_study
 from studyapp.results.metrics import measure_study
 from studyapp.stimuli.recordings import Take, import_take
+from studyapp.study.folder import StudyFolder
 
 MakeTake = Callable[..., Take]
 

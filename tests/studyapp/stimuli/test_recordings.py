@@ -10,8 +10,8 @@ import pytest
 from motion.errors import InputError
 from motion.formats import read_clip
 from motion.formats.arkit_json import write_arkit_json
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.recordings import Take, import_clips, import_take
+from studyapp.study.folder import StudyFolder
 
 MakeTake = Callable[..., Take]
 

@@ -14,13 +14,13 @@ import tomlkit
 from motion.audio import Audio, read_audio, write_wav
 from motion.errors import InputError
 from motion.formats import read_clip, write_clip
-from studyapp.definition.creation import new_study
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_record import RenderCount, RenderProgress
 from studyapp.stimuli.rendering import render
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.folder import StudyFolder
+from studyapp.study.stimuli import read_stimuli
 from tests.studyapp.takes import write_motion, write_speech
 
 pytestmark = pytest.mark.slow

@@ -11,9 +11,6 @@ import pytest
 import tomlkit
 
 from motion.errors import InputError
-from studyapp.definition.creation import new_study
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.stimuli import read_stimuli
 from studyapp.preflight.check import check
 from studyapp.preflight.finding import Severity
 from studyapp.session.served_study import ServedStudy
@@ -21,6 +18,9 @@ from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.render_plan import RenderPlan
 from studyapp.stimuli.rendering import render
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.folder import StudyFolder
+from studyapp.study.stimuli import read_stimuli
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
 
 pytestmark = pytest.mark.slow

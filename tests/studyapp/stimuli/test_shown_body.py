@@ -8,7 +8,6 @@ import pytest
 from motion.clip import MotionClip
 from motion.errors import InputError
 from renderer.avatars import FIRST
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.shown_body import (
     body_file,
     expression_matrix_file,
@@ -16,6 +15,7 @@ from studyapp.stimuli.shown_body import (
     shown_abilities,
     shown_body,
 )
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.preflight.test_preflight import change
 
 

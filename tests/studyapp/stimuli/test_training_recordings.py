@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from motion.errors import InputError
-from studyapp.definition.folder import StudyFolder
 from studyapp.stimuli.recordings import Take, import_take
 from studyapp.stimuli.training_recordings import recordings_of
+from studyapp.study.folder import StudyFolder
 
 
 @pytest.fixture

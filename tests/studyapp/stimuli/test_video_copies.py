@@ -10,11 +10,7 @@ import numpy as np
 import pytest
 
 from motion.audio import Audio
-from renderer.encoder import SOUND_RATE
-from studyapp.definition.folder import StudyFolder
-from studyapp.definition.media import Media
-from studyapp.definition.stimuli import read_stimuli
-from studyapp.design.stimulus import Stimulus
+from renderer.video.encoder import SOUND_RATE
 from studyapp.preflight.finding import Severity
 from studyapp.preflight.finished_video_checks import finished_video_findings
 from studyapp.preflight.material import Material
@@ -24,6 +20,10 @@ from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.contact_sheet import write_contact_sheet
 from studyapp.stimuli.rendering import render
 from studyapp.stimuli.video_copies import copy_videos
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Media
+from studyapp.study.stimuli import read_stimuli
 from tests.encoded import Told, write_video
 from tests.finished_study import write_finished_study
 

@@ -14,8 +14,8 @@ from motion.formats import read_motion, write_clip
 from motion.points.detection import Detection
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import joint_index
-from renderer.encoder import SOUND_RATE, VideoWriter, video_frame
-from studyapp.command.main import group
+from renderer.video.encoder import SOUND_RATE, VideoWriter, video_frame
+from studyapp.cli.main import group
 from studyapp.stimuli import video_takes
 from studyapp.stimuli.video_takes import LEFT_OUT, import_video
 from tests.motion.random_clips import random_clip

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, Final
 
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 from studyapp.web.language import Language, language_of
 from tests.studyapp.web.page_reader import PageReader
 from tests.studyapp.web.test_templates import SPOKEN_ATTRIBUTES

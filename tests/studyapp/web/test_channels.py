@@ -12,9 +12,9 @@ from sqlalchemy import select
 
 from motion.errors import InputError
 from studyapp.database.tables import Place, ScreenOut, StudySession
-from studyapp.definition.study import Study
 from studyapp.recruitment.invitations import make_invitations
 from studyapp.session.arrival.intake_decisions import steer
+from studyapp.study.settings.study import Study
 from studyapp.web.app import create_app
 from studyapp.web.participants.returning import cookie_name
 from studyapp.web.running import attach, running

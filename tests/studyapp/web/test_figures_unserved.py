@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from flask import Flask
 
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.folder import StudyFolder
 from studyapp.web.running import running
 
 SECRET = b"which condition is which"

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from flask import Flask, render_template_string
 
-from studyapp.design.message import Message
 from studyapp.session.refusal import UnacceptableError
+from studyapp.study.design.message import Message
 from studyapp.web.app import create_app
 from studyapp.web.errors import told
 from studyapp.web.language import _, language_of, ngettext, say, speak

@@ -11,7 +11,7 @@ from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 
 from studyapp.database.tables import StudySession, Video
-from studyapp.definition.stimuli import read_stimuli, write_stimuli
+from studyapp.study.stimuli import read_stimuli, write_stimuli
 from studyapp.web.running import attach, running
 from studyapp.web.worker import StudyWorker
 from tests.studyapp.added_condition import make_videos_anew

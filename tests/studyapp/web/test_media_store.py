@@ -17,9 +17,9 @@ from werkzeug.test import TestResponse
 
 from motion.errors import InputError
 from studyapp.database.tables import Video
-from studyapp.definition.folder import StudyFolder
 from studyapp.session.served_study import ServedStudy
 from studyapp.stimuli.publishing import MARK_BYTES, publish
+from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.media_store.bucket import Bucket
 from studyapp.web.media_store.record import FILE, Place

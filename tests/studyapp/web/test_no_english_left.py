@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from flask import Flask
 
-from studyapp.definition.study import Study
+from studyapp.study.settings.study import Study
 from studyapp.web.app import create_app
 from studyapp.web.language import Language, language_of, speak
 from studyapp.web.running import attach, running

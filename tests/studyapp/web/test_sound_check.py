@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sqlalchemy import select
 
 from studyapp.database.tables import StudySession
-from studyapp.definition.page import Language
+from studyapp.study.settings.page import Language
 from studyapp.web.app import create_app
 from studyapp.web.participants.sound_check import spoken
 from studyapp.web.running import running

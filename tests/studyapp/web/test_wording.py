@@ -5,8 +5,8 @@ from flask import Flask
 
 from motion.freeze import CHANNELS
 from motion.segment import EMOTIONS
-from studyapp.definition.scales import QUALITY_CATEGORIES
-from studyapp.design.preference import PREFERENCES
+from studyapp.study.design.preference import PREFERENCES
+from studyapp.study.settings.scales import QUALITY_CATEGORIES
 from studyapp.web.language import language_of, speak
 from studyapp.web.participants.wording import (
     CATEGORY_LABELS,

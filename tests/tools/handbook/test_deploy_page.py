@@ -9,7 +9,7 @@ from typing import Any
 import click
 import pytest
 
-from studyapp.command.deploy_command import command
+from studyapp.cli.deploy_command import command
 from studyapp.custody.server_files import NAMES
 from tools.handbook.deploy_page import DEPLOYMENTS, PAGE, shown_files, up_to_date
 from tools.handbook.fenced import fenced_blocks

@@ -9,8 +9,8 @@ import pytest
 from motion.errors import InputError
 from motion.segment import Segment
 from motion.segments_table import write_segments
-from studyapp.definition.creation import new_study
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.folder import StudyFolder
 from tools.three_systems.line import Took
 from tools.three_systems.page import BEGIN, END, measured, with_measured
 

@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from analysis.report.content import Section
+from analysis.report.figures.preference_figure import preference_pictures
 from analysis.report.headline.apart import taken_apart
 from analysis.report.headline.heterogeneity import heterogeneity_section
-from analysis.report.headline.preference_figure import preference_pictures
 from analysis.report.headline.preference_rows import pairwise_groups
 from analysis.report.headline.sections import first_picture, headline_sections
 from analysis.report.subject import Subject

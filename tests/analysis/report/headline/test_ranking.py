@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.headline.ranking_figures import ordinal
+from analysis.report.figures.ranking_figures import ordinal
 from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
 from tests.analysis.report.headline.reading import edges, named_picture, named_table, told

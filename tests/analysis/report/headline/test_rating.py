@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.headline.rating_figures import distribution_pictures
+from analysis.report.figures.rating_figures import distribution_pictures
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
 from tests.analysis.report.headline.reading import (

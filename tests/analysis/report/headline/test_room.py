@@ -15,14 +15,14 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from analysis.report.content import Picture
-from analysis.report.headline import matrix_figure, panel_figure
-from analysis.report.headline.bar_figure import Bar, BarFigure, Part, bar_pictures
-from analysis.report.headline.dot_figure import Dot, dot_pictures
-from analysis.report.headline.matrix_figure import Won, matrix_pictures
-from analysis.report.headline.panels import RowName, Scale
-from analysis.report.headline.rating_figures import cumulative_pictures
-from analysis.report.ink import FIVE, STYLE
-from analysis.report.svg import Drawing
+from analysis.report.figures import matrix_figure, panel_figure
+from analysis.report.figures.bar_figure import Bar, BarFigure, Part, bar_pictures
+from analysis.report.figures.dot_figure import Dot, dot_pictures
+from analysis.report.figures.ink import FIVE, STYLE
+from analysis.report.figures.matrix_figure import Won, matrix_pictures
+from analysis.report.figures.panels import RowName, Scale
+from analysis.report.figures.rating_figures import cumulative_pictures
+from analysis.report.figures.svg import Drawing
 from analysis.results.rating import RatedCondition
 
 Drawn = Callable[[ModuleType], list[Figure]]

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from analysis.report import ink
+from analysis.report.figures import ink
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.definition.folder import StudyFolder
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from studyapp.study.folder import StudyFolder
 from tests.studyapp.answered_study import answer_study
 from tests.studyapp.results.export.people import FORM, SAID
 from tests.studyapp.taking_part_steps import Participant, SetClock

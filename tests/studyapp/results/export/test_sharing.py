@@ -14,7 +14,6 @@ from sqlalchemy import select
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.answer_table import study_answers
 from studyapp.results.answers import read_answers
 from studyapp.results.export.sharing import share
@@ -22,6 +21,7 @@ from studyapp.results.export.writing import export
 from studyapp.results.report import report
 from studyapp.results.shared_answers import write_shared_answers
 from studyapp.session.withdrawal import withdraw
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
 from tests.studyapp.taking_part_steps import SetClock

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.definition.folder import StudyFolder
 from studyapp.results.export.environment import environment
 from studyapp.results.export.study_copy import copy_study
+from studyapp.study.folder import StudyFolder
 
 LICENSED = '\n[video]\nbody = "licensed/smplx.npz"\nexpression_matrix = "{matrix}"\n'
 

@@ -12,7 +12,6 @@ import pytest
 from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Event
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.audit import log_change
 from studyapp.results.export.answer_columns import ANSWERS
 from studyapp.results.export.columns import TableColumns
@@ -25,6 +24,7 @@ from studyapp.results.export.other_columns import (
     WATCHING,
 )
 from studyapp.results.export.writing import export
+from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS
 from tests.studyapp.results.export.people import FORMULA, NAMES, secrets_of, text_of
 from tests.studyapp.taking_part_steps import SetClock

@@ -9,12 +9,12 @@ from flask import Flask
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.tables import pseudonyms
 from studyapp.results.stored_answers import stored_answers
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.withdrawal import withdraw
+from studyapp.study.folder import StudyFolder
 from studyapp.web.running import running
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock

@@ -12,9 +12,9 @@ from sqlalchemy import func, select
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Base, Place, StudySession
-from studyapp.definition.folder import StudyFolder
 from studyapp.recruitment.tries import make_test_participation
 from studyapp.session.served_study import ServedStudy
+from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import attach, running
 from tests.studyapp.taking_part_steps import SetClock

@@ -8,7 +8,7 @@ from typing import cast
 import pytest
 from flask import Flask
 
-from analysis.peeking import equally_spaced
+from analysis.stats.peeking import equally_spaced
 from studyapp.database.engine import Database
 from studyapp.researchers.audit import logged_changes
 from studyapp.researchers.looks import LoggedLook, looks

@@ -1,0 +1,225 @@
+"""The exclusion rules: each decides from the facts of one participant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from analysis.answers.participant_facts import Sitting
+
+BY_HAND: Final = "researcher"
+"""Name of the rule that removes whom researchers exclude one by one."""
+
+Judge = Callable[[Sitting], str | None]
+
+KEPT: Final = ""
+"""What a rule says of whom it keeps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExclusionRule:
+    """One named reason to leave participants out of the analysis.
+
+    Attributes
+    ----------
+    name : str
+        Names the rule in study files and tables.
+    description : str
+        What removed participants are or did, in words that follow their count.
+    judge : callable
+        From a participant's facts, why the rule removes them; `KEPT` where it does not, None
+        where the facts are missing that it decides from.
+    missing : str
+        What is not known where `judge` returns None, in words.
+    exploratory : bool
+        Whether it was set up, or changed, after answers could have been seen.
+    """
+
+    name: str
+    description: str
+    judge: Judge
+    missing: str = ""
+    exploratory: bool = False
+
+    def as_exploratory(self) -> ExclusionRule:
+        """Return the same rule, set up after answers could have been seen."""
+        return replace(self, exploratory=True)
+
+
+def marked() -> ExclusionRule:
+    """Return the rule that removes whom the table itself marks, for the reason written there."""
+    return ExclusionRule(
+        name="marked",
+        description="marked as excluded in the table",
+        judge=lambda sitting: sitting.marked,
+    )
+
+
+def excluded_by_hand() -> ExclusionRule:
+    """Return the rule that removes whom a researcher excluded, for the reason given then.
+
+    Nobody settles beforehand who that will be: it is always exploratory.
+    """
+    return ExclusionRule(
+        name=BY_HAND,
+        description="excluded by a researcher",
+        judge=lambda sitting: sitting.decided,
+        exploratory=True,
+    )
+
+
+def incomplete() -> ExclusionRule:
+    """Return the rule that removes who did not get through all trials.
+
+    A trial whose video would not play counts as done: that is no fault of the participant.
+    """
+
+    def judge(sitting: Sitting) -> str | None:
+        if sitting.trials is None or sitting.settled is None:
+            return None
+        if not sitting.trials:
+            return "not begun"
+        if sitting.settled >= sitting.trials:
+            return KEPT
+        return f"{sitting.settled} of {sitting.trials} trials answered"
+
+    return ExclusionRule(
+        name="incomplete",
+        description="did not finish",
+        judge=judge,
+        missing="who reached the end is known of studies only",
+    )
+
+
+def failed_catch_trials(allowed: int) -> ExclusionRule:
+    """Return the rule that removes who failed more catch trials than `allowed`.
+
+    A catch trial is failed when any of its questions is not answered in favour of the motion
+    that is not flawed.
+    """
+    return ExclusionRule(
+        name="catch",
+        description=f"failed {_more_than(allowed, 'catch trial')}",
+        judge=lambda sitting: _too_many(sitting.failed_catch, allowed, "catch trial"),
+        missing="there are no catch trials with a side known to be right",
+    )
+
+
+def failed_attention_checks(allowed: int) -> ExclusionRule:
+    """Return the rule that removes who failed more attention checks than `allowed`.
+
+    A check is failed when any of its questions is not answered as it asks.
+    """
+    return ExclusionRule(
+        name="attention",
+        description=f"failed {_more_than(allowed, 'attention check')}",
+        judge=lambda sitting: _too_many(sitting.failed_attention, allowed, "attention check"),
+        missing="there are no attention checks that say what they ask for",
+    )
+
+
+def watched_less(below: float) -> ExclusionRule:
+    """Return the rule that removes who watched less than the share `below` of the videos.
+
+    It looks at the mean over the answers of main and repeated trials, in [0, 1].
+    """
+
+    def judge(sitting: Sitting) -> str | None:
+        if math.isnan(sitting.watched):
+            return None
+        if sitting.watched >= below:
+            return KEPT
+        return f"{_percent(sitting.watched)} of the videos watched"
+
+    return ExclusionRule(
+        name="coverage",
+        description=f"watched less than {_percent(below)} of the videos",
+        judge=judge,
+        missing="how much of the videos was watched is not known",
+    )
+
+
+def answered_too_fast(below: float, share: float) -> ExclusionRule:
+    """Return the rule that removes who gave answers in less than `below` seconds too often.
+
+    Parameters
+    ----------
+    below : float
+        Seconds, above zero.
+    share : float
+        Share of the answers of main and repeated trials from which it is too often, in (0, 1].
+        One half is a rule about the median.
+    """
+
+    def judge(sitting: Sitting) -> str | None:
+        if not len(sitting.seconds):
+            return None
+        fast = int(np.searchsorted(sitting.seconds, below))
+        if fast / len(sitting.seconds) < share:
+            return KEPT
+        return f"{fast} of {len(sitting.seconds)} answers given in less than {below:g} s"
+
+    return ExclusionRule(
+        name="time",
+        description=f"gave at least {_percent(share)} of the answers in less than {below:g} s",
+        judge=judge,
+        missing="how long answers took is not known",
+    )
+
+
+def straight_lined(at_least: float, trials: int) -> ExclusionRule:
+    """Return the rule that removes who gave one answer to a question again and again.
+
+    Parameters
+    ----------
+    at_least : float
+        Share of the most frequent answer among those to one question from which a participant
+        is removed, in (0, 1]. The answer is the one chosen on the page: the side, not the
+        condition.
+    trials : int
+        Questions with fewer answers from a participant say nothing about that participant.
+    """
+
+    def judge(sitting: Sitting) -> str | None:
+        asked = [same for same in sitting.same_answers or () if same.answers >= trials]
+        if not asked:
+            return None
+        worst = max(asked, key=lambda same: same.share)
+        if worst.share < at_least:
+            return KEPT
+        return (
+            f"the same answer {round(worst.share * worst.answers)} of {worst.answers} times "
+            f"to {worst.question}"
+        )
+
+    return ExclusionRule(
+        name="straight_lining",
+        description=f"gave the same answer to at least {_percent(at_least)} of one question "
+        f"asked {trials} times or more",
+        judge=judge,
+        missing=f"no question has {trials} answers that could be alike",
+    )
+
+
+def _too_many(failed: int | None, allowed: int, what: str) -> str | None:
+    if failed is None:
+        return None
+    return f"{_count(failed, what)} failed" if failed > allowed else KEPT
+
+
+def _more_than(allowed: int, what: str) -> str:
+    if allowed:
+        return f"more than {_count(allowed, what)}"
+    return f"{'an' if what[0] == 'a' else 'a'} {what}"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.4g} %"

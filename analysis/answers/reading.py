@@ -1,0 +1,346 @@
+"""Reading a platform's table of answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from analysis.answers.cells import Cells, read_cells
+from analysis.answers.checking import Checking
+from analysis.answers.columns import MISSING, SHARED, Column
+from analysis.answers.layout import Layout
+from analysis.answers.table import AnswerTable
+from analysis.answers.trial_kinds import ANALYSED_KINDS
+
+NOT_EXCLUDED: Final = frozenset({"false", "0", "no", "n", "f"})
+EXCLUDED: Final = frozenset({"true", "1", "yes", "y", "t", "x"})
+MARKED: Final = "marked as excluded in the table"
+
+_COLUMN: Final = {column.name: column for column in SHARED}
+
+Rows = NDArray[np.bool_]
+
+SLIPS: Final = 0.05
+"""Share of the ratings below which one far above all others may be a slip."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Order:
+    """In which order names stand, where it is not that of their appearance, and what they mean.
+
+    Attributes
+    ----------
+    conditions, questions, sets : tuple of str
+        Names, the first first.
+    scales : mapping of str to (int, int)
+        The lowest and the highest rating that questions allow.
+    """
+
+    conditions: tuple[str, ...] = ()
+    questions: tuple[str, ...] = ()
+    sets: tuple[str, ...] = ()
+    scales: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+
+AS_IT_COMES: Final = Order()
+
+
+def read_answers(path: Path, layout: Layout, scale: tuple[int, int] | None = None) -> AnswerTable:
+    """Read and check a table of answers.
+
+    Parameters
+    ----------
+    path : Path
+        CSV in UTF-8 with a header line, or Parquet.
+    layout : Layout
+        The protocol's columns.
+    scale : (int, int), optional
+        The lowest and the highest rating that could be given.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column is missing, a cell does not hold what its column
+        states, or an answer occurs twice; it names the file, the row and the column.
+    """
+    columns = (*SHARED, *layout.columns)
+    return answers_in(
+        read_cells(
+            path,
+            [column.name for column in columns],
+            [column.name for column in columns if column.required],
+        ),
+        layout,
+        scale=scale,
+    )
+
+
+def answers_in(
+    cells: Cells,
+    layout: Layout,
+    order: Order = AS_IT_COMES,
+    scale: tuple[int, int] | None = None,
+) -> AnswerTable:
+    """Check the cells of a table of answers.
+
+    Parameters
+    ----------
+    cells : Cells
+        Of the shared columns and the layout's, as far as there are any.
+    layout : Layout
+        The protocol's columns.
+    order : Order
+        In which conditions, questions and sets stand; those it does not name come after.
+    scale : (int, int), optional
+        The lowest and the highest rating that could be given.
+
+    Raises
+    ------
+    InputError
+        As `read_answers`.
+    """
+    everything = Checking(cells)
+    people = everything.names(_COLUMN["participant"])
+    kinds = _kinds(everything)
+    judged = ("catch",) if layout.has_sides else ()
+    asked = (kinds == "attention") & everything.filled(_COLUMN["instructed"])
+    used = np.isin(kinds, (*ANALYSED_KINDS, "practice", *judged)) | asked
+    checking = Checking(cells.part(used), np.isin(kinds[used], ANALYSED_KINDS))
+    answers = _answers(layout, checking, kinds[used])
+    if layout.answered_once:
+        answers["trial"] = _repeated_alone(answers, layout)
+    _refuse_contradictions(layout, checking, answers)
+    _refuse_unjudged(checking, answers)
+    if scale is not None:
+        low, high = scale
+        values = answers["value"].to_numpy(np.float64)
+        checking.refuse(
+            (values < low) | (values > high),
+            layout.value.name,
+            lambda row: f"{values[row]:g} is not on the scale from {low} to {high}",
+            "Correct the cell, or state another scale",
+        )
+    if "trial" in cells.rows or layout.answered_once:
+        _refuse_repetitions(layout, checking, answers)
+    analysed = checking.analysed & answers["value"].notna().to_numpy(bool)
+    conditions = _ordered(
+        _appearing(answers[[column.name for column in layout.conditions]], analysed),
+        order.conditions,
+    )
+    for column in layout.conditions:
+        answers[column.name] = answers[column.name].cat.set_categories(list(conditions))
+    questions = _ordered(_appearing(answers[["question"]], analysed), order.questions)
+    return AnswerTable(
+        protocol=layout.protocol,
+        scales=dict.fromkeys(questions, scale) if scale is not None else order.scales,
+        answers=answers[answers["value"].notna()].reset_index(drop=True),
+        participants=tuple(map(str, people.categories)),
+        marked=_marked(everything.names(_COLUMN["excluded"]), people),
+        conditions=conditions,
+        questions=questions,
+        sets=_ordered(_appearing(answers[["set"]], analysed), order.sets),
+        notes=_notes(
+            cells,
+            kinds,
+            layout,
+            unanswered=int(answers["value"].isna().sum()),
+            # Of a ranking it is enough to ask for the place of one condition.
+            doubled=0 if "trial" in cells.rows or layout.answered_once else _doubled(answers),
+            strange=_strange(
+                answers, analysed, layout, has_scale=scale is not None or bool(order.scales)
+            ),
+            unasked=0
+            if layout.answered_once and asked.any()
+            else int(((kinds == "attention") & ~asked).sum()),
+        ),
+    )
+
+
+def _kinds(checking: Checking) -> NDArray[np.object_]:
+    """Return the kind of every row's trial; a trial is a main one unless the table says else."""
+    kinds = checking.names(_COLUMN["kind"])
+    names = np.array([*kinds.categories, "main"], object)
+    return np.asarray(names[kinds.codes], object)
+
+
+def _answers(layout: Layout, checking: Checking, kinds: NDArray[np.object_]) -> pd.DataFrame:
+    named: list[Column] = [
+        *(_COLUMN[name] for name in ("participant", "segment", "question", "trial")),
+        *(_COLUMN[name] for name in ("correct_side", "emotion", "speaker")),
+        *layout.conditions,
+        *layout.others,
+    ]
+    sets = checking.names(_COLUMN["set"])
+    columns: dict[str, object] = {column.name: checking.names(column) for column in named}
+    return pd.DataFrame(
+        columns
+        | {
+            "set": sets if len(sets.categories) else pd.Categorical([""] * len(kinds), [""]),
+            "kind": pd.Categorical(kinds, pd.unique(kinds)),
+            "value": checking.numbers(layout.value),
+            "instructed": checking.numbers(_COLUMN["instructed"]),
+            "seconds": checking.numbers(_COLUMN["response_seconds"]),
+            "watched": checking.numbers(_COLUMN["watched"]),
+        }
+    )
+
+
+def _refuse_contradictions(layout: Layout, checking: Checking, answers: pd.DataFrame) -> None:
+    checking.refuse(
+        checking.analysed & layout.wrong(answers),
+        layout.columns[-2].name,
+        lambda _: layout.contradiction,
+        "Correct the row, or remove it",
+    )
+
+
+def _refuse_unjudged(checking: Checking, answers: pd.DataFrame) -> None:
+    checking.refuse(
+        np.asarray((answers["kind"] == "catch") & answers["correct_side"].isna(), bool),
+        "correct_side",
+        lambda _: "a catch trial has no correct side",
+        "Write left or right into it, or remove the row",
+    )
+
+
+def _refuse_repetitions(layout: Layout, checking: Checking, answers: pd.DataFrame) -> None:
+    shown = [column.name for column in (*layout.conditions, *layout.others)]
+    key = ["participant", "set", "segment", "question", *shown]
+    may_repeat = np.zeros(len(answers), bool)
+    if layout.answered_once:
+        # Practice trials come back as repeated ones; only the latter are analysed.
+        may_repeat = (answers["kind"] == "attention").to_numpy(bool)
+        answers = answers.assign(kind=answers["kind"].isin(ANALYSED_KINDS).astype("category"))
+    key += ["kind", "trial"]
+    codes = pd.DataFrame({name: answers[name].cat.codes for name in key})
+    group = codes.groupby(key, sort=False).ngroup().to_numpy()
+    group = np.where(may_repeat, -1 - np.arange(len(group)), group)
+    first = pd.Series(np.arange(len(group))).groupby(group).transform("first").to_numpy()
+    checking.refuse(
+        np.asarray(first != np.arange(len(group)), bool),
+        "trial",
+        lambda row: f"the same answer stands in row {checking.number_of(int(first[row]))} already",
+        "Remove one of them, or number trials apart",
+    )
+
+
+def _repeated_alone(answers: pd.DataFrame, layout: Layout) -> pd.Series[str]:
+    """Return the trials of those who answered about something repeatedly; empty for others.
+
+    A table may number every row apart: trials tell answers apart only where one question about
+    a segment's condition was answered in several of them.
+    """
+    whose = ["participant", "set", "segment", "question"]
+    about = [*whose, *(column.name for column in layout.conditions)]
+    analysed = answers["kind"].isin(ANALYSED_KINDS)
+    codes = pd.DataFrame({name: answers[name].cat.codes for name in about})
+    twice = codes[analysed].duplicated(keep=False).reindex(codes.index, fill_value=False)
+    repeated = twice.groupby([codes[name] for name in whose]).transform("any")
+    return answers["trial"].where(repeated)
+
+
+def _appearing(columns: pd.DataFrame, where: Rows) -> tuple[str, ...]:
+    """Return the names of rows `where`, in the order in which all rows name them."""
+    names = columns.astype(object).to_numpy()
+    wanted = {name for name in pd.unique(names[where].ravel()) if not pd.isna(name)}
+    return tuple(str(name) for name in pd.unique(names.ravel()) if name in wanted)
+
+
+def _ordered(found: tuple[str, ...], order: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names found in the order wanted, the others after them."""
+    return tuple(dict.fromkeys((*(name for name in order if name in found), *found)))
+
+
+def _marked(excluded: pd.Categorical, people: pd.Categorical) -> dict[str, str]:
+    """Return why the table itself excludes people; the first reason of each counts."""
+    reasons = [_reason(str(text)) for text in excluded.categories]
+    reason = np.append(np.array(reasons, object), "")[excluded.codes]
+    marked = np.flatnonzero(reason != "")
+    found: dict[str, str] = {}
+    for row in marked[np.unique(people.codes[marked], return_index=True)[1]]:
+        found[str(people[row])] = str(reason[row])
+    return found
+
+
+def _reason(text: str) -> str:
+    word = text.lower().removesuffix(".0")
+    if text in MISSING or word in NOT_EXCLUDED:
+        return ""
+    return MARKED if word in EXCLUDED else text
+
+
+def _notes(
+    cells: Cells,
+    kinds: NDArray[np.object_],
+    layout: Layout,
+    *,
+    unanswered: int,
+    unasked: int,
+    doubled: int,
+    strange: str,
+) -> tuple[str, ...]:
+    notes = [strange] if strange else []
+    if doubled:
+        notes.append(
+            f"{_rows(doubled)} the same as an earlier one, and no column trial tells presentations "
+            "apart: each counts as an answer of its own. Is the table joined with itself?"
+        )
+    if cells.ignored:
+        notes.append(f"Columns that are not read: {', '.join(cells.ignored)}.")
+    if unanswered:
+        notes.append(f"{_rows(unanswered)} without a {layout.value.name} left out.")
+    if unasked:
+        notes.append(
+            f"{_rows(unasked)} of attention checks left out; the table does not say what they ask "
+            "for, so that they exclude nobody by themselves."
+        )
+    if not layout.has_sides and (catch := int((kinds == "catch").sum())):
+        notes.append(
+            f"{_rows(catch)} of catch trials left out; a {layout.protocol} has no correct side, "
+            "so that they exclude nobody by themselves."
+        )
+    return tuple(notes)
+
+
+def _doubled(answers: pd.DataFrame) -> int:
+    """Return how many rows say the same as an earlier one."""
+    return int(answers[answers["value"].notna()].duplicated().sum())
+
+
+def _strange(answers: pd.DataFrame, analysed: Rows, layout: Layout, *, has_scale: bool) -> str:
+    """Return what is odd about the values of a table; empty where nothing is."""
+    shown = answers[analysed]
+    if layout.protocol == "rating" and not has_scale:
+        scores, counts = np.unique(shown["value"].to_numpy(np.float64), return_counts=True)
+        if (
+            len(scores) > 2
+            and scores[-1] - scores[-2] > scores[-2] - scores[0]
+            and counts[-1] < SLIPS * counts.sum()
+        ):
+            return (
+                f"The highest rating, {scores[-1]:g}, was given {counts[-1]} time"
+                f"{'s' * int(counts[-1] > 1)}; all others are {scores[-2]:g} or lower. It is "
+                "analysed: state the scale (--scale) to have slips refused."
+            )
+    if layout.protocol == "ranking":
+        named = ["participant", "set", "segment", "question", "trial"]
+        ranking = shown.groupby(named, observed=True, dropna=False)["value"]
+        before = ranking.rank(method="min") - 1
+        gaps = shown["value"] - 1 > before
+        count = gaps.groupby([shown[name].cat.codes for name in named]).any().sum()
+        if count:
+            return (
+                f"{count} ranking{' leaves' if count == 1 else 's leave'} places out (1, 2, 4): "
+                "only their order counts."
+            )
+    return ""
+
+
+def _rows(count: int) -> str:
+    return f"{count:,} row{' is' if count == 1 else 's are'}"

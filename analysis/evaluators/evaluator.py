@@ -1,0 +1,213 @@
+"""A trained feature network: clips in, embeddings out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.evaluators import network_names as names
+from analysis.evaluators.clip_windows import TOLERANCE, long_enough, windows
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.freeze import freeze
+from motion.resample import resample
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+    from analysis.evaluators.clip_views import Channels, ClipView
+    from analysis.evaluators.design import Kind
+    from analysis.evaluators.evaluator_file import EvaluatorFile
+
+FloatArray = NDArray[np.float32]
+
+_AT_ONCE: Final = 64
+"""Windows that are embedded together."""
+
+_SHOWN_OF_HASH: Final = 16
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Evaluator:
+    """A trained feature network.
+
+    Attributes
+    ----------
+    sha256 : str
+        Hash of its file; every score quotes it.
+    file : EvaluatorFile
+        What the file holds.
+    """
+
+    sha256: str
+    file: EvaluatorFile
+
+    @property
+    def kind(self) -> Kind:
+        """``emotion``, ``motion`` or ``face``."""
+        return self.file.facts.kind
+
+    @property
+    def channels(self) -> Channels:
+        """What it looks at: ``body``, ``gesture``, ``expression``, ``both`` or ``landmarks``."""
+        return self.file.facts.channels
+
+    @property
+    def name(self) -> str:
+        """Which kind it is; a name in `analysis.evaluators.network_names`."""
+        return names.OF_CHANNELS[self.channels]
+
+    @property
+    def rule(self) -> None:
+        """No published code takes distances in its features."""
+        return None
+
+    @property
+    def frame_rate(self) -> float:
+        """Frames per second to which it brings clips."""
+        return self.file.facts.network.frame_rate
+
+    @property
+    def window(self) -> int:
+        """Frames of a window."""
+        return self.file.facts.network.window
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The emotions of `classify`, in its order; empty but for the kind ``emotion``."""
+        return self.file.facts.labels
+
+    @cached_property
+    def _view(self) -> ClipView:
+        return self.file.facts.design().view(self.file.landmarks)
+
+    def embed(self, clip: MotionClip) -> FloatArray:
+        """Return the embedding of each window of a clip.
+
+        Parameters
+        ----------
+        clip : MotionClip
+            Of any frame rate. What the training clips were held still in, is held still.
+
+        Returns
+        -------
+        ndarray, shape (windows, d), float32
+            Windows follow one another without overlap from the first frame; a rest that fills
+            none is left out.
+
+        Raises
+        ------
+        InputError
+            If the clip is shorter than one window, or does not hold what the network looks at.
+        """
+        import torch
+
+        seen = torch.from_numpy(self._windows(clip))
+        with torch.inference_mode():
+            return _finite(_by_parts(self.file.network.embed, seen).numpy())
+
+    def classify(self, clip: MotionClip) -> FloatArray:
+        """Return how likely each emotion is in each window of a clip.
+
+        Returns
+        -------
+        ndarray, shape (windows, len(labels)), float32
+            Rows add up to 1.
+
+        Raises
+        ------
+        InputError
+            As `embed`; or if the network tells no emotions apart.
+        """
+        import torch
+
+        if not self.labels:
+            raise InputError(
+                f"a network of kind {self.kind!r} tells no emotions apart",
+                remedy="Use one of kind emotion ('motionjury train evaluator emotion')",
+            )
+        seen = torch.from_numpy(self._windows(clip))
+        with torch.inference_mode():
+            return _finite(_by_parts(self.file.network, seen).softmax(dim=1).numpy())
+
+    def _windows(self, clip: MotionClip) -> FloatArray:
+        """Return the clip's windows as the network sees them, shape (n, window, channels)."""
+        facts = self.file.facts
+        seen = self._view.frames(resample(freeze(clip, facts.frozen), self.frame_rate))
+        enough = long_enough(self.file.normalisation(seen), self.window, self.frame_rate)
+        return windows(enough, self.window, self.window)
+
+    def describe(self) -> Mapping[str, str]:
+        """Return the settings that every score of this network quotes, in words."""
+        facts = self.file.facts
+        data = facts.data
+        seconds = self.window / self.frame_rate
+        described = {
+            "feature network": facts.design().named(),
+            "network sha256": self.sha256[:_SHOWN_OF_HASH],
+            "representation": f"{self._view.described()}, in deviations of the training frames",
+            "frame rate": f"{self.frame_rate:g} fps, resampled",
+            "window": f"{self.window} frames ({seconds:.4g} s), not overlapping; a clip that is "
+            f"up to {TOLERANCE:g} s too short holds its last frame",
+            "trained on": f"{data.clips} clips of {data.recordings} recordings, {data.windows} "
+            f"windows, data sha256 {data.sha256[:_SHOWN_OF_HASH]}",
+            "held out": f"{data.held_out}: {self._held_out()}",
+        }
+        if facts.frozen:
+            described["held still"] = ", ".join(facts.frozen)
+        return MappingProxyType(described)
+
+    def _held_out(self) -> str:
+        facts = self.file.facts
+        count = f"{facts.data.held_out_windows} windows"
+        if facts.kind == "emotion":
+            return (
+                f"accuracy {facts.held_out['accuracy']:.3f} of {count} (always the most frequent "
+                f"emotion: {facts.held_out['largest_share']:.3f})"
+            )
+        return (
+            f"reconstruction error {facts.held_out['error']:.3f} deviations of {count} (always "
+            f"the mean pose: {facts.held_out['error_of_mean']:.3f})"
+        )
+
+
+def load_evaluator(path: Path) -> Evaluator:
+    """Read a feature network that ``motionjury train evaluator`` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, another program's, of another version or changed.
+    """
+    from analysis.evaluators.evaluator_file import read_evaluator
+
+    path = Path(path)
+    file = read_evaluator(path)
+    with path.open("rb") as content:
+        sha256 = hashlib.file_digest(content, "sha256").hexdigest()
+    return Evaluator(sha256=sha256, file=file)
+
+
+def _by_parts(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
+    """Return what `network` says of windows, shape (n, ...), a limited number at once."""
+    import torch
+
+    starts = range(0, len(windows), _AT_ONCE)
+    return torch.cat([network(windows[start : start + _AT_ONCE]) for start in starts])
+
+
+def _finite(values: NDArray[np.float32]) -> FloatArray:
+    if not np.isfinite(values).all():
+        raise InputError(
+            "the feature network says something of the clip that is no number",
+            remedy="Train the network again",
+        )
+    return values

@@ -1,0 +1,254 @@
+"""The file of a feature network: one safetensors file with everything that its scores depend on."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import torch
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from torch import Tensor
+
+from analysis.evaluators.autoencoder_network import AutoencoderConfig
+from analysis.evaluators.clip_views import Channels, Face
+from analysis.evaluators.design import SIZES, Design, Kind, Network
+from analysis.evaluators.emotion_network import EmotionConfig
+from analysis.evaluators.normalisation import Normalisation
+from motion.errors import InputError
+from motion.face_landmarks import FaceLandmarks
+from training.weights_file import WeightsFile, read_weights, write_weights
+
+_FORMAT: Final = 2
+
+_REMEDY: Final = "Give a file as 'motionjury train evaluator' wrote it, or train again"
+
+
+class _Facts(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class DataFacts(_Facts):
+    """What a network was trained on.
+
+    Attributes
+    ----------
+    sha256 : str
+        Hash of the motion files and of what is said about them.
+    clips, recordings : int
+        How many clips, of how many recordings.
+    windows, held_out_windows : int
+        Windows to learn from, and windows kept back.
+    held_out : str
+        What was kept back, in words.
+    """
+
+    sha256: str = Field(pattern="^[0-9a-f]{64}$")
+    clips: int
+    recordings: int
+    windows: int
+    held_out_windows: int
+    held_out: str
+
+
+class TrainingFacts(_Facts):
+    """How a network was trained.
+
+    Attributes
+    ----------
+    config : mapping
+        `training.config.TrainingConfig`, as JSON holds it.
+    best_step : int
+        Step after which the weights did best on what was kept back; they are in the file.
+    last_loss : float
+        Loss of the last step.
+    versions : mapping of str to str
+        Of the packages that made it.
+    """
+
+    config: dict[str, Any]
+    best_step: int
+    last_loss: float
+    versions: dict[str, str]
+
+
+class EvaluatorFacts(_Facts):
+    """What a file says of its network.
+
+    Attributes
+    ----------
+    kind, channels, joints, face, labels, frozen, network
+        As in `analysis.evaluators.design.Design`.
+    data : DataFacts
+        What it was trained on.
+    training : TrainingFacts
+        How.
+    held_out : mapping of str to float
+        What was measured of the windows kept back.
+    """
+
+    format: Literal[2] = _FORMAT
+    kind: Kind
+    channels: Channels
+    joints: tuple[str, ...]
+    face: Face | None
+    labels: tuple[Annotated[str, Field(min_length=1)], ...]
+    frozen: tuple[str, ...]
+    network: EmotionConfig | AutoencoderConfig
+    data: DataFacts
+    training: TrainingFacts
+    held_out: dict[str, float]
+
+    def design(self) -> Design:
+        """Return what kind of network it is."""
+        return Design(
+            kind=self.kind,
+            channels=self.channels,
+            config=self.network,
+            joints=self.joints,
+            face=self.face,
+            labels=self.labels,
+            frozen=self.frozen,
+        )
+
+    @classmethod
+    def of(
+        cls,
+        design: Design,
+        *,
+        data: DataFacts,
+        training: TrainingFacts,
+        held_out: dict[str, float],
+    ) -> EvaluatorFacts:
+        """Return what is said of a network of this design."""
+        return cls(
+            kind=design.kind,
+            channels=design.channels,
+            joints=design.joints,
+            face=design.face,
+            labels=design.labels,
+            frozen=design.frozen,
+            network=design.config,
+            data=data,
+            training=training,
+            held_out=held_out,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EvaluatorFile:
+    """A network, and all that it needs to look at clips.
+
+    Attributes
+    ----------
+    facts : EvaluatorFacts
+        What it is.
+    network : Network
+        In evaluation mode, on the processor.
+    normalisation : Normalisation
+        Of its channels.
+    landmarks : FaceLandmarks or None
+        For the kind ``face``.
+    """
+
+    facts: EvaluatorFacts
+    network: Network
+    normalisation: Normalisation
+    landmarks: FaceLandmarks | None
+
+
+def write_evaluator(path: Path, evaluator: EvaluatorFile) -> None:
+    """Write `evaluator` to `path` in one step; equal ones make equal bytes."""
+    tensors: dict[str, Tensor] = {
+        f"network.{name}": tensor for name, tensor in evaluator.network.state_dict().items()
+    }
+    tensors["normalisation.mean"] = torch.from_numpy(evaluator.normalisation.mean)
+    tensors["normalisation.deviation"] = torch.from_numpy(evaluator.normalisation.deviation)
+    if evaluator.landmarks is not None:
+        tensors |= {
+            f"landmarks.{name}": torch.from_numpy(array)
+            for name, array in evaluator.landmarks.arrays().items()
+        }
+    facts = evaluator.facts.model_dump(mode="json") | {"network": asdict(evaluator.facts.network)}
+    write_weights(path, tensors, facts)
+
+
+def read_evaluator(path: Path) -> EvaluatorFile:
+    """Read what `write_evaluator` wrote.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, damaged, another program's, of another version or changed.
+    """
+    found = read_weights(path)
+    try:
+        facts = _facts(found)
+        design = facts.design()
+        landmarks = None
+        if design.channels == "landmarks":
+            arrays = {name: tensor.numpy() for name, tensor in found.part("landmarks").items()}
+            landmarks = FaceLandmarks.from_arrays(arrays)
+        channels = design.view(landmarks).channels
+        return EvaluatorFile(
+            facts=facts,
+            network=_network(found, design, channels),
+            normalisation=_normalisation(found, channels),
+            landmarks=landmarks,
+        )
+    except InputError as error:
+        raise InputError(error.what, where=path, remedy=error.remedy) from error
+
+
+def _facts(found: WeightsFile) -> EvaluatorFacts:
+    if "kind" not in found.facts:
+        raise InputError("the file holds weights, but no feature network", remedy=_REMEDY)
+    if found.facts.get("format") != _FORMAT:
+        raise InputError(
+            f"the feature network is of format {found.facts.get('format')!r}, not {_FORMAT}",
+            remedy="Use the version of the program that trained it, or train again",
+        )
+    if found.facts["kind"] not in SIZES:
+        raise InputError(
+            f"the feature network is of an unknown kind, {found.facts['kind']!r}", remedy=_REMEDY
+        )
+    config = EmotionConfig if found.facts["kind"] == "emotion" else AutoencoderConfig
+    try:
+        network = config(**_lists_as_tuples(found.facts["network"]))
+        return EvaluatorFacts.model_validate({**found.facts, "network": network})
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        raise InputError(
+            f"what the file says of its network is unusable: {key}: {first['msg']}",
+            remedy=_REMEDY,
+        ) from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"what the file says of its network's sizes is unusable: {error}", remedy=_REMEDY
+        ) from error
+
+
+def _lists_as_tuples(sizes: dict[str, Any]) -> dict[str, Any]:
+    return {
+        name: tuple(value) if isinstance(value, list) else value for name, value in sizes.items()
+    }
+
+
+def _network(found: WeightsFile, design: Design, channels: int) -> Network:
+    network = design.network(channels)
+    try:
+        network.load_state_dict(found.part("network"))
+    except RuntimeError as error:
+        raise InputError("the weights do not fit the network's sizes", remedy=_REMEDY) from error
+    return network.eval().requires_grad_(False)
+
+
+def _normalisation(found: WeightsFile, channels: int) -> Normalisation:
+    arrays = {name: tensor.numpy() for name, tensor in found.part("normalisation").items()}
+    for name in ("mean", "deviation"):
+        if name not in arrays or arrays[name].shape != (channels,):
+            raise InputError(f"the {name} of the channels does not fit", remedy=_REMEDY)
+    if not (arrays["deviation"] > 0).all():
+        raise InputError("the deviation of a channel is not above 0", remedy=_REMEDY)
+    return Normalisation(mean=arrays["mean"], deviation=arrays["deviation"])

@@ -1,0 +1,157 @@
+"""Windows of recorded motion: those to learn from, and those kept back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from analysis.evaluators.clip_windows import window_starts
+from analysis.evaluators.normalisation import Normalisation
+from training.holdout import held_out_recordings
+
+FloatArray = NDArray[np.float32]
+
+HELD_OUT_SHARE: Final = 0.2
+"""Of all recordings, kept back."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Examples:
+    """Windows of normalised frames.
+
+    Attributes
+    ----------
+    frames : Tensor, shape (N, C)
+        The frames of all clips, one after another.
+    starts : Tensor, shape (n,), int64
+        Where each window begins.
+    labels : Tensor, shape (n,), int64
+        Number of each window's label; 0 where there are none.
+    window : int
+        Frames of a window.
+    """
+
+    frames: Tensor
+    starts: Tensor
+    labels: Tensor
+    window: int
+
+    def __len__(self) -> int:
+        """Return the number of windows."""
+        return len(self.starts)
+
+    def batch(self, rows: NDArray[np.int64]) -> tuple[Tensor, Tensor]:
+        """Return the windows of `rows`, shape (b, window, C), and their labels, shape (b,)."""
+        index = torch.from_numpy(rows).to(self.starts.device)
+        within = torch.arange(self.window, device=self.starts.device)
+        return self.frames[self.starts[index][:, None] + within], self.labels[index]
+
+    def batches(self, size: int) -> Iterator[tuple[Tensor, Tensor]]:
+        """Yield all windows in turn, at most `size` at once."""
+        for start in range(0, len(self), size):
+            yield self.batch(np.arange(start, min(start + size, len(self))))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Split:
+    """All windows, in two parts.
+
+    Attributes
+    ----------
+    training, held_out : Examples
+        Both over the same frames.
+    normalisation : Normalisation
+        Of the frames to learn from alone.
+    recordings : int
+        How many recordings there are.
+    how : str
+        What was kept back, in words.
+    """
+
+    training: Examples
+    held_out: Examples
+    normalisation: Normalisation
+    recordings: int
+    how: str
+
+
+def split(
+    clips: Sequence[FloatArray],
+    recordings: Sequence[str],
+    labels: Sequence[str],
+    *,
+    names: Sequence[str],
+    window: int,
+    stride: int,
+    floor: FloatArray,
+    seed: int,
+    device: str,
+) -> Split:
+    """Cut clips into windows, and keep a fifth of the recordings of each label back.
+
+    Where no label has two recordings, the last fifth of every clip is kept back instead; windows
+    that lie in both parts are left out.
+
+    Parameters
+    ----------
+    clips : sequence of ndarray, shape (T, C)
+        Frames of each clip, at least `window` of them.
+    recordings, labels : sequence of str
+        Of each clip.
+    names : sequence of str
+        The labels in the order of their numbers.
+    window, stride : int
+        Frames of a window, and from one to the next.
+    floor : ndarray, shape (C,)
+        Least deviation of each channel.
+    seed : int
+        Decides which recordings are kept back.
+    device : str
+        Where the windows are put.
+    """
+    kept_back = held_out_recordings(recordings, labels, share=HELD_OUT_SHARE, seed=seed)
+    total = len(set(recordings))
+    learning, testing, learned = [], [], []
+    begin = 0
+    for clip, recording, label in zip(clips, recordings, labels, strict=True):
+        starts = window_starts(len(clip), window, stride)
+        number = names.index(label)
+        if kept_back:
+            border = 0 if recording in kept_back else len(clip)
+        else:
+            border = round((1 - HELD_OUT_SHARE) * len(clip))
+        learning += [(begin + start, number) for start in starts if start + window <= border]
+        testing += [(begin + start, number) for start in starts if start >= border]
+        learned.append(clip[:border])
+        begin += len(clip)
+    normalisation = Normalisation.of(learned, floor=floor)
+    frames = torch.from_numpy(normalisation(np.concatenate(clips))).to(device)
+    how = (
+        f"{len(kept_back)} of {total} recordings"
+        if kept_back
+        else f"the last fifth of every clip, since {_too_few(total, len(names))}"
+    )
+    return Split(
+        training=_examples(frames, learning, window),
+        held_out=_examples(frames, testing, window),
+        normalisation=normalisation,
+        recordings=total,
+        how=how,
+    )
+
+
+def _too_few(recordings: int, labels: int) -> str:
+    if recordings == 1:
+        return "there is one recording"
+    return "no emotion has two recordings" if labels > 1 else "there are no two recordings"
+
+
+def _examples(frames: Tensor, windows: Sequence[tuple[int, int]], window: int) -> Examples:
+    table = torch.tensor(windows, dtype=torch.int64).reshape(-1, 2).to(frames.device)
+    return Examples(frames=frames, starts=table[:, 0], labels=table[:, 1], window=window)

@@ -1,0 +1,1 @@
+"""Published feature networks: the evaluators with which papers computed their FGD."""

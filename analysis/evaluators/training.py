@@ -1,0 +1,274 @@
+"""Training a feature network on a researcher's own recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.evaluators.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
+from analysis.evaluators.clip_views import (
+    JOINTS_OF_CHANNELS,
+    Face,
+    face_of,
+    view_of,
+)
+from analysis.evaluators.design import SIZES, Design, Kind
+from analysis.evaluators.emotion_network import EmotionConfig, EmotionNetwork
+from analysis.evaluators.emotion_task import EmotionTask
+from analysis.evaluators.evaluator_file import (
+    DataFacts,
+    EvaluatorFacts,
+    EvaluatorFile,
+    TrainingFacts,
+    write_evaluator,
+)
+from analysis.evaluators.evaluator_request import EvaluatorRequest
+from analysis.evaluators.examples import Split, split
+from analysis.evaluators.reconstruction_task import ReconstructionTask
+from analysis.evaluators.training_clips import (
+    ClipSource,
+    TrainingClips,
+    labels_in_order,
+    read_training_clips,
+)
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.freeze import freeze
+from motion.resample import resample
+from motion.segment import EMOTIONS
+from training.device import check_device
+from training.launching import is_leader
+from training.loop import Show, Trained, train
+from training.run_facts import package_versions
+from training.run_folder import RunFolder
+
+FEWEST_WINDOWS: Final = 32
+"""Fewer windows than this teach a network nothing that holds for other motion."""
+
+FEWEST_HELD_OUT: Final = 8
+"""Fewer windows than this do not tell which weights are best."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrainedEvaluator:
+    """What came out.
+
+    Attributes
+    ----------
+    facts : EvaluatorFacts
+        What the file says of its network.
+    skipped : tuple of InputError
+        Clips that could not be used.
+    """
+
+    facts: EvaluatorFacts
+    skipped: tuple[InputError, ...]
+
+
+def train_evaluator(
+    request: EvaluatorRequest,
+    sources: Sequence[ClipSource],
+    out: Path,
+    folder: RunFolder,
+    *,
+    show_reading: Callable[[int, int], None] | None = None,
+    show_training: Show | None = None,
+) -> TrainedEvaluator:
+    """Train a feature network on recorded clips, and write it to `out`.
+
+    Parameters
+    ----------
+    request : EvaluatorRequest
+        Which network.
+    sources : sequence of ClipSource
+        The recordings.
+    out : Path
+        Its file.
+    folder : RunFolder
+        Where the run is kept; an interrupted one goes on.
+    show_reading, show_training : callable, optional
+        Told about progress.
+
+    Raises
+    ------
+    InputError
+        If the clips that can be used are too few or show one emotion, or the run kept in `folder`
+        is another one.
+    TrainingStopped
+        After Ctrl-C; the state is saved.
+    """
+    check_device(request.device)
+    config = SIZES[request.kind][request.size]
+    seer = _Seer(request, config.frame_rate)
+    clips = read_training_clips(
+        sources,
+        seer.see,
+        window=config.window,
+        frame_rate=config.frame_rate,
+        needs_emotion=request.kind == "emotion",
+        show=show_reading,
+    )
+    emotions = [source.emotion if request.kind == "emotion" else "" for source in clips.sources]
+    labels = labels_in_order(emotions, EMOTIONS)
+    _check_clips(clips, labels, request.kind)
+    design = Design(
+        kind=request.kind,
+        channels=request.channels,
+        config=config,
+        joints=JOINTS_OF_CHANNELS[request.channels],
+        face=seer.face,
+        labels=labels if request.kind == "emotion" else (),
+        frozen=request.frozen,
+    )
+    parts = split(
+        clips.frames,
+        [source.recording for source in clips.sources],
+        emotions,
+        names=labels,
+        window=config.window,
+        stride=config.stride,
+        floor=design.view(request.landmarks).floor,
+        seed=request.training.seed,
+        device=request.device,
+    )
+    _check_windows(parts, config, clips)
+    trained = _trained(request, design, parts, clips, folder, show_training)
+    facts = EvaluatorFacts.of(
+        design,
+        data=DataFacts(
+            sha256=clips.sha256,
+            clips=len(clips.sources),
+            recordings=parts.recordings,
+            windows=len(parts.training),
+            held_out_windows=len(parts.held_out),
+            held_out=parts.how,
+        ),
+        training=TrainingFacts(
+            config=request.training.facts(),
+            best_step=trained.best.step,
+            last_loss=trained.last_loss,
+            versions=package_versions(),
+        ),
+        held_out=dict(trained.best.measured),
+    )
+    evaluator = EvaluatorFile(
+        facts=facts,
+        network=trained.network.cpu(),
+        normalisation=parts.normalisation,
+        landmarks=request.landmarks,
+    )
+    if is_leader():
+        write_evaluator(out, evaluator)
+    return TrainedEvaluator(facts=facts, skipped=clips.skipped)
+
+
+class _Seer:
+    """Looks at clips as the network will; the first face decides in which terms."""
+
+    def __init__(self, request: EvaluatorRequest, frame_rate: float) -> None:
+        self._request = request
+        self._frame_rate = frame_rate
+        self.face: Face | None = None
+
+    def see(self, clip: MotionClip) -> NDArray[np.float32]:
+        """Return the clip's frames at the network's frame rate, shape (T, C)."""
+        if self.face is None and self._request.channels in ("expression", "both"):
+            self.face = face_of(clip)
+        view = view_of(
+            self._request.channels,
+            joints=JOINTS_OF_CHANNELS[self._request.channels],
+            face=self.face,
+            landmarks=self._request.landmarks,
+        )
+        return view.frames(resample(freeze(clip, self._request.frozen), self._frame_rate))
+
+
+def _check_clips(clips: TrainingClips, labels: tuple[str, ...], kind: Kind) -> None:
+    """Raise where there is nothing to learn."""
+    if not clips.sources:
+        raise InputError(
+            f"there is no clip to learn from{_left_out(clips)}",
+            remedy="Give recordings that hold what the network looks at, of a window's length",
+        )
+    if kind == "emotion" and len(labels) < 2:
+        raise InputError(
+            f"the clips that can be used, {len(clips.sources)}, show one emotion, {labels[0]!r}"
+            f"{_left_out(clips)}",
+            remedy="Give recordings of two emotions or more, or train a network of another kind",
+        )
+
+
+def _left_out(clips: TrainingClips) -> str:
+    """Return how many clips could not be used, and why the first could not, behind a clause."""
+    if not clips.skipped:
+        return ""
+    count = len(clips.skipped)
+    first = f"{clips.skipped[0].where}: {clips.skipped[0].what}"
+    return f"; {count} could not be used ({first}{', for one' if count > 1 else ''})"
+
+
+def _check_windows(
+    parts: Split, config: EmotionConfig | AutoencoderConfig, clips: TrainingClips
+) -> None:
+    """Raise where there is too little to learn from, or to tell how well it was learned."""
+    for found, needed, what in (
+        (len(parts.training), FEWEST_WINDOWS, "to learn from"),
+        (len(parts.held_out), FEWEST_HELD_OUT, "to keep back"),
+    ):
+        if found < needed:
+            raise InputError(
+                f"the clips make {found} windows of {config.seconds:.4g} s {what}, and a network "
+                f"needs {needed}{_left_out(clips)}",
+                remedy="Give more recordings, or longer ones",
+            )
+
+
+def _trained(
+    request: EvaluatorRequest,
+    design: Design,
+    parts: Split,
+    clips: TrainingClips,
+    folder: RunFolder,
+    show: Show | None,
+) -> Trained[EmotionNetwork] | Trained[AutoencoderNetwork]:
+    """Train the network of `design`."""
+    settings = {
+        "kind": design.kind,
+        "channels": design.channels,
+        "joints": list(design.joints),
+        "face": design.face,
+        "labels": list(design.labels),
+        "frozen": list(design.frozen),
+        "device": request.device,
+        "held out": parts.how,
+        **{name: _plain(value) for name, value in asdict(design.config).items()},
+    }
+    if isinstance(design.config, EmotionConfig):
+        emotion = EmotionTask(
+            config=design.config,
+            emotions=len(design.labels),
+            training=parts.training,
+            held_out=parts.held_out,
+            settings=settings,
+            data_sha256=clips.seen_sha256,
+            device=request.device,
+        )
+        return train(emotion, request.training, folder, show=show)
+    reconstruction = ReconstructionTask(
+        config=design.config,
+        training=parts.training,
+        held_out=parts.held_out,
+        settings=settings,
+        data_sha256=clips.seen_sha256,
+        device=request.device,
+    )
+    return train(reconstruction, request.training, folder, show=show)
+
+
+def _plain(value: object) -> object:
+    return list(value) if isinstance(value, tuple) else value

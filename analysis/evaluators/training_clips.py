@@ -1,0 +1,133 @@
+"""The recorded clips that a network learns from: read one after another, or named as unusable."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.evaluators.clip_windows import long_enough
+from motion.clip import MotionClip
+from motion.errors import InputError
+
+FloatArray = NDArray[np.float32]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClipSource:
+    """A clip to learn from.
+
+    Attributes
+    ----------
+    name : str
+        Which clip; no two have one name.
+    recording : str
+        What it is cut from: clips of one recording are kept back together.
+    emotion : str
+        Its label; empty where unknown.
+    sha256 : str
+        Hash of its file.
+    read : callable
+        Returns the clip, or raises `InputError`.
+    """
+
+    name: str
+    recording: str
+    emotion: str
+    sha256: str
+    read: Callable[[], MotionClip]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrainingClips:
+    """Clips that were read.
+
+    Attributes
+    ----------
+    sources : tuple of ClipSource
+        Those that can be used, in the order of their names.
+    frames : tuple of ndarray, shape (T, C), float32
+        What the network sees of each, at its frame rate.
+    skipped : tuple of InputError
+        What is wrong with the others.
+    """
+
+    sources: tuple[ClipSource, ...]
+    frames: tuple[FloatArray, ...]
+    skipped: tuple[InputError, ...]
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the clips' files, recordings and emotions."""
+        digest = hashlib.sha256()
+        for source in self.sources:
+            facts = (source.name, source.recording, source.emotion, source.sha256)
+            digest.update(repr(facts).encode())
+        return digest.hexdigest()
+
+    @property
+    def seen_sha256(self) -> str:
+        """Hash of the same and of what the network sees: files may be read in several ways."""
+        digest = hashlib.sha256(self.sha256.encode())
+        for frames in self.frames:
+            digest.update(np.ascontiguousarray(frames).data)
+        return digest.hexdigest()
+
+
+def read_training_clips(
+    sources: Iterable[ClipSource],
+    see: Callable[[MotionClip], FloatArray],
+    *,
+    window: int,
+    frame_rate: float,
+    needs_emotion: bool,
+    show: Callable[[int, int], None] | None = None,
+) -> TrainingClips:
+    """Read clips; those that cannot be used are named.
+
+    Parameters
+    ----------
+    sources : iterable of ClipSource
+        The clips.
+    see : callable
+        Turns a clip into what the network sees of it at its frame rate, shape (T, C).
+    window : int
+        Frames of a window; shorter clips cannot be used.
+    frame_rate : float
+        Frames per second of what `see` returns.
+    needs_emotion : bool
+        Whether clips without a label cannot be used.
+    show : callable, optional
+        Told how many clips are read, of how many.
+    """
+    ordered = sorted(sources, key=lambda source: source.name)
+    used: list[ClipSource] = []
+    frames: list[FloatArray] = []
+    skipped: list[InputError] = []
+    for number, source in enumerate(ordered, start=1):
+        try:
+            if needs_emotion and not source.emotion:
+                raise InputError(
+                    "nothing says which emotion it shows",
+                    remedy="Name it in segments.csv with its emotion",
+                )
+            seen = long_enough(see(source.read()), window, frame_rate)
+        except InputError as error:
+            where = error.where or source.name
+            skipped.append(InputError(error.what, where=where, remedy=error.remedy))
+        else:
+            used.append(source)
+            frames.append(seen)
+        if show is not None:
+            show(number, len(ordered))
+    return TrainingClips(sources=tuple(used), frames=tuple(frames), skipped=tuple(skipped))
+
+
+def labels_in_order(emotions: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+    """Return each emotion once: the `known` ones in their order, then the others by name."""
+    present = set(emotions)
+    others = sorted(present.difference(known))
+    return (*(name for name in known if name in present), *others)

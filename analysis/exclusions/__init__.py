@@ -1,1 +1,0 @@
-"""Who is left out of the analysis: named rules, applied in order, each with counts and reasons."""

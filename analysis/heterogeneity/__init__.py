@@ -1,1 +1,0 @@
-"""Whether an effect is the same for every emotion, segment and speaker."""

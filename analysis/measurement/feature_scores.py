@@ -1,0 +1,299 @@
+"""Scores of whole conditions in the features of one network: distances, variance, emotions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from analysis.evaluators import network_names as names
+from analysis.evaluators.feature_networks import Network
+from analysis.evaluators.published.published_distance import FAILED, RULES, Rule, published_distance
+from analysis.measurement.clip_features import ClipFeatures
+from analysis.measurement.conditions import ConditionScore, counted, whole_condition
+from analysis.measurement.segment_scores import ClipScore
+from analysis.metrics.diversity import feature_variance
+from analysis.metrics.emotion_accuracy import (
+    EmotionConfusion,
+    emotion_accuracy,
+    emotion_confusion,
+)
+from analysis.metrics.frechet import frechet
+from analysis.metrics.frechet_extrapolated import frechet_extrapolated
+from analysis.metrics.kernel_distance import kernel_distance
+from analysis.metrics.result import Better, MetricResult
+from analysis.metrics.samples import Embeddings, drawn, embeddings
+
+ENOUGH: Final = 0.5
+"""A condition with fewer windows than this share of the most is not compared by Fréchet distance:
+cutting all others to its size would cost them their precision."""
+
+Clips = Mapping[str, ClipFeatures]
+"""Features by segment."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeatureScores:
+    """What one network says about all conditions.
+
+    Attributes
+    ----------
+    clips : tuple of ClipScore
+        Of each clip, whether its emotion was named.
+    conditions : tuple of ConditionScore
+        By condition.
+    confusions : tuple of EmotionConfusion
+        By condition; none of a network without labels.
+    """
+
+    clips: tuple[ClipScore, ...] = ()
+    conditions: tuple[ConditionScore, ...] = ()
+    confusions: tuple[EmotionConfusion, ...] = ()
+
+
+def feature_scores(
+    network: Network,
+    conditions: Mapping[str, Clips],
+    recorded: Clips,
+    *,
+    recordings: frozenset[str] = frozenset(),
+    emotions: Mapping[str, str] | None = None,
+) -> FeatureScores:
+    """Score all conditions in the features of one network.
+
+    Parameters
+    ----------
+    network : Network
+        Whose features they are.
+    conditions : mapping of condition to mapping of segment to ClipFeatures
+        All clips.
+    recorded : mapping of segment to ClipFeatures
+        Of recorded motion; empty where there is none, which leaves out the distances.
+    recordings : frozenset of str
+        Conditions that are recorded motion themselves; they get no distance from themselves.
+    emotions : mapping of segment to str, optional
+        Which emotion each segment is spoken with.
+    """
+    samples = {condition: _sample(clips) for condition, clips in conditions.items()}
+    reference = _sample(recorded)
+    compared = {
+        condition: sample for condition, sample in samples.items() if condition not in recordings
+    }
+    shared = _shared_count([*map(len, compared.values()), len(reference)])
+    by_clip: list[ClipScore] = []
+    by_condition: list[ConditionScore] = []
+    confusions = []
+    for condition, clips in conditions.items():
+        results: list[MetricResult] = []
+        if condition in compared:
+            results += _distances(network, compared[condition], reference, shared)
+        results.append(_variance(network, samples[condition]))
+        if network.labels:
+            own, confusion = _emotions(network, condition, clips, emotions or {})
+            by_clip += own
+            confusions.append(confusion)
+            results.append(
+                emotion_accuracy(
+                    confusion,
+                    name=f"gesture emotion accuracy ({network.name})",
+                    settings=network.settings,
+                )
+            )
+        left_out = [found.reason for found in clips.values() if found.reason]
+        for result in results:
+            score = whole_condition(condition, result, len(clips))
+            by_condition.append(_with_left_out(score, left_out))
+    return FeatureScores(
+        clips=tuple(by_clip), conditions=tuple(by_condition), confusions=tuple(confusions)
+    )
+
+
+def scores_without_network(
+    name: str, command: str, condition: str, clips: int, *, recorded: bool
+) -> Iterator[ConditionScore]:
+    """Yield that the scores of a network are missing, and which command trains one.
+
+    Parameters
+    ----------
+    name : str
+        The network's, as in `analysis.evaluators.network_names`.
+    command : str
+        What makes one.
+    condition, clips : str, int
+        Whose scores, and how many clips it has.
+    recorded : bool
+        Whether these are recorded motion, which has no distance from itself.
+    """
+    missing: list[tuple[str, Better]] = [] if recorded else [(names.DISTANCES[name], "lower")]
+    if name == names.EMOTION:
+        missing += [
+            (names.VARIANCE_OF_EMOTION, "near the reference"),
+            (names.EMOTION_ACCURACY, "higher"),
+        ]
+    for metric, better in missing:
+        yield ConditionScore(
+            condition=condition,
+            name=metric,
+            unit="",
+            value=math.nan,
+            spread=math.nan,
+            scored=0,
+            clips=clips,
+            settings={},
+            reason=f"no {name} is given; '{command}' trains one",
+            better=better,
+        )
+
+
+def _sample(clips: Clips) -> Embeddings:
+    """Return all windows of all clips, in the order of the segments."""
+    usable = [(segment, clips[segment]) for segment in sorted(clips) if not clips[segment].reason]
+    usable = [(segment, found) for segment, found in usable if found.features.size]
+    if not usable:
+        return Embeddings(values=np.zeros((0, 1)), clips=np.zeros(0, np.int64))
+    values = np.vstack([found.features for _, found in usable]).astype(np.float64)
+    return embeddings(values, [name for name, found in usable for _ in found.features])
+
+
+def _shared_count(counts: Sequence[int]) -> int:
+    """Return how many windows of each condition enter a Fréchet distance."""
+    most = max(counts, default=0)
+    return min((count for count in counts if count >= ENOUGH * most), default=0)
+
+
+def _distances(
+    network: Network, generated: Embeddings, reference: Embeddings, shared: int
+) -> Iterator[MetricResult]:
+    """Yield Fréchet distance, FGD∞ and kernel distance from recorded motion."""
+    distance = names.distance_of(network.name)
+    wanted = [distance, names.extrapolated(distance), names.kernel_of(network.name)]
+    if network.rule:
+        wanted.append(names.as_published(distance))
+    reason = ""
+    if not len(reference):
+        reason = "there is no recorded motion to compare with"
+    elif not len(generated):
+        reason = "the network can look at none of the clips"
+    if reason:
+        for name in wanted:
+            yield _missing(name, reason, network)
+        return
+    count = min(shared, len(generated), len(reference))
+    if count < shared:
+        yield _missing(
+            distance,
+            f"{count} windows are fewer than half of what others have, so no distance of equal "
+            "size compares them",
+            network,
+        )
+    else:
+        settings = dict(network.settings) | {
+            "samples": f"{count} windows of recorded motion and of every condition"
+        }
+        one, other = drawn(generated, count), drawn(reference, count)
+        result = frechet(one, other, name=distance, settings=settings)
+        yield replace(result, settings={**result.settings, **settings})
+    yield frechet_extrapolated(
+        generated, reference, name=names.extrapolated(distance), settings=network.settings
+    )
+    yield kernel_distance(
+        generated, reference, name=names.kernel_of(network.name), settings=network.settings
+    )
+    if network.rule:
+        name = names.as_published(distance)
+        yield _by_published_rule(network, generated, reference, network.rule, name)
+
+
+def _by_published_rule(
+    network: Network, generated: Embeddings, reference: Embeddings, rule: Rule, name: str
+) -> MetricResult:
+    """Return the Fréchet distance that the network's authors' code gives: over all windows."""
+    fewest, dimensions = min(len(generated), len(reference)), reference.values.shape[1]
+    settings = dict(network.settings) | {
+        "samples": f"{len(generated)} generated, {len(reference)} recorded",
+        "dimensions": f"{dimensions}",
+        "covariance": RULES[rule],
+    }
+    if fewest < 2:
+        return _missing(name, "a covariance needs two samples", network)
+    remark = ""
+    if fewest <= dimensions:
+        remark = (
+            f"{fewest} samples do not fill {dimensions} dimensions: the published rule takes the "
+            "root of a singular product, whose value depends on library versions and threads, and "
+            f"which may end as {FAILED:.0e}"
+        )
+    return MetricResult(
+        name=name,
+        value=published_distance(generated.values, reference.values, rule),
+        unit="",
+        n=fewest,
+        settings=settings,
+        remark=remark,
+        better="lower",
+    )
+
+
+def _variance(network: Network, sample: Embeddings) -> MetricResult:
+    result = feature_variance(sample.values, settings=network.settings)
+    return replace(result, name=f"{result.name} ({network.name})")
+
+
+def _missing(name: str, reason: str, network: Network) -> MetricResult:
+    return MetricResult(
+        name=name,
+        value=math.nan,
+        unit="",
+        n=0,
+        settings=network.settings,
+        reason=reason,
+        better="lower",
+    )
+
+
+def _emotions(
+    network: Network, condition: str, clips: Clips, emotions: Mapping[str, str]
+) -> tuple[list[ClipScore], EmotionConfusion]:
+    """Return whether each clip's emotion was named, and the confusion of all clips."""
+    spoken, named, scores = [], [], []
+    for segment in sorted(clips):
+        place, emotion = clips[segment].named, emotions.get(segment, "")
+        if place is None or emotion not in network.labels:
+            continue
+        answer = network.labels[place]
+        spoken.append(emotion)
+        named.append(answer)
+        scores.append(
+            ClipScore(
+                condition=condition,
+                segment=segment,
+                result=MetricResult(
+                    name=f"spoken emotion named ({network.name})",
+                    value=float(answer == emotion),
+                    unit="",
+                    n=len(clips[segment].emotions),
+                    settings=network.settings,
+                    remark=f"spoken: {emotion}, named: {answer}",
+                    better="higher",
+                ),
+            )
+        )
+    confusion = emotion_confusion(
+        spoken, named, network.labels, condition=condition, network=network.sha256
+    )
+    return scores, confusion
+
+
+def _with_left_out(score: ConditionScore, left_out: Sequence[str]) -> ConditionScore:
+    """Return the score with how many clips it lacks, and why."""
+    if not left_out:
+        return score
+    why = counted(left_out, score.clips)
+    scored = max(0, score.scored - len(left_out))
+    if score.reason:
+        return replace(score, scored=scored, reason=f"{score.reason}: {why}")
+    remark = "; ".join(part for part in (score.remark, f"left out: {why}") if part)
+    return replace(score, scored=scored, remark=remark)

@@ -1,0 +1,173 @@
+"""Acceleration where one window of generated motion goes over into the next, against elsewhere.
+
+Generators that make motion window after window, such as DiffSHEG by outpainting (Chen et al. 2024,
+section 3.5), may jerk at the borders. A clip's provenance says where those are.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.measurement.joint_motion import joint_motion
+from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, WRISTS, select
+from analysis.metrics.result import MetricResult
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import read_clip
+from motion.resample import resample
+from motion.skeleton import LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS
+
+FloatArray = NDArray[np.float64]
+
+_RESAMPLES: Final = 2000
+_SEED: Final = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Windows:
+    """How a motion is made up of windows.
+
+    Attributes
+    ----------
+    frames : int
+        Of a window.
+    overlap : int
+        Frames that a window shares with the one before.
+    frame_rate : float
+        Frames per second in which both are counted.
+    """
+
+    frames: int
+    overlap: int
+    frame_rate: float
+
+    @property
+    def step(self) -> int:
+        """Frames from the beginning of one window to that of the next."""
+        return self.frames - self.overlap
+
+
+def windows_of(clip: MotionClip) -> Windows:
+    """Return how the motion of `clip` is made up, as its provenance says.
+
+    Raises
+    ------
+    InputError
+        If it does not say.
+    """
+    facts = clip.provenance
+    try:
+        return Windows(
+            frames=int(facts["window_frames"]),
+            overlap=int(facts["window_overlap"]),
+            frame_rate=float(facts["window_frame_rate"]),
+        )
+    except (KeyError, ValueError) as error:
+        raise InputError(
+            "the clip does not say where its windows of motion begin",
+            remedy="Give a clip that 'motionjury generate' made with a network that goes window "
+            "by window",
+        ) from error
+
+
+def seam_acceleration(values: FloatArray, windows: Windows, *, of: str) -> MetricResult:
+    """Return how much larger accelerations are at the seams of windows than elsewhere.
+
+    Parameters
+    ----------
+    values : ndarray, shape (T, N, D)
+        N points of D coordinates in any unit, at the windows' frame rate.
+    windows : Windows
+        Where they begin.
+    of : str
+        What the points are, for the result's name.
+
+    Returns
+    -------
+    MetricResult
+        Mean norm of the second differences that reach into a window's shared frames or the step
+        to them or from them, over the mean norm of all others; 1 where seams do not show. Its
+        interval is a bootstrap over windows. NaN where there are fewer than two seams, or nothing
+        moves elsewhere.
+    """
+    sizes = np.linalg.norm(np.diff(values, n=2, axis=0), axis=2).mean(axis=1)
+    # Difference k is centred on frame k + 1.
+    centres = np.arange(len(sizes)) + 1
+    within = (centres + 1) % windows.step
+    at_seam = (centres >= windows.step - 1) & (within <= windows.overlap + 1)
+    window = np.maximum((centres + 1) // windows.step - 1, 0)
+    counted = np.stack([at_seam, at_seam * sizes, ~at_seam, ~at_seam * sizes])
+    sums = np.stack([np.bincount(window, weights=row) for row in counted])
+    seams = int(np.count_nonzero(sums[0]))
+    reason = ""
+    if seams < 2:
+        reason = f"the clip has {seams} seams, and two are needed"
+    elif not sums[3].sum():
+        reason = "nothing moves between the seams"
+    chance = np.random.default_rng(_SEED)
+    drawn = chance.integers(0, sums.shape[1], (_RESAMPLES, sums.shape[1]))
+    ratios = _ratio(sums[:, drawn].sum(axis=2)) if not reason else np.zeros(1)
+    return MetricResult(
+        name=f"acceleration at seams over elsewhere ({of})",
+        value=math.nan if reason else float(_ratio(sums.sum(axis=1))),
+        unit="",
+        n=0 if reason else seams,
+        settings={
+            "windows": f"{windows.frames} frames at {windows.frame_rate:g} fps, "
+            f"{windows.overlap} shared",
+            "interval": f"bootstrap over windows, {_RESAMPLES} samples",
+        },
+        reason=reason,
+        interval=None
+        if reason
+        else (float(np.quantile(ratios, 0.025)), float(np.quantile(ratios, 0.975))),
+        better="near the reference",
+    )
+
+
+def seams_of_clip(clip: MotionClip) -> Iterator[MetricResult]:
+    """Yield `seam_acceleration` of arms and head, of fingers, and of the face where there is one.
+
+    Raises
+    ------
+    InputError
+        If the clip does not say where its windows begin.
+    """
+    windows = windows_of(clip)
+    positions = joint_motion(clip, windows.frame_rate).relative
+    yield seam_acceleration(select(positions, UPPER_BODY_JOINTS), windows, of="arms and head")
+    fingers = []
+    for wrist, joints in zip(WRISTS, (LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS), strict=True):
+        fingers.append(select(positions, joints) - select(positions, (wrist,)))
+    yield seam_acceleration(np.concatenate(fingers, axis=1), windows, of="fingers")
+    slow = resample(clip, windows.frame_rate)
+    face = slow.expressions if slow.arkit is None else slow.arkit
+    if face is not None:
+        yield seam_acceleration(face.astype(np.float64)[:, :, None], windows, of="face")
+
+
+def _ratio(sums: FloatArray) -> FloatArray:
+    """Return mean at seams over mean elsewhere, of counts and sums in rows (4, ...)."""
+    at_seams, size_there, elsewhere, size_elsewhere = sums
+    there = size_there / np.maximum(at_seams, 1)
+    return np.asarray(there * elsewhere / np.maximum(size_elsewhere, 1e-300))
+
+
+def main() -> None:
+    """Print the seams of the clips that are named on the command line."""
+    for path in map(Path, sys.argv[1:]):
+        for found in seams_of_clip(read_clip(path)):
+            low, high = found.interval or (math.nan, math.nan)
+            print(f"{path}: {found.name}: {found.value:.2f} ({low:.2f} to {high:.2f})")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,1 +1,0 @@
-"""Means of answers of the same participants about the same segments, with honest intervals."""

@@ -1,1 +1,0 @@
-"""Ratings of single stimuli: tables as papers show them, contrasts, and sizes of effects."""

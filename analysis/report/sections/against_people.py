@@ -1,0 +1,311 @@
+"""The section that sets automatic metrics against what people preferred."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from analysis.measurement.paper_tables import PAPER_TABLES
+from analysis.report import wording
+from analysis.report.by_question import each_question, question_name
+from analysis.report.content import Cell, Picture, Section, Table
+from analysis.report.figures.agreement_figure import MOST, agreement_figure
+from analysis.report.figures.correlation_figure import (
+    correlation_figure,
+    correlation_words,
+    interval_words,
+    one_word,
+)
+from analysis.report.sections.metric import PAPER_OF, is_detail
+from analysis.report.sections.metric_ranking import ARROWS
+from analysis.report.subject import Subject
+from analysis.results.against_people.over_conditions import FEWEST_FOR_INTERVAL
+from analysis.results.against_people.result import (
+    AgainstPeople,
+    MetricAgainstPeople,
+    RankCorrelation,
+    SamplingRange,
+    WithinCorrelation,
+)
+from analysis.results.report import TableReport
+from motion.listing import listed
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Question:
+    """What was found about one question, without metrics that have no score or are details."""
+
+    set: str
+    question: str
+    found: AgainstPeople
+    metrics: tuple[MetricAgainstPeople, ...]
+
+    @property
+    def name(self) -> str:
+        """Question, and set before it where there are any."""
+        return question_name(self.set, self.question)
+
+
+_UPRIGHT: Final = {
+    "pairwise": "strength (logits)",
+    "rating": "mean rating",
+    "ranking": "minus the mean rank",
+    "mismatch": "win share of own speech",
+}
+_READING: Final = tuple(
+    "Over conditions, a correlation asks whether the metric puts conditions in the order in which "
+    "people do; within conditions, whether it singles out the clips that people like "
+    f"({how}). Above zero, the metric agrees with people in its own direction."
+    for how in (
+        "each clip beside the mean of its condition",
+        "of a comparison, the difference of two scores beside the win share",
+    )
+)
+_FILE: Final = "metrics_against_people.csv"
+_MOST_NAMED: Final = 5
+
+
+def against_people_section(report: TableReport, subject: Subject) -> Section | None:
+    """Return how metrics and preferences agree; None where nothing was measured or answered."""
+    asked = [
+        _Question(
+            set=of,
+            question=question,
+            found=one,
+            metrics=tuple(
+                metric
+                for metric in one.metrics
+                if metric.conditions and not is_detail(metric.metric, report.protocol)
+            ),
+        )
+        for of, question, one in each_question(report.metrics_against_people, report.sets)
+    ]
+    if not asked:
+        return None
+    heading = "Do the metrics agree with people?"
+    measured = [one for one in asked if one.metrics]
+    if not measured:
+        return Section(anchor="against-people", heading=heading, paragraphs=(_nothing(asked),))
+    return Section(
+        anchor="against-people",
+        heading=heading,
+        paragraphs=(
+            *_how_little(measured),
+            _decided(measured),
+            _READING[report.protocol == "pairwise"],
+        ),
+        pictures=(*_forests(measured, subject), *_scatters(measured, report, subject)),
+        tables=(_table(measured, report.protocol),),
+    )
+
+
+def _nothing(asked: Sequence[_Question]) -> str:
+    reasons = dict.fromkeys(one.found.reason for one in asked if one.found.reason)
+    if reasons:
+        return _sentence("; ".join(reasons))
+    return "No metric has a score of the conditions that were judged: there is nothing to compare."
+
+
+def how_little(found: SamplingRange) -> str:
+    """Return in a sentence how little so many conditions can say."""
+    inside = (
+        "; a metric that has nothing to do with preference could look the same"
+        if found.low <= 0
+        else ""
+    )
+    return (
+        f"With {found.conditions} conditions, a true Kendall's τ of {wording.share(found.tau)} "
+        f"would show as anything from {one_word(found.low)} to {one_word(found.high)} in 95 of 100 "
+        f"studies, even if preferences and scores were known without error{inside}."
+    )
+
+
+def _how_little(asked: Sequence[_Question]) -> Iterator[str]:
+    ranges = {
+        one.found.conditions: one.found.sampling_range for one in asked if one.found.sampling_range
+    }
+    for found in ranges.values():
+        yield how_little(found)
+    if not ranges:
+        yield (
+            "Two conditions always agree with a metric entirely or not at all, so there is no "
+            "correlation over conditions."
+        )
+
+
+def _decided(asked: Sequence[_Question]) -> str:
+    """Return which intervals leave out zero."""
+    over = [(one, metric, metric.kendall) for one in asked for metric in one.metrics]
+    within = [(one, metric, metric.within) for one in asked for metric in one.metrics]
+    sentences = [
+        _leaving_out_zero("over conditions", over),
+        _leaving_out_zero("within conditions", within),
+    ]
+    return (
+        f"{' '.join(sentences)} No correction for their number is made: about one in twenty would "
+        "leave out zero by chance."
+    )
+
+
+def _leaving_out_zero(
+    where: str,
+    found: Sequence[tuple[_Question, MetricAgainstPeople, RankCorrelation | WithinCorrelation]],
+) -> str:
+    known = [one for one in found if not math.isnan(one[2].low)]
+    if not known:
+        return f"There is no interval {where}."
+    clear = [
+        f"{metric.metric} on {one.name} ({correlation_words(number)})"
+        for one, metric, number in known
+        if number.low > 0 or number.high < 0
+    ]
+    named = clear[:_MOST_NAMED]
+    if len(clear) > _MOST_NAMED:
+        named.append(f"{len(clear) - _MOST_NAMED} more")
+    verb = f"{len(clear)} leave out zero: {listed(named)}" if clear else "none leaves out zero"
+    if len(clear) == 1:
+        verb = f"that of {clear[0]} leaves out zero"
+    return f"Of {wording.count(len(known), 'interval')} {where}, {verb}."
+
+
+def _scatters(
+    asked: Sequence[_Question], report: TableReport, subject: Subject
+) -> Iterator[Picture]:
+    own = [column.metric for column in PAPER_TABLES[PAPER_OF[report.protocol]]]
+    for number, one in enumerate(asked, start=1):
+        drawn = [
+            metric
+            for metric in one.metrics
+            if any(not math.isnan(place.preference) for place in metric.places)
+        ]
+        if not drawn or one.found.conditions < FEWEST_FOR_INTERVAL:
+            continue
+        drawn.sort(key=lambda metric: metric.metric not in own)
+        names = [place.condition for metric in drawn for place in metric.places]
+        order = [name for name in subject.conditions if name in names]
+        left = f" The first {MOST} of {len(drawn)} metrics." if len(drawn) > MOST else ""
+        yield agreement_figure(
+            drawn[:MOST],
+            list(dict.fromkeys([*order, *names])),
+            preference=_UPRIGHT[report.protocol],
+            name=f"metrics-against-people-{number}",
+            title=f"Metrics against preference: {one.name}",
+            caption=f"{wording.heading(one.name)}: each metric against people's preference "
+            f"({one.found.preference}; lines: 95 % of resamples of {subject.people} and "
+            "segments). Axes run towards what the metric calls better, so where both agree marks "
+            f"rise.{left}",
+            data=_FILE,
+            mark=subject.mark,
+        )
+
+
+def _forests(asked: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
+    for number, of in enumerate(dict.fromkeys(one.set for one in asked), start=1):
+        questions = {one.question: one.metrics for one in asked if one.set == of}
+        known = [
+            found
+            for metrics in questions.values()
+            for metric in metrics
+            for found in (metric.kendall, metric.within)
+        ]
+        if all(math.isnan(found.low) for found in known):
+            continue
+        where = f", set {wording.name(of)}" if of else ""
+        yield from correlation_figure(
+            questions,
+            name=f"metric-correlations-{number}" if of else "metric-correlations",
+            title=f"Correlations of metrics with preference{where}",
+            caption=f"Agreement of each metric with people{where}, with 95 % intervals: over "
+            "conditions, and over clips within conditions. Hollow marks have no interval; the "
+            "notes under the table say why.",
+            data=_FILE,
+            mark=subject.mark,
+        )
+
+
+def _table(asked: Sequence[_Question], protocol: str) -> Table:
+    reasons: dict[str, int] = {}
+    rows = []
+    for one in asked:
+        for metric in one.metrics:
+            arrow = ARROWS[metric.better]
+            rows.append(
+                (
+                    Cell(text=one.name),
+                    Cell(text=f"{metric.metric}{f' {arrow}' if arrow else ''}"),
+                    Cell(text=str(metric.conditions), value=metric.conditions),
+                    *_cells(metric.kendall, reasons),
+                    *_cells(metric.spearman, reasons),
+                    *_cells(metric.within, reasons),
+                    Cell(text=str(metric.within.cells), value=metric.within.cells),
+                )
+            )
+    return Table(
+        caption="Correlation of automatic metrics with people's preference, signed by the metric's "
+        "own direction.",
+        groups=(("", 3), ("over conditions", 4), ("within conditions", 3)),
+        header=(
+            *("question", "metric", "conditions"),
+            *("Kendall's τ-b", "95 % interval", "Spearman's ρ", "95 % interval"),
+            *("r", "95 % interval", "pairs of clips" if protocol == "pairwise" else "clips"),
+        ),
+        rows=tuple(rows),
+        text_columns=2,
+        notes=(
+            *(f"({number}) {_sentence(reason)}" for reason, number in reasons.items()),
+            *_left_out(asked),
+            *_resampling(asked),
+        ),
+        name="metrics-against-people",
+        data=_FILE,
+    )
+
+
+def _cells(
+    found: RankCorrelation | WithinCorrelation, reasons: dict[str, int]
+) -> tuple[Cell, Cell]:
+    note = ""
+    if found.reason:
+        note = f"({reasons.setdefault(found.reason, len(reasons) + 1)})"
+    if math.isnan(found.estimate):
+        return Cell(text="–"), Cell(text=f"–{wording.NO_BREAK}{note}")
+    estimate = Cell(text=one_word(found.estimate), value=found.estimate)
+    if math.isnan(found.low):
+        return estimate, Cell(text=f"–{wording.NO_BREAK}{note}")
+    return estimate, Cell(text=interval_words(found))
+
+
+def _left_out(asked: Sequence[_Question]) -> Iterator[str]:
+    """Yield which conditions are not correlated, and why, each reason once."""
+    about: dict[tuple[str, str], list[str]] = {}
+    for one in asked:
+        for metric in one.metrics:
+            for reason in dict.fromkeys(metric.left_out.values()):
+                names = [name for name, why in metric.left_out.items() if why == reason]
+                words = listed([wording.name(name) for name in names])
+                metrics = about.setdefault((words, reason), [])
+                if metric.metric not in metrics:
+                    metrics.append(metric.metric)
+    for (words, reason), metrics in about.items():
+        yield f"Left out of {listed(metrics)}: {words} ({reason.rstrip('.')})."
+
+
+def _resampling(asked: Sequence[_Question]) -> Iterator[str]:
+    one = asked[0].found
+    most = max(metric.kendall.degenerate for own in asked for metric in own.metrics)
+    yield (
+        f"People's side: {one.preference}. {one.method}; {one.resamples:,} resamples, of which at "
+        f"most {most:,} had no correlation and are left out. Scores of whole conditions, such as "
+        "Fréchet distances, are not resampled."
+    )
+    yield (
+        "Within conditions: Pearson's r of what is left when the mean of each condition (of each "
+        "pair of conditions) is taken off, weighted by answers; the interval leaves out one "
+        "segment after the other (jackknife on Fisher's scale, t)."
+    )
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:].rstrip('.')}."

@@ -1,0 +1,259 @@
+"""The report's first words: the study's question, answered in three sentences."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from analysis.report import wording
+from analysis.report.by_question import each_question
+from analysis.report.sections.flow_words import is_half_finished, places_words
+from analysis.report.sections.looks import looks_sentence
+from analysis.report.sections.verdicts import SIGNIFICANCE, Verdict, about, largest_first, verdicts
+from analysis.report.subject import Subject
+from analysis.results.grouping import ByQuestion
+from analysis.results.mismatch import MismatchResults
+from analysis.results.pairwise import PairwiseResults
+from analysis.results.ranking import RankingResults
+from analysis.results.rating import RatingResults
+from analysis.results.report import Results, TableReport
+from analysis.results.strengths import Standings
+from motion.listing import listed
+
+MOST: Final = 4
+"""How many results the first sentences name; the tables hold all of them."""
+
+
+def answer(report: TableReport, subject: Subject) -> tuple[str, ...]:
+    """Return the answer: what was found, how sure it is, and what it does not show."""
+    if subject.origin == "none":
+        return (
+            "No participant has answered yet, so this report says nothing about preference.",
+            *_metrics_only(subject),
+        )
+    if report.remark:
+        return (report.remark, *_unfinished(report, subject))
+    found = verdicts(report)
+    return (
+        _effect(found, subject),
+        " ".join(
+            part
+            for part in (
+                _together(report),
+                _certainty(found),
+                _stand_ins(found),
+                _seeming(found),
+                _equivalent(report.results),
+                _unequal(report.results),
+                _basis(report, subject),
+            )
+            if part
+        ),
+        " ".join(
+            part
+            for part in (
+                _not_shown(report, subject),
+                *_unfinished(report, subject),
+                looks_sentence(report),
+            )
+            if part
+        ),
+    )
+
+
+def _effect(found: tuple[Verdict, ...], subject: Subject) -> str:
+    """Name what is decided, the largest first, or say that nothing is."""
+    decided = largest_first([one for one in found if one.outcome == "decided"])
+    found = tuple(one for one in found if one.outcome != "outside")
+    tested = [one for one in found if one.outcome != "untested"]
+    people = subject.people.capitalize()
+    if not tested:
+        reasons = list(dict.fromkeys(one.reason for one in found if one.reason))
+        why = f": {reasons[0]}" if len(reasons) == 1 else "; the tables say why"
+        seen = [one for one in largest_first(found) if one.size > 0]
+        widest = (
+            f"; the largest difference is that of {_named(seen[0], measured=True)}" if seen else ""
+        )
+        return f"No test could be made{why}{widest}."
+    family = wording.count(len(found), "test")
+    if not decided:
+        first = largest_first(tested)[0]
+        return (
+            f"None of {family} decides between what was compared (p at least "
+            f"{SIGNIFICANCE:g} after Holm's correction); the largest difference is that of "
+            f"{_named(first, measured=True)}."
+        )
+    named = [_named(one, measured=place == 0) for place, one in enumerate(decided[:MOST])]
+    more = len(decided) - len(named)
+    further = f", and {more} more of {family}" if more else ""
+    return f"{people} preferred {listed(named)}{further}."
+
+
+def _named(one: Verdict, *, measured: bool) -> str:
+    measure = f"{one.measure} " if measured else ""
+    return (
+        f"{wording.name(one.better)} to {wording.name(one.worse)} "
+        f"{about(one.question, one.set)} ({measure}{one.numbers})"
+    )
+
+
+def _certainty(found: tuple[Verdict, ...]) -> str:
+    """Name what stays open."""
+    undecided = [one for one in found if one.outcome == "undecided"]
+    untested = [one for one in found if one.outcome == "untested"]
+    words = []
+    if undecided and len(undecided) < len(found):
+        words.append(_open(undecided, len(found)))
+    if untested:
+        words.append(f"{wording.count(len(untested), 'test')} could not be made")
+    text = "; ".join(words)
+    return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
+def _open(undecided: list[Verdict], tests: int) -> str:
+    """Name a few undecided tests, or count many."""
+    if len(undecided) >= MOST:
+        return f"{len(undecided)} of {tests} tests do not decide"
+    pairs = [
+        f"{wording.name(a)} and {wording.name(b)} {about(one.question, one.set)}"
+        for one in undecided
+        for a, b in (one.pair,)
+    ]
+    return f"the answers do not decide between {'; '.join(pairs)}"
+
+
+def _together(report: TableReport) -> str:
+    """Say whether conditions differ at all, where strengths or worths decide."""
+    match report.results:
+        case PairwiseResults(decided_by="strengths", bradley_terry=fitted):
+            models: ByQuestion[Standings] = fitted
+        case RankingResults(plackett_luce=fitted_worths):
+            models = fitted_worths
+        case _:
+            return ""
+    parts = [
+        f"{about(question, of)} (F({test.df:.0f}, {wording.quantity(test.df_rest)}) = "
+        f"{wording.fixed(test.f, 2)}, {wording.p_is(test.p)})"
+        for of, question, model in each_question(models, report.sets)
+        for test in (model.omnibus,)
+        if not math.isnan(test.p)
+    ]
+    more = f", and {len(parts) - MOST} more" if len(parts) > MOST else ""
+    return f"One test of all conditions together: {listed(parts[:MOST])}{more}." if parts else ""
+
+
+def _stand_ins(found: tuple[Verdict, ...]) -> str:
+    """Name tests that stand in for the usual one, and why."""
+    by_reason: dict[tuple[str, str], int] = {}
+    for one in found:
+        if one.why and one.outcome in ("decided", "undecided"):
+            key = one.measure, one.why.rstrip(".")
+            by_reason[key] = by_reason.get(key, 0) + 1
+    named = [
+        f"{wording.count(count, 'test')} {'is' if count == 1 else 'are'} of the {measure}, because "
+        f"the usual test cannot be used ({why})"
+        for (measure, why), count in list(by_reason.items())[:2]
+    ]
+    more = "; the tables name others" if len(by_reason) > 2 else ""
+    text = "; ".join(named)
+    return f"{text[0].upper()}{text[1:]}{more}." if text else ""
+
+
+def _seeming(found: tuple[Verdict, ...]) -> str:
+    """Say why an interval may leave out no difference where the test does not decide."""
+    seeming = sum(one.apart and one.outcome == "undecided" for one in found)
+    if not seeming:
+        return ""
+    verb = "leaves" if seeming == 1 else "leave"
+    return (
+        f"Intervals stand for one test at a time: {seeming} of them {verb} out no difference, "
+        f"although p, corrected over {wording.count(len(found), 'test')}, does not decide."
+    )
+
+
+def _unequal(results: Results) -> str:
+    """Warn where one participant weighs much more than the others."""
+    match results:
+        case PairwiseResults(comparisons=found):
+            remarks = [(f"{one.a} against {one.b}", one.win_share.remark) for one in found]
+        case MismatchResults(conditions=matched):
+            remarks = [(one.condition, one.win_share.remark) for one in matched]
+        case RatingResults(contrasts=rated):
+            remarks = [(f"{one.a} against {one.b}", one.difference.remark) for one in rated]
+        case RankingResults(conditions=ranked):
+            remarks = [(one.condition, one.mean_rank_interval.remark) for one in ranked]
+    said = [f"{name}: {remark}" for name, remark in remarks if remark]
+    more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
+    return f"Participants answered very unequally often. {said[0]}{more}." if said else ""
+
+
+def _equivalent(results: Results) -> str:
+    """Name what is equivalent within the margin that was stated."""
+    if not isinstance(results, PairwiseResults | RatingResults):
+        return ""
+    alike = [one for one in results.equivalence if one.verdict.startswith("equivalent")]
+    if not alike:
+        return ""
+    pairs = [
+        f"{wording.name(one.a)} and {wording.name(one.b)} {about(one.question, one.set or '')}"
+        for one in alike[:MOST]
+    ]
+    more = f", and {len(alike) - MOST} more" if len(alike) > MOST else ""
+    return f"Equivalent within {alike[0].margin:g} are {'; '.join(pairs)}{more}."
+
+
+def _basis(report: TableReport, subject: Subject) -> str:
+    participants = report.participants
+    excluded = participants.recruited - participants.attentive
+    exploratory = sum(rule.removed for rule in report.rules if rule.exploratory)
+    words = (
+        f"This rests on {participants.attentive} of "
+        f"{wording.count(participants.recruited, subject.people[:-1])}"
+    )
+    if subject.excerpts:
+        speakers = {one.speaker for one in subject.excerpts.values() if one.speaker}
+        words += f" and {wording.count(len(subject.excerpts), 'segment')}"
+        words += f" of {wording.count(len(speakers), 'speaker')}" if speakers else ""
+    words += "; nobody was excluded" if not excluded else f"; {excluded} were excluded"
+    if excluded == 1:
+        words = words.replace("1 were excluded", "1 was excluded")
+    if exploratory:
+        words += f", {exploratory} of them afterwards, which is exploratory"
+    return f"{words}."
+
+
+def _not_shown(report: TableReport, subject: Subject) -> str:
+    if subject.origin == "rehearsal":
+        return (
+            "It does not show what any person prefers: simulated raters answered by rules they "
+            "were given."
+        )
+    undecided = any(one.outcome == "undecided" for one in verdicts(report))
+    equal = (
+        " That a test does not decide is no evidence that two conditions are equally good."
+        if undecided and report.settings.margin is None
+        else ""
+    )
+    return (
+        "It does not show how other systems, other speech, other speakers or differently worded "
+        f"questions would do.{equal}"
+    )
+
+
+def _unfinished(report: TableReport, subject: Subject) -> tuple[str, ...]:
+    if not is_half_finished(report, subject):
+        return ()
+    return (
+        f"The study is not finished: {places_words(report)}. Numbers will change, and to stop "
+        "because of what they show now would make false findings likelier.",
+    )
+
+
+def _metrics_only(subject: Subject) -> tuple[str, ...]:
+    if subject.metrics is None or not subject.metrics.conditions:
+        return ()
+    conditions = {score.condition for score in subject.metrics.conditions}
+    return (
+        f"It shows the automatic metrics of {wording.count(len(conditions), 'condition')}; "
+        "they do not tell what people prefer.",
+    )

@@ -1,1 +1,0 @@
-"""Intervals and tests from drawing again: bootstrap and permutation."""

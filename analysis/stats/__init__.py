@@ -1,0 +1,1 @@
+"""Statistics of answers: estimates with honest intervals, tests, and models."""

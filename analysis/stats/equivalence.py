@@ -1,0 +1,167 @@
+"""Whether two conditions are as good as each other: two one-sided tests."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from analysis.stats.finite import finite
+from analysis.stats.tied_ranks import ROUNDING
+from motion.errors import InputError
+
+Floats = NDArray[np.float64]
+Verdict = Literal["equivalent", "different", "equivalent and different", "undecided", "unknown"]
+
+LEVEL: Final = 0.05
+"""Level of each of the two tests; the interval that decides is therefore the 90 % one."""
+
+STUDENT: Final = "two one-sided t tests"
+NORMAL: Final = "two one-sided z tests"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equivalence:
+    """Whether a difference is surely smaller than a margin.
+
+    Attributes
+    ----------
+    estimate, standard_error : float
+        The difference and its error; NaN where they are unknown.
+    freedom : float
+        Degrees of freedom of the error; infinite for a normal one.
+    lower_margin, upper_margin : float
+        Differences between them do not matter: stated before the data were seen.
+    low, high : float
+        90 % interval; the conditions are equivalent where it lies within the margins.
+    p_value : float
+        Larger one of the two one-sided p values; NaN where there is no test.
+    p_difference : float
+        Two-sided p of there being no difference; NaN where there is no test.
+    verdict : {'equivalent', 'different', 'equivalent and different', 'undecided', 'unknown'}
+        At .05. 'equivalent and different': there is a difference, too small to matter.
+        'undecided' allows neither the word "comparable" nor "better"; 'unknown' where there is
+        no test.
+    n : int
+        Independent units that it rests on; 0 where not told.
+    method : str
+        Which tests.
+    reason : str
+        Why there is no test; empty where there is one.
+    """
+
+    estimate: float
+    standard_error: float
+    freedom: float
+    lower_margin: float
+    upper_margin: float
+    low: float
+    high: float
+    p_value: float
+    p_difference: float
+    verdict: Verdict
+    n: int = 0
+    method: str = ""
+    reason: str = ""
+
+
+def equivalence(
+    estimate: float,
+    standard_error: float,
+    margin: float | tuple[float, float],
+    *,
+    freedom: float = math.inf,
+    n: int = 0,
+) -> Equivalence:
+    """Test whether a difference lies within a margin (Schuirmann 1987).
+
+    Parameters
+    ----------
+    estimate, standard_error : float
+        A difference, 0 for none, and its error: of means, log-odds, a win share minus one half.
+    margin : float or (float, float)
+        Largest difference that does not matter, in the unit of `estimate`, or the two ends.
+    freedom : float
+        Degrees of freedom of the error.
+    n : int
+        Independent units that the estimate rests on, for the result.
+
+    Raises
+    ------
+    InputError
+        If the margins do not lie on both sides of zero.
+    """
+    lower, upper = (-margin, margin) if isinstance(margin, float | int) else margin
+    if not -math.inf < lower < 0 < upper < math.inf:
+        raise InputError(
+            f"the margin of equivalence from {lower:g} to {upper:g} does not enclose zero",
+            remedy="State the largest difference that does not matter, above zero",
+        )
+    found = Equivalence(
+        estimate=estimate,
+        standard_error=standard_error,
+        freedom=freedom,
+        lower_margin=lower,
+        upper_margin=upper,
+        low=math.nan,
+        high=math.nan,
+        p_value=math.nan,
+        p_difference=math.nan,
+        verdict="unknown",
+        n=n,
+    )
+    if not math.isfinite(estimate):
+        return replace(found, reason="the difference is unknown")
+    if not (math.isfinite(standard_error) and standard_error > 0):
+        return replace(found, reason="the difference has no standard error")
+    if not freedom > 0:
+        return replace(found, reason="the error has no degrees of freedom")
+    law = stats.t(freedom)
+    reach = float(law.ppf(1 - LEVEL)) * standard_error
+    above = float(law.sf((estimate - lower) / standard_error))
+    below = float(law.cdf((estimate - upper) / standard_error))
+    p_difference = float(2 * law.sf(abs(estimate) / standard_error))
+    return replace(
+        found,
+        low=estimate - reach,
+        high=estimate + reach,
+        p_value=max(above, below),
+        p_difference=p_difference,
+        verdict=_verdict(max(above, below) < LEVEL, p_difference < LEVEL),
+        method=NORMAL if math.isinf(freedom) else STUDENT,
+    )
+
+
+def equivalence_of_means(differences: Floats, margin: float | tuple[float, float]) -> Equivalence:
+    """Test whether the mean of independent differences lies within a margin.
+
+    Parameters
+    ----------
+    differences : ndarray, shape (N,)
+        One per participant: the mean of what they said of one condition minus that of the other.
+    margin : float or (float, float)
+        See `equivalence`.
+    """
+    differences = finite(differences)
+    count = len(differences)
+    if count < 2:
+        alone = float(differences[0]) if count else math.nan
+        found = equivalence(alone, math.nan, margin, n=count)
+        return replace(found, freedom=math.nan, reason="fewer than two participants")
+    spread = float(differences.std(ddof=1))
+    if spread <= ROUNDING * float(np.abs(differences).max()):
+        spread = 0.0
+    found = equivalence(
+        float(differences.mean()), spread / math.sqrt(count), margin, freedom=count - 1, n=count
+    )
+    return found if spread else replace(found, reason="all participants differ alike")
+
+
+def _verdict(equivalent: bool, different: bool) -> Verdict:
+    if equivalent:
+        return "equivalent and different" if different else "equivalent"
+    return "different" if different else "undecided"

@@ -1,0 +1,204 @@
+"""Tests of whether an effect is the same in all emotions, of all speakers, or in all segments."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse, stats
+
+from analysis.stats.participant_means import group_means
+
+Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
+
+MIN_F: Final = (
+    "min F′ of groups within participants and of groups between segments; participants and "
+    "segments are samples"
+)
+WITHIN: Final = (
+    "F of segments within participants; answers of one participant have a level in common and are "
+    "otherwise taken as independent"
+)
+
+NOTHING: Final = 1e-12
+"""Share of a variance below which it is rounding."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Between:
+    """Whether groups of answers differ in their mean.
+
+    Attributes
+    ----------
+    statistic : float
+        F; NaN where there is none.
+    freedom, freedom_rest : float
+        Its degrees of freedom.
+    p_value : float
+        Of the groups being alike; NaN where there is no test.
+    groups : int
+        How many there are.
+    method, reason : str
+        Which test; why there is none.
+    """
+
+    statistic: float
+    freedom: float
+    freedom_rest: float
+    p_value: float
+    groups: int
+    method: str = ""
+    reason: str = ""
+
+
+def between_groups(values: Floats, groups: Codes, participants: Codes, segments: Codes) -> Between:
+    """Test whether emotions or speakers differ; each holds several segments (Clark 1973).
+
+    One F compares the groups with how differently participants take them, over those who answered
+    about all; the other with how much the segments of one group differ. min F′ lets both
+    participants and segments be samples, and is conservative.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        Answers.
+    groups, participants, segments : ndarray of int, shape (N,)
+        Which group each is about, who gave it, and which segment it is about.
+    """
+    group = np.unique(groups, return_inverse=True)[1]
+    count = int(group.max(initial=-1)) + 1
+    unknown = _unknown(count)
+    if count < 2:
+        return replace(unknown, reason="fewer than two groups")
+    by_person = _complete_means(values, group, participants, count)
+    units = np.unique(segments * count + group, return_inverse=True)[1]
+    by_segment = group_means(values, units)
+    of_segment = group_means(group.astype(np.float64), units).astype(np.intp)
+    rest = len(by_segment) - count
+    if len(by_person) < 2:
+        return replace(unknown, reason="fewer than two participants answered about every group")
+    if rest < 1:
+        return replace(unknown, reason="one segment in every group")
+    people_f = _within_people(by_person)
+    segments_f = _one_way(by_segment, of_segment, rest)
+    if math.isnan(people_f) or math.isnan(segments_f):
+        return replace(unknown, reason="all answers alike")
+    freedom_people = (count - 1) * (len(by_person) - 1)
+    if not (people_f and segments_f):
+        statistic, freedom_rest = 0.0, float(min(rest, freedom_people))
+    else:
+        noise = 1 / people_f, 1 / segments_f
+        if not sum(noise):
+            return replace(unknown, reason="all answers of a group alike")
+        statistic = 1 / sum(noise)
+        freedom_rest = sum(noise) ** 2 / (noise[0] ** 2 / freedom_people + noise[1] ** 2 / rest)
+    return replace(
+        unknown,
+        statistic=statistic,
+        freedom=count - 1,
+        freedom_rest=freedom_rest,
+        p_value=float(stats.f.sf(statistic, count - 1, freedom_rest)),
+        method=MIN_F,
+    )
+
+
+def between_segments(values: Floats, participants: Codes, segments: Codes) -> Between:
+    """Test whether segments differ beyond the differences of those who answered about them.
+
+    The segments are those of the study; several answers of one participant about a segment count
+    as their mean. Not all participants need to have answered about all (Scheffé 1959, ch. 4).
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        Answers.
+    participants, segments : ndarray of int, shape (N,)
+        Who gave each, about which segment.
+    """
+    who = np.unique(participants, return_inverse=True)[1]
+    what = np.unique(segments, return_inverse=True)[1]
+    count = int(what.max(initial=-1)) + 1
+    unknown = _unknown(count)
+    if count < 2:
+        return replace(unknown, reason="one segment")
+    cells, cell = np.unique(who * count + what, return_inverse=True)
+    y, who, what = group_means(values, cell), cells // count, cells % count
+    y = y - y.mean()
+    table = sparse.coo_array((np.ones(len(y)), (who, what))).tocsr()
+    by_person = np.asarray(table.sum(axis=1)).ravel()
+    person_means = np.bincount(who, weights=y) / by_person
+    within = float(y @ y - by_person @ person_means**2)
+    # Segments with participants taken out: normal equations of the additive model.
+    shared = (table.T @ (table / by_person[:, None])).toarray()
+    design = np.diag(np.bincount(what).astype(np.float64)) - shared
+    right = np.bincount(what, weights=y) - table.T @ person_means
+    freedom = int(np.linalg.matrix_rank(design, hermitian=True))
+    explained = float(right @ np.linalg.lstsq(design, right, rcond=None)[0])
+    rest = len(y) - len(by_person) - freedom
+    if freedom < 1 or rest < 1:
+        return replace(unknown, reason="too few participants share segments to tell them apart")
+    noise = within - explained
+    if noise <= NOTHING * float(y @ y):
+        return replace(unknown, reason="participants differ alike in every segment")
+    statistic = max(0.0, explained) / freedom / (noise / rest)
+    return replace(
+        unknown,
+        statistic=statistic,
+        freedom=freedom,
+        freedom_rest=rest,
+        p_value=float(stats.f.sf(statistic, freedom, rest)),
+        method=WITHIN,
+    )
+
+
+def _unknown(groups: int) -> Between:
+    return Between(
+        statistic=math.nan,
+        freedom=math.nan,
+        freedom_rest=math.nan,
+        p_value=math.nan,
+        groups=groups,
+    )
+
+
+def _complete_means(values: Floats, group: Codes, participants: Codes, count: int) -> Floats:
+    """Return the means by participant and group, of those who answered about every group."""
+    who = np.unique(participants, return_inverse=True)[1]
+    place = who * count + group
+    size = (int(who.max(initial=-1)) + 1) * count
+    times = np.bincount(place, minlength=size).reshape(-1, count)
+    sums = np.bincount(place, weights=values, minlength=size).reshape(-1, count)
+    complete = (times > 0).all(axis=1)
+    return np.asarray(sums[complete] / times[complete], np.float64)
+
+
+def _within_people(means: Floats) -> float:
+    """Return F of the columns against how differently rows take them; NaN where all are alike."""
+    people, count = means.shape
+    centred = means - means.mean(axis=1, keepdims=True)
+    columns = centred.mean(axis=0)
+    between = people * float(columns @ columns) / (count - 1)
+    rest = float(((centred - columns) ** 2).sum()) / ((count - 1) * (people - 1))
+    return _ratio(between, rest, float((centred**2).sum()))
+
+
+def _one_way(means: Floats, group: Codes, rest: int) -> float:
+    """Return F between groups of segments' means; NaN where all are alike."""
+    sizes = np.bincount(group)
+    centres = np.bincount(group, weights=means) / sizes
+    spread = float(((means - means.mean()) ** 2).sum())
+    inside = float(((means - centres[group]) ** 2).sum())
+    return _ratio((spread - inside) / (len(sizes) - 1), inside / rest, spread)
+
+
+def _ratio(between: float, rest: float, total: float) -> float:
+    """Return a quotient of variances, of which rounding is none."""
+    if not total:
+        return math.nan
+    if between <= NOTHING * total:
+        return 0.0
+    return math.inf if rest <= NOTHING * total else between / rest

@@ -1,0 +1,235 @@
+"""The intraclass correlation: how much of the answers' variance lies between the items.
+
+Of two-way random effects, absolute agreement: participants who use the scale differently disagree.
+'Single' is about one participant's answers, 'average' about the mean over all who answered.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy import stats
+
+from analysis.stats.finite import finite
+from motion.errors import InputError
+
+Floats = NDArray[np.float64]
+
+COMPLETE: Final = "two-way random effects, absolute agreement"
+INCOMPLETE: Final = (
+    "two-way random effects, absolute agreement; answers are missing, so that variances are "
+    "Henderson's and intervals approximate"
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Correlation:
+    """An intraclass correlation.
+
+    Attributes
+    ----------
+    estimate : float
+        In [-1, 1]; below 0 where items differ less than chance would make them.
+    low, high : float
+        Ends of its 95 % interval.
+    """
+
+    estimate: float
+    low: float
+    high: float
+
+
+UNKNOWN: Final = Correlation(estimate=math.nan, low=math.nan, high=math.nan)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Intraclass:
+    """How far participants' numbers agree about the items.
+
+    Attributes
+    ----------
+    single, average : Correlation
+        Of one participant's answers; of the mean over all participants of an item. NaN where
+        they cannot be estimated.
+    item_variance, rater_variance, residual_variance : float
+        What the answers' variance is made of; an estimate may be negative.
+    raters_per_item : float
+        Harmonic mean; that many make the average.
+    answers, items, raters : int
+        What it rests on.
+    method : str
+        Which correlation; whether answers are missing.
+    reason : str
+        Why there is none; empty where there is one.
+    """
+
+    single: Correlation
+    average: Correlation
+    item_variance: float
+    rater_variance: float
+    residual_variance: float
+    raters_per_item: float
+    answers: int
+    items: int
+    raters: int
+    method: str = ""
+    reason: str = ""
+
+
+def intraclass_correlation(
+    values: NDArray[np.number], raters: NDArray[np.generic], items: NDArray[np.generic]
+) -> Intraclass:
+    """Estimate the intraclass correlations ICC(A,1) and ICC(A,k) of McGraw & Wong (1996).
+
+    Those of Shrout & Fleiss (1979) named ICC(2,1) and ICC(2,k). Where answers are missing the
+    variances are those of Henderson's (1953) first method, which are the same where none are;
+    the intervals then treat the table as a complete one with as many answers as there are on
+    (harmonic) average.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        Answers as numbers.
+    raters, items : ndarray, shape (N,)
+        Who answered about what; one answer of each about each.
+
+    Raises
+    ------
+    InputError
+        If somebody answered twice about an item.
+    """
+    y = finite(values)
+    who, what = pd.factorize(raters)[0], pd.factorize(items)[0]
+    people, things = int(who.max(initial=-1)) + 1, int(what.max(initial=-1)) + 1
+    if pd.Series(what * people + who).duplicated().any():
+        raise InputError(
+            "a participant answered twice about an item",
+            remedy="Measure agreement for one question and one comparison at a time",
+        )
+    complete = len(y) == people * things
+    unknown = Intraclass(
+        single=UNKNOWN,
+        average=UNKNOWN,
+        item_variance=math.nan,
+        rater_variance=math.nan,
+        residual_variance=math.nan,
+        raters_per_item=float(stats.hmean(np.bincount(what))) if len(y) else math.nan,
+        answers=len(y),
+        items=things,
+        raters=people,
+    )
+    reason = _why_not(y, things, people)
+    if reason:
+        return replace(unknown, reason=reason)
+    variances = _variances(y, who, what)
+    if variances is None:
+        return replace(unknown, reason="too few participants share items to tell them apart")
+    item, rater, residual = variances
+    found = replace(
+        unknown,
+        item_variance=item,
+        rater_variance=rater,
+        residual_variance=residual,
+        method=COMPLETE if complete else INCOMPLETE,
+    )
+    if item + rater + residual <= 0 or residual < 0:
+        return replace(found, reason="the variances come out negative")
+    estimate = item / (item + rater + residual)
+    low, high = _interval(found, estimate, float(stats.hmean(np.bincount(who))))
+    mean_of = found.raters_per_item
+    return replace(
+        found,
+        single=Correlation(estimate=estimate, low=low, high=high),
+        average=Correlation(
+            estimate=_of_the_mean(estimate, mean_of),
+            low=_of_the_mean(low, mean_of),
+            high=_of_the_mean(high, mean_of),
+        ),
+    )
+
+
+def _why_not(y: Floats, items: int, raters: int) -> str:
+    if not len(y):
+        return "no answers"
+    if items < 2:
+        return "one item"
+    if raters < 2:
+        return "one participant"
+    if len(y) <= items + raters - 1:
+        return "too few participants share items to tell them apart"
+    if not np.ptp(y):
+        return "all answers alike"
+    return ""
+
+
+def _variances(
+    y: Floats, who: NDArray[np.intp], what: NDArray[np.intp]
+) -> tuple[float, float, float] | None:
+    """Return the variances between items, between raters and of the rest (Henderson's method 1).
+
+    Each of four sums of squares is, on average, a known mixture of them.
+    """
+    count = len(y)
+    by_item, by_rater = np.bincount(what), np.bincount(who)
+    centred = y - y.mean()
+    squares = np.array(
+        [
+            centred @ centred,
+            np.sum(np.bincount(what, weights=centred) ** 2 / by_item),
+            np.sum(np.bincount(who, weights=centred) ** 2 / by_rater),
+        ]
+    )
+    items, raters = (by_item**2).sum() / count, (by_rater**2).sum() / count
+    mixture = np.array(
+        [
+            [count - items, count - raters, count - 1],
+            [count - items, len(by_item) - raters, len(by_item) - 1],
+            [len(by_rater) - items, count - raters, len(by_rater) - 1],
+        ]
+    )
+    if np.linalg.matrix_rank(mixture) < 3:
+        return None
+    found = np.linalg.solve(mixture, squares)
+    # What rounding leaves of a variance is none.
+    found[np.abs(found) < 1e-12 * np.abs(found).max()] = 0.0
+    item, rater, residual = found.tolist()
+    return item, rater, residual
+
+
+def _interval(found: Intraclass, estimate: float, items_per_rater: float) -> tuple[float, float]:
+    """Return the 95 % interval of the single correlation (McGraw & Wong 1996, case A,1)."""
+    if not found.rater_variance and not found.residual_variance:
+        return 1.0, 1.0
+    k, n = found.raters_per_item, items_per_rater
+    noise = found.residual_variance
+    # An effect of less than nothing leaves its mean square as large as the noise.
+    between = max(k * found.item_variance + noise, 0.0)
+    raters = max(n * found.rater_variance + noise, 0.0)
+    rest = found.answers - found.items - found.raters + 1
+    correlation = min(max(estimate, 0.0), 1 - 1e-9)
+    a = k * correlation / (n * (1 - correlation))
+    b = 1 + a * (n - 1)
+    of_raters, of_rest = a * raters, b * noise
+    freedom = float(rest)
+    if of_raters:
+        freedom = (of_raters + of_rest) ** 2 / (
+            of_raters**2 / (found.raters - 1) + of_rest**2 / rest
+        )
+    high_f = stats.f.ppf(0.975, found.items - 1, freedom)
+    low_f = stats.f.ppf(0.975, freedom, found.items - 1)
+    mixed = k * raters + (k * n - k - n) * noise
+    low = n * (between - high_f * noise) / (high_f * mixed + n * between)
+    high = n * (low_f * between - noise) / (mixed + n * low_f * between)
+    return float(low), float(high)
+
+
+def _of_the_mean(single: float, raters: float) -> float:
+    """Return the correlation of a mean over `raters` (Spearman & Brown), cut at -1."""
+    if single <= -1 / (raters + 1):
+        return -1.0
+    return raters * single / (1 + (raters - 1) * single)

@@ -1,0 +1,278 @@
+"""The maximum of a likelihood: climbed to by its gradient, and known to be one by its curvature."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from analysis.stats.curvature import second_derivatives
+from analysis.stats.ordinal.laplace import Answers, Likelihood, likelihood
+
+Floats = NDArray[np.float64]
+
+ITERATIONS: Final = 500
+ROUGH: Final = 0.02
+"""How near the quasi-Newton climb comes to the maximum, in standard errors, roughly."""
+
+FINE: Final = 0.005
+"""The same where no Newton steps follow."""
+
+CLIMBS: Final = 4
+"""Climbs, at most: one that ends where the likelihood is not curved like a hill goes on."""
+
+FINER: Final = 30.0
+"""How many times nearer to the maximum each of them comes than the one before."""
+
+LAST_STEPS: Final = 5
+"""Newton steps after it, at most."""
+
+FLAT: Final = 1e-4
+"""Largest Newton step, in standard errors, that is left at a maximum."""
+
+ROUNDING: Final = 1e-10
+"""Relative error of a log-likelihood."""
+
+SHORT: Final = 0.05
+"""Way, in standard errors, over which neither curvature nor likelihood changes visibly."""
+
+MANY: Final = 40_000
+"""Answers from which on the climb begins where a part of them leads."""
+
+PART: Final = 1 / 12
+"""The size of that part, at most."""
+
+BOUNDARY: Final = 0.01
+"""A standard deviation below it, in units of the noise's scale, is taken for zero."""
+
+BESIDE: Final = (0.1, 0.3)
+"""Deviations that are tried where one is at its boundary."""
+
+LARGEST: Final = 12.0
+"""An effect or a deviation beyond it, in units of the noise's scale, has no finite estimate."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """Where a climb begins that is known to end nearby.
+
+    Attributes
+    ----------
+    parameters : ndarray, shape (answers.count,)
+        See `Answers.split`.
+    scale : ndarray, shape (answers.count, answers.count)
+        About the covariance of the estimates, times the number of answers.
+    """
+
+    parameters: Floats
+    scale: Floats
+
+
+def beginning(answers: Answers, parameters: Floats) -> Beginning:
+    """Return a beginning at `parameters` for `answers` and others like them.
+
+    The likelihood need not be curved like a hill there: where it is flat or hollow, the scale is
+    as of one answer.
+    """
+    curvature = _Climb(answers).curvature(parameters)
+    heights, directions = np.linalg.eigh((curvature + curvature.T) / 2)
+    scale = (directions / np.maximum(heights, 1.0)) @ directions.T * len(answers.codes)
+    return Beginning(parameters, (scale + scale.T) / 2)
+
+
+def maximum(
+    answers: Answers, *, curved: bool = True, begin: Beginning | None = None
+) -> tuple[Floats, Likelihood, Floats | None, bool]:
+    """Return the best parameters, their likelihood, the curvature there and whether it is one.
+
+    Parameters
+    ----------
+    answers : Answers
+        What was answered.
+    curved : bool
+        Whether the curvature is wanted. It takes longer than the climb; without it, the climb's
+        own idea of it tells whether the maximum was reached.
+    begin : Beginning, optional
+        Of similar answers; it does not count where it has other parameters.
+    """
+    start: Floats
+    scale: Floats | None
+    if begin is not None and len(begin.parameters) == answers.count:
+        start, scale = begin.parameters, begin.scale
+    else:
+        start, scale = _start(answers)
+    climb = _Climb(answers)
+    precision = ROUGH if curved else FINE
+    for _ in range(CLIMBS):
+        found, left = _climbed(climb, start, scale, precision)
+        if curved:
+            at, here, curvature, maximal = _stepped(climb, found)
+        else:
+            at, here, curvature = found, climb.at(found), None
+            maximal = here.settled and left < SHORT
+        if (higher := _off_the_boundary(climb, at, here)) is not None:
+            start, maximal = higher, False
+        elif maximal or limitless(answers, at):
+            break
+        else:
+            start, precision = at, precision / FINER
+        scale = None
+    return at, here, curvature, maximal
+
+
+def limitless(answers: Answers, parameters: Floats) -> bool:
+    """Tell whether an effect or a deviation is so large that it has no finite estimate."""
+    _, effects, deviations = answers.split(parameters)
+    return bool((np.abs(np.concatenate([effects, deviations])) > LARGEST).any())
+
+
+def _off_the_boundary(climb: _Climb, at: Floats, here: Likelihood) -> Floats | None:
+    """Return parameters with a higher likelihood where a deviation fell to zero for no reason.
+
+    Its gradient is zero there whatever the answers, so that a climb may end at zero although a
+    hill rises beside it.
+    """
+    bound = np.flatnonzero(~free_parameters(climb.answers, at))
+    for place, size in product(bound, BESIDE):
+        tried = at.copy()
+        tried[place] = size
+        if climb.at(tried).value > here.value + ROUNDING * abs(here.value):
+            return tried
+    return None
+
+
+def _climbed(
+    climb: _Climb, start: Floats, scale: Floats | None, precision: float
+) -> tuple[Floats, float]:
+    """Climb by a quasi-Newton method; also return its own idea of the way left, in errors."""
+    options: dict[str, Any] = {
+        "gtol": precision * _gradient_unit(climb.answers),
+        "maxiter": ITERATIONS,
+        "hess_inv0": scale,
+    }
+    end = minimize(climb.descent, start, jac=True, method="BFGS", options=options)  # type: ignore[call-overload]
+    left = math.sqrt(len(climb.answers.codes) * abs(float(end.jac @ end.hess_inv @ end.jac)))
+    return np.asarray(end.x, np.float64), left
+
+
+def _stepped(climb: _Climb, found: Floats) -> tuple[Floats, Likelihood, Floats, bool]:
+    """Take Newton's steps; the curvature is computed anew only after a long one."""
+    for _ in range(LAST_STEPS):
+        here, curvature = climb.at(found), climb.curvature(found)
+        free = free_parameters(climb.answers, found)
+        inside = curvature[np.ix_(free, free)]
+        step, length = _step(inside, here.gradient[free])
+        if length < FLAT:
+            return found, here, curvature, here.settled
+        if math.isinf(length):
+            break
+        tried = found.copy()
+        tried[free] += step
+        there = climb.at(tried)
+        if there.value < here.value - ROUNDING * abs(here.value):
+            break
+        found, here = tried, there
+        _, rest = _step(inside, here.gradient[free])
+        if rest < FLAT and length < SHORT:
+            return found, here, curvature, here.settled
+    return found, here, curvature, False
+
+
+def _gradient_unit(answers: Answers) -> float:
+    """Return about the gradient per answer at one standard error from the maximum.
+
+    An effect that differs between groups is known as well as its groups are many; others are
+    known better.
+    """
+    count = len(answers.codes)
+    independent = min(answers.layout.sizes) if answers.layout is not None else count
+    return math.sqrt(independent) / count
+
+
+def free_parameters(answers: Answers, parameters: Floats) -> NDArray[np.bool_]:
+    """Tell which parameters are not at a boundary."""
+    _, _, deviations = answers.split(parameters)
+    free = np.ones(len(parameters), bool)
+    if answers.terms:
+        free[-answers.terms :] = np.abs(deviations) >= BOUNDARY
+    return free
+
+
+def _start(answers: Answers) -> tuple[Floats, Floats | None]:
+    """Return where to begin, and the scale of the parameters there.
+
+    Very many answers are begun where a random part of them has its maximum.
+    """
+    if len(answers.codes) > MANY:
+        fewer = _part(answers)
+        found, _, curvature, maximal = maximum(fewer)
+        if maximal and curvature is not None and free_parameters(answers, found).all():
+            scale = np.linalg.inv(curvature) * len(fewer.codes)
+            return found, (scale + scale.T) / 2
+    counts = np.bincount(answers.codes, minlength=answers.thresholds.categories)
+    own = answers.thresholds.start(counts)
+    start = [own, np.zeros(answers.fixed.shape[1]), np.full(answers.terms, 0.5)]
+    return np.concatenate(start), None
+
+
+def _part(answers: Answers) -> Answers:
+    """Return the answers of a random part of the groups, at most `PART` of all."""
+    chance = np.random.default_rng(0)
+    chosen = np.arange(len(answers.codes))
+    most = int(PART * len(chosen))
+    layout = answers.layout
+    while layout is not None and len(chosen) > most:
+        largest = int(np.argmax(layout.sizes))
+        kept = chance.permutation(layout.sizes[largest]) % 2 == 0
+        of_kept = kept[layout.groups[largest]]
+        chosen, layout = chosen[of_kept], layout.part(of_kept)
+    if layout is None:
+        chosen = np.sort(chance.choice(len(chosen), most, replace=False))
+    return replace(
+        answers,
+        codes=answers.codes[chosen],
+        fixed=answers.fixed[chosen],
+        layout=layout,
+        multipliers=tuple(multiplier[chosen] for multiplier in answers.multipliers),
+    )
+
+
+class _Climb:
+    """Likelihoods along the way to the maximum, each begun where the last one ended."""
+
+    def __init__(self, answers: Answers) -> None:
+        self.answers = answers
+        self.last: Likelihood | None = None
+
+    def at(self, parameters: Floats) -> Likelihood:
+        found = likelihood(self.answers, parameters, self.last)
+        if not np.isfinite(found.value):
+            return Likelihood(-np.inf, np.zeros_like(parameters), found.modes, False)
+        self.last = found
+        return found
+
+    def descent(self, parameters: Floats) -> tuple[float, Floats]:
+        """Return what is minimised, per answer, and its gradient."""
+        found = self.at(parameters)
+        count = len(self.answers.codes)
+        return -found.value / count, -found.gradient / count
+
+    def curvature(self, parameters: Floats) -> Floats:
+        """Return minus the second derivatives."""
+        return -second_derivatives(lambda at: self.at(at).gradient, parameters)
+
+
+def _step(curvature: Floats, gradient: Floats) -> tuple[Floats, float]:
+    """Return Newton's step and its largest length in standard errors; infinite without one."""
+    try:
+        covariance = np.linalg.inv(curvature)
+        np.linalg.cholesky(curvature)
+    except np.linalg.LinAlgError:
+        return np.zeros_like(gradient), math.inf
+    step = covariance @ gradient
+    return step, float(np.abs(step / np.sqrt(np.diagonal(covariance))).max(initial=0.0))

@@ -1,0 +1,325 @@
+"""The cumulative link mixed model: fitting it, and saying where it cannot be trusted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy import stats
+
+from analysis.stats.ordinal.crossed import Layout
+from analysis.stats.ordinal.laplace import Answers, Likelihood
+from analysis.stats.ordinal.links import Link
+from analysis.stats.ordinal.maximum import (
+    BOUNDARY,
+    LARGEST,
+    Beginning,
+    beginning,
+    free_parameters,
+    maximum,
+)
+from analysis.stats.ordinal.thresholds import Structure, Thresholds
+from motion.errors import InputError
+
+Floats = NDArray[np.float64]
+
+LARGE: Final = 6.0
+"""An effect beyond it that is smaller than its error, and an effect or a deviation beyond it where
+no maximum was found, has no finite estimate either."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomEffect:
+    """A grouping of the answers whose groups differ at random.
+
+    Attributes
+    ----------
+    name : str
+        Names it in the result.
+    groups : ndarray, shape (N,)
+        Label of each answer's group.
+    multiplier : ndarray, shape (N,), or None
+        What the group's effect is multiplied with in each answer (a random slope); None for 1
+        (a random intercept).
+    """
+
+    name: str
+    groups: NDArray[np.generic]
+    multiplier: Floats | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrdinalFit:
+    """A fitted cumulative link mixed model.
+
+    Attributes
+    ----------
+    estimates, standard_errors : mapping of covariate to float
+        Fixed effects on the latent scale; the error is NaN where the model did not converge, or
+        no errors were asked for.
+    covariance : DataFrame
+        Of the fixed effects.
+    thresholds, threshold_errors : tuple of float
+        In order; the errors are NaN where those of the effects are.
+    deviations : mapping of random effect to float
+        Standard deviations.
+    log_likelihood : float
+        By Laplace's approximation.
+    parameters, answers : int
+        How many were estimated, from how many answers.
+    groups : mapping of random effect to int
+        How many groups each has.
+    converged : bool
+        Whether a maximum was reached.
+    boundary : tuple of str
+        Random effects whose standard deviation is zero: the model is the one without them.
+    link, structure : str
+        See `fit`.
+    remark : str
+        Why the result must not be used, or what limits it; empty where nothing does.
+    """
+
+    estimates: Mapping[str, float]
+    standard_errors: Mapping[str, float]
+    covariance: pd.DataFrame
+    thresholds: tuple[float, ...]
+    threshold_errors: tuple[float, ...]
+    deviations: Mapping[str, float]
+    log_likelihood: float
+    parameters: int
+    answers: int
+    groups: Mapping[str, int]
+    converged: bool
+    boundary: tuple[str, ...]
+    link: Link
+    structure: Structure
+    remark: str
+
+    def wald_p(self, name: str) -> float:
+        """Return the two-sided p of the fixed effect `name` by its standard error."""
+        error = self.standard_errors[name]
+        if not error > 0:
+            return math.nan
+        return float(2 * stats.norm.sf(abs(self.estimates[name]) / error))
+
+
+def fit(
+    answers: Sequence[int] | NDArray[np.integer],
+    covariates: Mapping[str, Sequence[float] | Floats],
+    random: Sequence[RandomEffect] = (),
+    *,
+    link: Link = "logit",
+    structure: Structure = "flexible",
+    errors: bool = True,
+    begin: Beginning | None = None,
+) -> OrdinalFit:
+    """Fit a cumulative link mixed model by Laplace's approximation.
+
+    P(answer <= k) = F(threshold_k - eta), eta = covariates' effects + one random effect for each
+    grouping, normal and independent (Agresti 2010; Christensen, `ordinal` for R).
+
+    Parameters
+    ----------
+    answers : sequence of int, shape (N,)
+        Ordered categories; those that nobody chose do not count.
+    covariates : mapping of name to sequence, shape (N,)
+        Fixed effects, without an intercept.
+    random : sequence of RandomEffect
+        Crossed random effects.
+    link : {'logit', 'probit'}
+        Distribution of the noise.
+    structure : {'flexible', 'symmetric', 'symmetric around zero'}
+        See `Thresholds`.
+    errors : bool
+        Whether standard errors are wanted. A model that only another is compared with needs none,
+        and is fitted in half the time.
+    begin : Beginning, optional
+        Where the search begins; see `beginning_of`.
+
+    Raises
+    ------
+    InputError
+        If there are no answers, all are alike, or the covariates say the same twice.
+    """
+    data, ordered = _data(answers, covariates, random, link, structure)
+    return _result(data, list(covariates), ordered, *maximum(data, curved=errors, begin=begin))
+
+
+def beginning_of(
+    answers: Sequence[int] | NDArray[np.integer],
+    covariates: Mapping[str, Sequence[float] | Floats],
+    random: Sequence[RandomEffect],
+    *,
+    thresholds: Sequence[float],
+    effects: Sequence[float],
+    deviations: Mapping[str, float],
+) -> Beginning:
+    """Return where to begin the fits of answers that are drawn like `answers`.
+
+    Parameters
+    ----------
+    answers, covariates, random
+        As of `fit`; the link is logit, thresholds are flexible.
+    thresholds, effects, deviations
+        About what is to be found: of neighbouring answers, of the covariates in order, and of
+        random effects by name.
+
+    Raises
+    ------
+    ValueError
+        If there are not as many thresholds as `answers` need.
+    """
+    data, ordered = _data(answers, covariates, random, "logit", "flexible")
+    if len(thresholds) != data.thresholds.categories - 1:
+        raise ValueError("there is one threshold between every two neighbouring answers")
+    own = data.thresholds.parameters(np.asarray(thresholds, np.float64))
+    sds = [deviations[effect.name] for effect in ordered]
+    return beginning(data, np.concatenate([own, np.asarray(effects, np.float64), sds]))
+
+
+def _data(
+    answers: Sequence[int] | NDArray[np.integer],
+    covariates: Mapping[str, Sequence[float] | Floats],
+    random: Sequence[RandomEffect],
+    link: Link,
+    structure: Structure,
+) -> tuple[Answers, list[RandomEffect]]:
+    """Return what is fitted as numbers, and the random effects, the largest first."""
+    categories, codes = np.unique(np.asarray(answers), return_inverse=True)
+    if len(categories) < 2:
+        raise InputError(
+            "an ordinal model needs two different answers"
+            if len(codes)
+            else "an ordinal model needs answers",
+            remedy="Collect more answers",
+        )
+    fixed = np.column_stack(
+        [np.asarray(values, np.float64) for values in covariates.values()]
+        or [np.empty((len(codes), 0))]
+    )
+    _require_separate(fixed, list(covariates))
+    ordered = sorted(random, key=lambda effect: -len(np.unique(effect.groups)))
+    data = Answers(
+        codes=codes.astype(np.intp),
+        thresholds=Thresholds(len(categories), structure),
+        fixed=fixed,
+        layout=_layout(ordered),
+        multipliers=tuple(
+            np.ones(len(codes)) if effect.multiplier is None else effect.multiplier
+            for effect in ordered
+        ),
+        link=link,
+    )
+    return data, ordered
+
+
+def likelihood_ratio(full: OrdinalFit, reduced: OrdinalFit) -> tuple[float, int, float]:
+    """Compare two nested fits: the statistic, its degrees of freedom and the p value."""
+    statistic = max(0.0, 2 * (full.log_likelihood - reduced.log_likelihood))
+    freedom = full.parameters - reduced.parameters
+    if freedom < 1 or full.answers != reduced.answers:
+        raise ValueError("the models are not nested")
+    return statistic, freedom, float(stats.chi2.sf(statistic, freedom))
+
+
+def _require_separate(fixed: Floats, names: Sequence[str]) -> None:
+    design = np.column_stack([np.ones(len(fixed)), fixed])
+    if np.linalg.matrix_rank(design) < design.shape[1]:
+        raise InputError(
+            f"the covariates {', '.join(names)} determine one another",
+            remedy="Leave one of them out; the thresholds stand for the intercept",
+        )
+
+
+def _layout(random: Sequence[RandomEffect]) -> Layout | None:
+    if not random:
+        return None
+    codes = [np.unique(effect.groups, return_inverse=True)[1] for effect in random]
+    return Layout(
+        tuple(code.astype(np.intp) for code in codes), tuple(int(c.max()) + 1 for c in codes)
+    )
+
+
+def _result(
+    answers: Answers,
+    names: Sequence[str],
+    random: Sequence[RandomEffect],
+    parameters: Floats,
+    found: Likelihood,
+    curvature: Floats | None,
+    converged: bool,
+) -> OrdinalFit:
+    own, effects, deviations = answers.split(parameters)
+    free = free_parameters(answers, parameters)
+    covariance = np.full((len(parameters), len(parameters)), math.nan)
+    if converged and curvature is not None:
+        covariance[np.ix_(free, free)] = np.linalg.inv(curvature[np.ix_(free, free)])
+    jacobian = answers.thresholds.jacobian(own)
+    first = len(own)
+    of_thresholds = jacobian @ covariance[:first, :first] @ jacobian.T
+    of_effects = covariance[first : first + len(names), first : first + len(names)]
+    sizes = answers.layout.sizes if answers.layout is not None else ()
+    zero = tuple(
+        effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) < BOUNDARY
+    )
+    most = LARGEST if converged else LARGE
+    errors = np.sqrt(np.diagonal(of_effects))
+    separated = [
+        name
+        for name, b, error in zip(names, effects, errors, strict=True)
+        if abs(b) > most or error > abs(b) > LARGE
+    ]
+    parted = [effect.name for effect, sd in zip(random, deviations, strict=True) if abs(sd) > most]
+    return OrdinalFit(
+        estimates=dict(zip(names, effects.tolist(), strict=True)),
+        standard_errors=dict(zip(names, errors.tolist(), strict=True)),
+        covariance=pd.DataFrame(of_effects, index=list(names), columns=list(names)),
+        thresholds=tuple(answers.thresholds.values(own).tolist()),
+        threshold_errors=tuple(np.sqrt(np.diagonal(of_thresholds)).tolist()),
+        deviations={e.name: abs(float(s)) for e, s in zip(random, deviations, strict=True)},
+        log_likelihood=found.value,
+        parameters=answers.count,
+        answers=len(answers.codes),
+        groups={e.name: size for e, size in zip(random, sizes, strict=True)},
+        converged=converged and not separated and not parted,
+        boundary=zero,
+        link=answers.link,
+        structure=answers.thresholds.structure,
+        remark=_remark(
+            converged,
+            # Effects grow with the variance between groups where that is what diverges.
+            []
+            if parted and np.abs(deviations).max() > np.abs(effects).max(initial=0.0)
+            else separated,
+            parted,
+            zero,
+        ),
+    )
+
+
+def _remark(
+    converged: bool, separated: Sequence[str], parted: Sequence[str], zero: Sequence[str]
+) -> str:
+    if separated:
+        return (
+            f"The answers are separated by {', '.join(separated)}: the effect has no finite "
+            "estimate, and its standard error means nothing."
+        )
+    if parted:
+        return (
+            f"Hardly any answers differ within a {' or a '.join(parted)}, as those of small "
+            "tables may: the variance between them has no finite estimate, and the model none."
+        )
+    if not converged:
+        return "The model did not converge: its estimates must not be used."
+    if zero:
+        return (
+            f"The variance between groups of {', '.join(zero)} is at its boundary, zero: the "
+            "model is the one without it."
+        )
+    return ""

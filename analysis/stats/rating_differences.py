@@ -1,0 +1,165 @@
+"""How much better one condition is rated than another, in scores: the headline of ratings.
+
+A participant who rated both conditions in a segment gives one difference, and the mean of those
+has a two-way clustered interval. It holds its level where the mixed model's contrast does not:
+participants and segments may differ in which condition they favour, and segments may be few.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from analysis.stats.clustered_mean import LEVEL, ClusteredMean, clustered_mean
+from analysis.stats.clustered_variance import clustered_variance
+from analysis.stats.finite import finite
+
+Floats = NDArray[np.float64]
+Codes = NDArray[np.intp]
+
+PAIRED: Final = "paired ratings"
+UNPAIRED: Final = "all ratings, since few participants rated both conditions in one segment"
+
+LEAST_PAIRED: Final = 0.5
+"""Share of the ratings that must belong to pairs for the others to be left out."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RatedCells:
+    """The mean rating of each participant, segment and condition.
+
+    Attributes
+    ----------
+    means : ndarray, shape (cells, conditions)
+        NaN where a condition was not rated.
+    participants, segments : ndarray of int, shape (cells,)
+        Whose, and of which segment.
+    first : ndarray of int, shape (cells,)
+        The first of each cell's ratings, by its place among all.
+    """
+
+    means: Floats
+    participants: Codes
+    segments: Codes
+    first: Codes
+
+
+def rated_cells(
+    values: NDArray[np.number],
+    conditions: Codes,
+    participants: NDArray[np.generic],
+    segments: NDArray[np.generic],
+    *,
+    count: int,
+) -> RatedCells:
+    """Arrange ratings so that those of one participant and segment stand beside one another.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        Ratings as equally spaced numbers.
+    conditions : ndarray of int, shape (N,)
+        What was rated, from 0 to `count` - 1.
+    participants, segments : ndarray, shape (N,)
+        Who rated it, in which segment.
+    count : int
+        Number of conditions.
+    """
+    y = finite(values)
+    who = np.unique(participants, return_inverse=True)[1]
+    what = np.unique(segments, return_inverse=True)[1]
+    width = int(what.max(initial=-1)) + 1
+    cells, first, cell = np.unique(who * width + what, return_index=True, return_inverse=True)
+    place = cell * count + conditions
+    times = np.bincount(place, minlength=len(cells) * count)
+    sums = np.bincount(place, weights=y, minlength=len(cells) * count)
+    with np.errstate(invalid="ignore"):
+        means = sums / times
+    return RatedCells(
+        means=means.reshape(len(cells), count),
+        participants=cells // max(width, 1),
+        segments=cells % max(width, 1),
+        first=first,
+    )
+
+
+def mean_differences(cells: RatedCells) -> dict[tuple[int, int], ClusteredMean]:
+    """Return how much better the first is rated than the second, for every two conditions."""
+    count = cells.means.shape[1]
+    return {(a, b): mean_difference(cells, a, b) for a, b in combinations(range(count), 2)}
+
+
+def mean_difference(cells: RatedCells, a: int, b: int) -> ClusteredMean:
+    """Return how much better condition `a` is rated than condition `b`, in scores.
+
+    Where at least half of the ratings belong to pairs, it is the mean of the paired differences;
+    `answers` counts the pairs. Otherwise it is the difference of the two means.
+
+    Returns
+    -------
+    ClusteredMean
+        Tested against zero, clustered as `clustered_mean`. `method` says which ratings and which
+        variance it rests on.
+    """
+    there = ~np.isnan(cells.means[:, [a, b]])
+    both = there.all(axis=1)
+    if 2 * both.sum() < LEAST_PAIRED * there.sum():
+        return _of_all(cells, [a, b], there)
+    pairs = cells.means[both]
+    found = clustered_mean(
+        pairs[:, a] - pairs[:, b],
+        cells.participants[both],
+        cells.segments[both],
+        null=0.0,
+        limits=(-math.inf, math.inf),
+    )
+    if found.reason == "all answers alike":
+        found = replace(found, reason="all pairs of ratings differ alike")
+    return replace(found, method=f"{PAIRED}, {found.method}" if found.method else "")
+
+
+def _of_all(cells: RatedCells, pair: Sequence[int], there: NDArray[np.bool_]) -> ClusteredMean:
+    """Return the difference of two means whose ratings do not belong together."""
+    rows, column = np.nonzero(there)
+    values = cells.means[rows, np.array(pair)[column]]
+    who = np.unique(cells.participants[rows], return_inverse=True)[1]
+    what = np.unique(cells.segments[rows], return_inverse=True)[1]
+    counts = np.bincount(column, minlength=2)
+    unknown = ClusteredMean(
+        estimate=math.nan,
+        standard_error=math.nan,
+        low=math.nan,
+        high=math.nan,
+        p_value=math.nan,
+        answers=len(values),
+        participants=int(who.max(initial=-1)) + 1,
+        segments=int(what.max(initial=-1)) + 1,
+    )
+    if not counts.all():
+        return replace(unknown, reason="one of the conditions has no ratings")
+    means = np.bincount(column, weights=values) / counts
+    unknown = replace(unknown, estimate=float(means[0] - means[1]))
+    if unknown.participants < 2:
+        return replace(unknown, reason="one participant")
+    influences = np.array([1.0, -1.0])[column] * (values - means[column]) / counts[column]
+    if not influences.any():
+        return replace(unknown, reason="all ratings of a condition alike")
+    found = clustered_variance(influences, who, what, counts[column].astype(np.float64) ** -2)
+    error, law = math.sqrt(found.variance), stats.t(found.freedom)
+    reach = float(law.ppf((1 + LEVEL) / 2)) * error
+    return replace(
+        unknown,
+        standard_error=error,
+        low=unknown.estimate - reach,
+        high=unknown.estimate + reach,
+        p_value=float(2 * law.sf(abs(unknown.estimate) / error)),
+        freedom=found.freedom,
+        method=f"{UNPAIRED}, {found.method}",
+    )

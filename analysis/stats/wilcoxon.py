@@ -1,0 +1,204 @@
+"""Wilcoxon's signed-rank test, exact with ties and zeros, and the pseudo-median beside it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from analysis.stats.finite import finite
+from analysis.stats.tied_ranks import ROUNDING, tied_ranks
+
+Floats = NDArray[np.float64]
+Zeros = Literal["dropped", "pratt"]
+
+EXACT: Final = 300
+"""Up to so many values the distribution is counted out; beyond, it is taken for normal."""
+
+BY_COUNTING: Final = "exact"
+BY_NORMAL: Final = "normal approximation with tie correction"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SignedRank:
+    """Whether values lie on one side of zero, by the ranks of their sizes.
+
+    Attributes
+    ----------
+    estimate : float
+        Pseudo-median (Hodges & Lehmann 1963): the median of all pairs' means. Of all values,
+        those of zero included; NaN without any.
+    low, high : float
+        Ends of its 95 % interval; wider than that with ties, never narrower. NaN where no
+        interval of that level exists.
+    rank_biserial : float
+        Share of the ranks above zero minus that below, in [-1, 1] (Kerby 2014); NaN where there
+        is no test.
+    statistic : float
+        Sum of the ranks of positive values; NaN where there is no test.
+    p_value : float
+        Two-sided; NaN where there is no test.
+    normal_p : float
+        The same by the normal approximation with tie correction, without one for continuity, as
+        other software gives it; NaN where there is no test.
+    n, zeros : int
+        Number of values, and how many of them are zero.
+    tied : bool
+        Whether values differing from zero are equally large.
+    method : str
+        How `p_value` was found, and what was done with zeros; empty where there is no test.
+    reason : str
+        Why there is no test; empty where there is one.
+    remark : str
+        Why there is no interval; empty where there is one, or where there is no test.
+    """
+
+    estimate: float
+    low: float
+    high: float
+    rank_biserial: float
+    statistic: float
+    p_value: float
+    normal_p: float
+    n: int
+    zeros: int
+    tied: bool
+    method: str = ""
+    reason: str = ""
+    remark: str = ""
+
+
+def signed_rank(values: Floats, *, zeros: Zeros = "dropped") -> SignedRank:
+    """Test whether `values` are symmetric around zero (Wilcoxon 1945).
+
+    The distribution is that of all signs that the values could have, each with the ranks that
+    they have: ties share the mean of their ranks, and the sums of doubled ranks are counted. So
+    the p value is exact with ties too.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        One per independent unit: participants' means, not single answers.
+    zeros : {'dropped', 'pratt'}
+        Values of zero are left out before ranking (Wilcoxon), or after it (Pratt 1959).
+    """
+    values = finite(values)
+    size = np.abs(values)
+    nonzero = size > ROUNDING * size.max(initial=0.0)
+    unknown = SignedRank(
+        estimate=math.nan,
+        low=math.nan,
+        high=math.nan,
+        rank_biserial=math.nan,
+        statistic=math.nan,
+        p_value=math.nan,
+        normal_p=math.nan,
+        n=len(values),
+        zeros=int((~nonzero).sum()),
+        tied=False,
+    )
+    if not len(values):
+        return replace(unknown, reason="no values")
+    estimate, low, high = pseudo_median(values)
+    remark = "too few values for an interval at 95 %" if math.isnan(low) else ""
+    unknown = replace(unknown, estimate=estimate, low=low, high=high, remark=remark)
+    if not nonzero.any():
+        return replace(unknown, reason="all values are zero")
+    ranks = tied_ranks(size[nonzero]) if zeros == "dropped" else tied_ranks(size)[nonzero]
+    positive = values[nonzero] > 0
+    total, above = ranks.sum(), ranks[positive].sum()
+    deviation = math.sqrt(ranks @ ranks) / 2
+    normal = float(2 * stats.norm.sf(abs(above - total / 2) / deviation))
+    counted = len(ranks) <= EXACT
+    treatment = (
+        "no zeros" if nonzero.all() else "zeros dropped" if zeros == "dropped" else "Pratt's zeros"
+    )
+    return replace(
+        unknown,
+        rank_biserial=float((2 * above - total) / total),
+        statistic=float(above),
+        p_value=_by_counting(ranks, positive) if counted else normal,
+        normal_p=normal,
+        tied=len(np.unique(ranks)) < len(ranks),
+        method=f"{BY_COUNTING if counted else BY_NORMAL}, {treatment}",
+    )
+
+
+def pseudo_median(values: Floats, level: float = 0.95) -> tuple[float, float, float]:
+    """Return the median of all pairs' means with its interval.
+
+    The memory it takes grows with the square of the number of different values.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        At least one.
+    level : float
+        Confidence of the interval.
+
+    Returns
+    -------
+    tuple of float
+        Estimate, low and high end; NaN ends where N is too small for that level.
+    """
+    apart, counts = np.unique(values, return_counts=True)
+    first, second = np.triu_indices(len(apart))
+    pairs = np.where(first == second, counts[first] * (counts[first] + 1) // 2, 0)
+    pairs += np.where(first != second, counts[first] * counts[second], 0)
+    means = (apart[first] + apart[second]) / 2
+    order = np.argsort(means, kind="stable")
+    means, reached = means[order], np.cumsum(pairs[order])
+    total = int(reached[-1])
+
+    def smallest(place: int) -> float:
+        """Return the mean at `place`, from 1, when all are sorted."""
+        return float(means[np.searchsorted(reached, place)])
+
+    estimate = (smallest((total + 1) // 2) + smallest(total // 2 + 1)) / 2
+    place = _interval_place(len(values), (1 - level) / 2)
+    if place < 1:
+        return estimate, math.nan, math.nan
+    return estimate, smallest(place), smallest(total + 1 - place)
+
+
+def _interval_place(n: int, tail: float) -> int:
+    """Return which of the sorted pairs' means is the interval's low end; 0 where none is."""
+    if n > EXACT:
+        deviation = math.sqrt(n * (n + 1) * (2 * n + 1) / 24)
+        return max(0, math.floor(n * (n + 1) / 4 + stats.norm.ppf(tail) * deviation))
+    chances = sign_distribution(np.arange(1, n + 1))
+    return int(np.searchsorted(np.cumsum(chances), tail, side="right"))
+
+
+def sign_distribution(weights: NDArray[np.int64]) -> Floats:
+    """Return the chances of each sum 0, 1, ... of `weights`, each of which counts or not.
+
+    Parameters
+    ----------
+    weights : ndarray of int, shape (N,)
+        Not negative.
+
+    Returns
+    -------
+    ndarray, shape (sum of the weights + 1,)
+    """
+    chances = np.zeros(int(weights.sum()) + 1)
+    chances[0] = 1.0
+    reached = 0
+    for weight in weights.tolist():
+        end = reached + weight + 1
+        chances[:end] *= 0.5
+        chances[weight:end] += chances[: reached + 1].copy()
+        reached += weight
+    return chances
+
+
+def _by_counting(ranks: Floats, positive: NDArray[np.bool_]) -> float:
+    doubled = np.rint(2 * ranks).astype(np.int64)
+    total, above = int(doubled.sum()), int(doubled[positive].sum())
+    lower = sign_distribution(doubled)[: min(above, total - above) + 1].sum()
+    return float(min(1.0, 2 * lower))

@@ -1,0 +1,225 @@
+"""Rendering on a Dask cluster, named by the address of its scheduler.
+
+Scheduler and workers need the same Motion Jury, the same paths to the study and the body, and one
+thread a worker. Dask itself gives a dead worker's job to another one.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from types import TracebackType
+from typing import Any, Final, Self
+from uuid import uuid4
+
+from motion.errors import InputError
+from renderer.jobs.job import Job, Outcome
+from renderer.version import RENDERER_VERSION
+
+START_COMMAND: Final = (
+    "LP_NUM_THREADS=0 MALLOC_TRIM_THRESHOLD_=268435456 MALLOC_MMAP_THRESHOLD_=33554432 "
+    "dask worker {address} --nthreads 1 --nworkers -1"
+)
+"""How workers are started. Dask's own malloc settings cost a tenth of the frames per second."""
+
+_CONNECTING: Final = 8.0
+_FOR_A_WORKER: Final = 10.0
+_WITHOUT_WORKERS: Final = 120.0
+_LOOKING: Final = 5.0
+_LAST: Final = -1e9
+
+
+class ClusterWorkers:
+    """The workers of one Dask cluster.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as ``tcp://node1:8786``.
+    needed : sequence of Path
+        Absolute paths of files and folders that every worker must see.
+    """
+
+    def __init__(self, address: str, needed: Sequence[Path] = ()) -> None:
+        self._address = address
+        self._fitness = (RENDERER_VERSION, sys.version_info[:2], tuple(needed))
+        self._running: dict[str, tuple[int, Job, Any]] = {}
+        self._ended: SimpleQueue[str] = SimpleQueue()
+        # Dask blames a dead worker's death on what waited there as well, so nothing is given up
+        # at the first time.
+        self._second_chance: set[int] = set()
+        self._client: Any = None
+
+    def __enter__(self) -> Self:
+        """Connect, and look at every worker.
+
+        Raises
+        ------
+        InputError
+            If Dask is not installed, nobody answers at the address, or a worker is unfit.
+        """
+        self._client = _connected(self._address)
+        try:
+            self._check_workers()
+        except BaseException:
+            self._client.close()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Take back what no worker has begun; a video that is being written is finished."""
+        if self._client.status == "running":
+            self._client.cancel([future for _, _, future in self._running.values()])
+        self._client.close()
+
+    def room(self) -> bool:
+        """Tell whether a worker is idle; workers may come and go, so one job may always wait."""
+        self._check_connection()
+        return len(self._running) < max(1, self._count_workers())
+
+    def begin(self, number: int, job: Job) -> None:
+        """Have `job` done by any worker."""
+        self._submit(number, job, priority=-number)
+
+    def _submit(self, number: int, job: Job, priority: float) -> None:
+        from renderer.jobs.cluster_worker import do_cluster_job
+
+        future = self._client.submit(
+            do_cluster_job,
+            job,
+            *self._fitness,
+            key=f"{job.name}-{uuid4().hex}",
+            priority=priority,
+        )
+        self._running[future.key] = (number, job, future)
+        future.add_done_callback(lambda done: self._ended.put(done.key))
+
+    def ended(self) -> Sequence[tuple[int, Outcome]]:
+        """Wait until a job has ended, and return it.
+
+        Raises
+        ------
+        InputError
+            If the scheduler, or all workers for more than two minutes, are gone.
+        """
+        without_workers = 0.0
+        while True:
+            try:
+                key = self._ended.get(timeout=_LOOKING)
+            except Empty:
+                self._check_connection()
+                without_workers = 0.0 if self._count_workers() else without_workers + _LOOKING
+                if without_workers > _WITHOUT_WORKERS:
+                    raise self._no_worker() from None
+                continue
+            self._check_connection()
+            number, job, future = self._running.pop(key)
+            if _killed(future) and number not in self._second_chance:
+                self._second_chance.add(number)
+                self._submit(number, job, priority=_LAST)
+                continue
+            return [(number, _outcome(future, job))]
+
+    def _check_workers(self) -> None:
+        from renderer.jobs.cluster_worker import why_unfit
+
+        try:
+            self._client.wait_for_workers(1, timeout=_FOR_A_WORKER)
+        except TimeoutError:
+            raise self._no_worker() from None
+        found = self._client.run(why_unfit, *self._fitness, on_error="return")
+        unfit = {worker: why for worker, why in found.items() if why is not None}
+        if unfit:
+            worker, why = next(iter(unfit.items()))
+            raise InputError(
+                f"{len(unfit)} of {len(found)} workers cannot render; {worker}: {why}",
+                where=self._address,
+                remedy="Give all machines the same Motion Jury and a shared folder, and start "
+                f"workers with '{START_COMMAND.format(address=self._address)}'",
+            )
+
+    def _check_connection(self) -> None:
+        if self._client.status != "running":
+            raise self._lost()
+
+    def _count_workers(self) -> int:
+        try:
+            return len(self._client.scheduler_info()["workers"])
+        except OSError:
+            raise self._lost() from None
+
+    def _lost(self) -> InputError:
+        return InputError(
+            "the connection to the cluster was lost",
+            where=self._address,
+            remedy="Start its scheduler again; the same command goes on where it stopped",
+        )
+
+    def _no_worker(self) -> InputError:
+        return InputError(
+            "the cluster has no worker",
+            where=self._address,
+            remedy=f"Start some with '{START_COMMAND.format(address=self._address)}'",
+        )
+
+
+def _connected(address: str) -> Any:
+    """Return a client of the scheduler at `address`."""
+    try:
+        from distributed import Client
+        from distributed.comm.addressing import resolve_address
+    except ImportError:
+        raise InputError(
+            "Dask is not installed here",
+            where="--cluster",
+            remedy="Install it with: pip install 'motionjury[cluster]'",
+        ) from None
+    # A lost connection is told as an error of ours, not by Dask's tracebacks as well.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
+    client: Any = Client  # its methods carry no types
+    try:
+        # A client made for what is no address hangs, and complains, when it is thrown away.
+        resolve_address(address)
+        return client(address, timeout=_CONNECTING, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"no Dask scheduler can be reached there ({error})",
+            where=address,
+            remedy="Start one with 'dask scheduler' and give the address it prints, such as "
+            "tcp://node1:8786",
+        ) from None
+
+
+def _outcome(future: Any, job: Job) -> Outcome:
+    """Return what a worker said of `job`, or that workers died over it."""
+    if future.status == "finished":
+        outcome = future.result()
+        if not isinstance(outcome, Outcome):
+            raise TypeError(f"a worker sent {type(outcome).__name__}")
+        return outcome
+    if _killed(future):
+        return Outcome(name=job.name, error="every worker that tried it ended early")
+    problem = _problem(future)
+    said = f"the cluster gave it up ({future.status})" if problem is None else repr(problem)
+    return Outcome(name=job.name, error=f"the worker failed: {said}")
+
+
+def _killed(future: Any) -> bool:
+    """Tell whether workers died over a job, as often as Dask allows."""
+    from distributed import KilledWorker
+
+    return isinstance(_problem(future), KilledWorker)
+
+
+def _problem(future: Any) -> BaseException | None:
+    """Return what a job raised; None where it did not, or was lost or cancelled."""
+    problem: BaseException | None = future.exception() if future.status == "error" else None
+    return problem

@@ -1,0 +1,158 @@
+"""Rendering processes on this machine."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
+from types import TracebackType
+from typing import Final, Self
+
+from renderer.jobs.job import Job, Outcome
+from renderer.jobs.threads import ONE_THREAD
+
+ATTEMPTS: Final = 2
+"""How many processes may die over one job before it is given up."""
+
+_PATIENCE: Final = 10.0
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A job, its number, and which attempt at it this is."""
+
+    number: int
+    job: Job
+    attempt: int
+
+
+@dataclass(eq=False)
+class _Worker:
+    """A process, the pipe to it, and what it is busy with."""
+
+    process: SpawnProcess
+    pipe: Connection
+    task: _Task | None = None
+
+
+class LocalWorkers:
+    """Up to `processes` processes; each is started when it is first needed.
+
+    All are ended when the ``with`` block is left, however that happens.
+    """
+
+    def __init__(self, processes: int) -> None:
+        self._processes = max(1, processes)
+        self._workers: list[_Worker] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for worker in self._workers:
+            worker.process.terminate()
+            worker.pipe.close()
+        for worker in self._workers:
+            worker.process.join(_PATIENCE)
+            if worker.process.is_alive():
+                worker.process.kill()
+
+    def room(self) -> bool:
+        """Tell whether a process is idle, or may still be started."""
+        return sum(worker.task is not None for worker in self._workers) < self._processes
+
+    def begin(self, number: int, job: Job) -> None:
+        """Give `job` to an idle process, or to a new one."""
+        task = _Task(number, job, attempt=1)
+        for worker in [worker for worker in self._workers if worker.task is None]:
+            try:
+                worker.pipe.send(job)
+            except ConnectionError:  # it died while it was idle
+                self._forget(worker)
+            else:
+                worker.task = task
+                return
+        self._begin_anew(task)
+
+    def ended(self) -> Sequence[tuple[int, Outcome]]:
+        """Wait until at least one job has ended, and return those that have."""
+        ended: list[tuple[int, Outcome]] = []
+        while not ended:
+            ready = wait([worker.pipe for worker in self._workers if worker.task is not None])
+            for worker in [worker for worker in self._workers if worker.pipe in ready]:
+                task, worker.task = worker.task, None
+                outcome = self._received(worker, task) if task is not None else None
+                if task is not None and outcome is not None:
+                    ended.append((task.number, outcome))
+        return ended
+
+    def _received(self, worker: _Worker, task: _Task) -> Outcome | None:
+        """Return what `worker` says of `task`; None where it died and another has begun it."""
+        try:
+            outcome = worker.pipe.recv()
+        except (EOFError, ConnectionError):
+            reason = self._forget(worker)
+            if task.attempt < ATTEMPTS:
+                self._begin_anew(_Task(task.number, task.job, task.attempt + 1))
+                return None
+            return Outcome(
+                name=task.job.name,
+                error=f"the rendering process ended early, {ATTEMPTS} times ({reason})",
+            )
+        if not isinstance(outcome, Outcome):
+            raise TypeError(f"a worker sent {type(outcome).__name__}")
+        return outcome
+
+    def _begin_anew(self, task: _Task) -> None:
+        """Have `task` done by a new process."""
+        worker = _start_worker()
+        worker.task = task
+        self._workers.append(worker)
+        with suppress(ConnectionError):  # one that died at once is found when it is waited for
+            worker.pipe.send(task.job)
+
+    def _forget(self, worker: _Worker) -> str:
+        """Leave out a dead process; return how it ended."""
+        worker.process.join(_PATIENCE)
+        self._workers.remove(worker)
+        worker.pipe.close()
+        code = worker.process.exitcode
+        return f"signal {-code}" if code is not None and code < 0 else f"exit code {code}"
+
+
+def _start_worker() -> _Worker:
+    """Start a process that waits for jobs."""
+    # Imported by the new process alone, after its environment is set.
+    from renderer.jobs.worker import work
+
+    context = multiprocessing.get_context("spawn")
+    here, there = context.Pipe()
+    process = context.Process(target=work, args=(there,), daemon=True)
+    with _environment(ONE_THREAD):
+        process.start()
+    there.close()
+    return _Worker(process=process, pipe=here)
+
+
+@contextmanager
+def _environment(changes: dict[str, str]) -> Iterator[None]:
+    """Set environment variables for as long as the block runs."""
+    before = {name: os.environ.get(name) for name in changes}
+    os.environ.update(changes)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

@@ -1,0 +1,1 @@
+"""Pictures and sound into files, and files copied and dubbed."""

@@ -1,0 +1,130 @@
+"""Arguments that several subcommands share."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+import click
+
+from motion.errors import InputError
+from motion.formats.joint_maps import JointMap, read_joint_map
+from studyapp.study.folder import StudyFolder
+
+
+def existing_study(root: Path) -> StudyFolder:
+    """Return the study folder at `root`; raise `InputError` where there is none."""
+    folder = StudyFolder(root)
+    if not folder.definition.exists():
+        raise InputError(
+            "this is no study folder, study.toml is missing",
+            where=folder.root,
+            remedy=f"Make one with 'motionjury init {folder.root}'",
+        )
+    return folder
+
+
+class _StudyFolderType(click.ParamType[StudyFolder]):
+    name = "folder"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> StudyFolder:
+        return value if isinstance(value, StudyFolder) else existing_study(Path(str(value)))
+
+
+class _BytesType(click.ParamType[int]):
+    """A size such as ``10GB``, as a number of bytes."""
+
+    name = "size"
+    _PATTERN = re.compile(r"(\d+(?:\.\d+)?)\s*(B|kB|MB|GB|TB)?", re.IGNORECASE)
+    _UNITS = MappingProxyType({"b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12})
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> int:
+        if isinstance(value, int):
+            return value
+        found = self._PATTERN.fullmatch(str(value).strip())
+        if found is None:
+            self.fail(f"{value!r} is no size. Give one such as 10GB, 500MB or 0.", param, ctx)
+        number, unit = found.groups()
+        return round(float(number) * self._UNITS[(unit or "B").lower()])
+
+
+class _JointMapType(click.ParamType[JointMap]):
+    """A file that names the joints of a skeleton."""
+
+    name = "file"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> JointMap:
+        return value if isinstance(value, Mapping) else read_joint_map(Path(str(value)))
+
+
+joints_option = click.option(
+    "--joints",
+    "joint_map",
+    type=_JointMapType(),
+    help="The joints of a BVH, or of joint positions, of another skeleton: lines such as "
+    'pelvis = "Hips".',
+)
+
+_MOST_PROCESSES: Final = 256
+
+
+def _default_processes() -> int:
+    """Return how many processors this program may use, at most `_MOST_PROCESSES`."""
+    if hasattr(os, "sched_getaffinity"):
+        return min(len(os.sched_getaffinity(0)), _MOST_PROCESSES)
+    return min(os.cpu_count() or 1, _MOST_PROCESSES)
+
+
+study_folder = click.argument("folder", type=_StudyFolderType())
+"""The study folder; it must exist."""
+
+optional_study_folder: Callable[[Callable[..., None]], Callable[..., None]] = click.argument(
+    "folder", required=False, type=_StudyFolderType()
+)
+"""A study folder, which must exist, or none."""
+
+processes: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+    "--processes",
+    type=click.IntRange(1, _MOST_PROCESSES),
+    default=_default_processes,
+    show_default="one for each processor",
+    help="How many videos or takes are made, or segments measured, at once.",
+)
+
+cluster: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+    "--cluster",
+    metavar="ADDRESS",
+    help="Render on the Dask cluster whose scheduler is at ADDRESS, such as tcp://node1:8786. "
+    "Its workers need this version and see the study under the same path.",
+)
+
+frames_cache: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+    "--frames-cache",
+    type=_BytesType(),
+    help="Frames kept for later runs, such as 10GB; those used longest ago go first. By default "
+    "20GB, or half of the free disk where that is less.",
+)
+
+
+def public_address(
+    *, default: str | None, help: str
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Return the option that says where the study is served, for all to see."""
+    return click.option(
+        "--address",
+        default=default,
+        show_default=default is not None,
+        metavar="URL",
+        envvar="MOTIONJURY_ADDRESS",
+        help=help,
+    )

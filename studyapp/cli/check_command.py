@@ -1,0 +1,58 @@
+"""`motionjury check`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from motion.errors import InputError
+from studyapp.cli.arguments import study_folder
+from studyapp.preflight.check import check, finished_videos
+from studyapp.preflight.report import record, summed_up, told
+from studyapp.study.folder import StudyFolder
+
+
+@click.command("check")
+@study_folder
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print what is found as JSON, for programs to read."
+)
+@click.option("--all", "everything", is_flag=True, help="Tell findings of one kind one by one.")
+@click.option(
+    "--address",
+    metavar="URL",
+    help="Where participants will come to; the running study is asked for there.",
+)
+@click.option(
+    "--pilot",
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    help="A study folder that people have taken: their pace tells how long this study takes.",
+)
+def command(
+    folder: StudyFolder, as_json: bool, everything: bool, address: str | None, pilot: Path | None
+) -> None:
+    """Say everything that can go wrong before the study FOLDER is launched.
+
+    Errors must be mended; the exit status is 1 with errors alone. Warnings want a decision, notes
+    are worth knowing. docs/check.md lists every finding with its remedy.
+    """
+    findings = check(folder, address=address, pilot=None if pilot is None else StudyFolder(pilot))
+    made = record(folder.root.resolve().name, findings)
+    if as_json:
+        click.echo(made.model_dump_json(indent=1))
+        if made.errors:
+            raise click.exceptions.Exit(1)
+        return
+    for line in (
+        *told(findings, everything=everything),
+        *finished_videos(folder, everything=everything),
+    ):
+        click.echo(line)
+    if made.errors:
+        things = "1 thing" if made.errors == 1 else f"{made.errors} things"
+        raise InputError(
+            f"{things} must be mended before participants can take part ({summed_up(made)})",
+            where=folder.root,
+        )
+    click.echo(f"{folder.root} can be served ({summed_up(made)}).")

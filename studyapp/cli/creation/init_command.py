@@ -1,0 +1,230 @@
+"""`motionjury init`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any, Final, cast, get_args
+
+import click
+
+from generators.registry import generator_names, needs_model
+from motion.errors import InputError
+from motion.files import write_text
+from studyapp.cli.creation.agreeing import agreed
+from studyapp.cli.creation.init_options import LONGEST, read_amount, read_condition, read_currency
+from studyapp.cli.material.setting_options import SettingsCommand, condition_of
+from studyapp.study.creation.study_file import TEMPLATES, drafted, refuse_existing
+from studyapp.study.creation.wanted_study import WantedStudy
+from studyapp.study.folder import StudyFolder
+from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.page import Language
+from studyapp.study.settings.pay import Pay
+from studyapp.study.settings.reading import ALIASES
+from studyapp.study.settings.recruitment import Channel
+
+INTERRUPTED: Final = 130
+"""Exit status of who is interrupted (128 and the signal's number)."""
+
+
+@click.command("init", cls=SettingsCommand)
+@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.option(
+    "--ask/--no-ask",
+    default=None,
+    help="Ask for everything, with the options as first answers. In a terminal it asks if there "
+    "are no options.",
+)
+@click.option("--template", type=click.Choice(TEMPLATES), default="pairwise", show_default=True)
+@click.option(
+    "--language",
+    type=click.Choice(get_args(Language)),
+    default="en",
+    show_default=True,
+    help="What participants read in.",
+)
+@click.option(
+    "--condition",
+    "conditions",
+    multiple=True,
+    metavar="NAME=SOURCE",
+    help="A condition, in place of the template's; once for each. The source is 'files' (motion "
+    "that is imported), 'videos' (finished ones), a generator such as 'rule_based', "
+    "'mismatched:OTHER', or a network and its weights, 'NETWORK:FILE'.",
+)
+@click.option(
+    "--reference",
+    help="The condition every other one is compared with; of rankings, the one shown apart.",
+)
+@click.option(
+    "--catch-videos",
+    is_flag=True,
+    help="Videos of a broken motion will be brought in videos/broken/ for catch trials.",
+)
+@click.option("--trials", type=click.IntRange(1, 500), help="Pairs each participant judges.")
+@click.option(
+    "--participants",
+    type=click.IntRange(1, 10_000),
+    help="How many take part; of pairwise studies, in each comparison.",
+)
+@click.option(
+    "--recruit",
+    "channel",
+    type=click.Choice(get_args(Channel)),
+    help="Where participants come from. For Prolific, codes are drawn.",
+)
+@click.option("--pay", metavar="AMOUNT", help="What each participant gets, such as 2.50.")
+@click.option("--currency", metavar="CODE", help="Of the pay, three letters.")
+@click.option("--hourly-minimum", metavar="AMOUNT", help="What an hour must pay at least.")
+@click.option("--minutes", type=click.IntRange(1, LONGEST), help="How long it takes.")
+@click.option("--title", help="What participants see as the study's title.")
+@click.option("--organisation", help="Who runs the study.")
+@click.option("--contact", help="Whom participants can ask.")
+@click.option("--ethics", help="Who approved the study.")
+@click.option(
+    "--generator",
+    metavar="NETWORK",
+    help="Of a template of rankings: what --checkpoint is of. By default the paper's.",
+)
+@click.pass_context
+def command(
+    ctx: click.Context,
+    /,
+    folder: Path,
+    ask: bool | None,
+    template: str,
+    language: Language,
+    conditions: tuple[str, ...],
+    reference: str | None,
+    catch_videos: bool,
+    trials: int | None,
+    participants: int | None,
+    channel: str | None,
+    pay: str | None,
+    currency: str | None,
+    hourly_minimum: str | None,
+    minutes: int | None,
+    title: str | None,
+    organisation: str | None,
+    contact: str | None,
+    ethics: str | None,
+    generator: str | None,
+    **given: Any,
+) -> None:
+    """Make a study FOLDER with a commented study.toml that can be edited.
+
+    Without options it asks what the study is to be, shows what it will write, and writes it
+    then. A study file that is there is never overwritten.
+
+    A template of rankings takes --checkpoint and what belongs to it: the network is then one of
+    its conditions.
+    """
+    study_folder = StudyFolder(folder)
+    refuse_existing(study_folder.definition)
+    wanted = WantedStudy(
+        name=folder.resolve().name,
+        template=template,
+        language=language,
+        title=title,
+        reference=reference,
+        trials=trials,
+        participants=participants,
+        conditions=_conditions(conditions, folder),
+        catch_videos=catch_videos,
+        learned=_learned(generator, template, given, folder),
+        channel=cast("Channel | None", channel),
+        pay=_pay(channel, pay, currency, hourly_minimum),
+        minutes=minutes,
+        organisation=organisation,
+        contact=contact,
+        ethics=ethics,
+    )
+    if _is_asked(ctx, ask):
+        try:
+            text = agreed(wanted, study_folder.definition)
+        except click.Abort:
+            click.echo("\nNothing was written.", err=True)
+            raise click.exceptions.Exit(INTERRUPTED) from None
+    else:
+        _require_known_pay(wanted)
+        text = drafted(wanted, where=study_folder.definition)
+    write_text(study_folder.definition, text)
+    click.echo(f"{study_folder.definition} is ready. Next: {_next(text)}.")
+
+
+def _is_asked(ctx: click.Context, ask: bool | None) -> bool:
+    """Tell whether there are questions: where they are wanted, or a person gave no option."""
+    if ask is not None:
+        return ask
+    given = [
+        name
+        for name in ctx.params
+        if name not in ("folder", "ask")
+        and ctx.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT
+    ]
+    return not given and sys.stdin.isatty() and sys.stdout.isatty()
+
+
+def _conditions(given: tuple[str, ...], folder: Path) -> dict[str, Condition] | None:
+    named = [read_condition(text, folder) for text in given]
+    names = [name for name, _ in named]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"the condition {twice!r} is given twice", remedy="Name each once")
+    return dict(named) or None
+
+
+def _learned(
+    generator: str | None, template: str, given: dict[str, Any], folder: Path
+) -> Condition | None:
+    """Return the condition of the network that options describe, if any does."""
+    if generator is None and all(value is None for value in given.values()):
+        return None
+    protocol = ALIASES.get(template, template)
+    papers = (paper for paper, of in ALIASES.items() if of == protocol)
+    named = generator or next((paper for paper in papers if paper in generator_names()), None)
+    if protocol != "ranking" or named is None:
+        raise InputError(
+            f"the template {template!r} has no condition that a network could take over",
+            remedy="Give the network as a --condition",
+        )
+    if not needs_model(named):
+        raise InputError(f"the generator {named} is no network", remedy="Give it as a --condition")
+    learned = condition_of(named, given, folder)
+    learned.settings.within(folder)
+    return learned
+
+
+def _pay(
+    channel: str | None, amount: str | None, currency: str | None, least: str | None
+) -> Pay | None:
+    if amount is None and currency is None and least is None:
+        return None
+    code = "USD" if channel == "mturk" and currency is None else currency
+    pay = Pay(
+        amount=read_amount(amount or ""),
+        currency=read_currency(code) if code else "",
+        hourly_minimum=read_amount(least or ""),
+    )
+    if pay.problems():
+        raise InputError("an amount needs a currency", remedy="Give --currency, such as EUR")
+    return pay
+
+
+def _require_known_pay(wanted: WantedStudy) -> None:
+    """Raise `InputError` where a recruiting site would not be told what it must be."""
+    if wanted.channel not in ("prolific", "mturk"):
+        return
+    paid = wanted.pay is not None and wanted.pay.amount
+    missing = [*([] if paid else ["--pay"]), *([] if wanted.minutes else ["--minutes"])]
+    if missing:
+        raise InputError(
+            f"recruiting sites must be told {' and '.join(missing)}", remedy="Give it as well"
+        )
+
+
+def _next(text: str) -> str:
+    """Return what comes after a new study."""
+    if "videos = true" in (line.split("#")[0].strip() for line in text.splitlines()):
+        return "put your videos into videos/CONDITION/SEGMENT.mp4, then run 'motionjury check'"
+    return "'motionjury import' brings in speech"

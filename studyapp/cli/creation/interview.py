@@ -1,0 +1,206 @@
+"""What a study is to be, asked question by question in a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final, cast
+
+import click
+
+from motion.errors import InputError
+from studyapp.cli.creation.asking import ask, choose
+from studyapp.cli.creation.asking_conditions import ask_conditions
+from studyapp.cli.creation.init_options import (
+    LONGEST,
+    read_amount,
+    read_count,
+    read_currency,
+)
+from studyapp.study.creation.study_file import template_participants
+from studyapp.study.creation.wanted_study import WantedStudy
+from studyapp.study.settings.page import Language, reaches_somebody
+from studyapp.study.settings.pay import Pay
+from studyapp.study.settings.reading import ALIASES
+from studyapp.study.settings.recruitment import Channel
+
+_TEMPLATES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "pairwise": "two motions of the same speech side by side: which one is preferred? As in "
+        "AMUSE; for few conditions and small differences",
+        "rating": "several motions of one speech on a page, each rated on a scale. As in S2UE; for "
+        "absolute judgements of many conditions",
+        "ranking": "several motions of one speech put in order, beside the recording. As in "
+        "DiffSHEG; for many conditions that plainly differ",
+        "mismatch": "one motion with its own and with another speech: which fits? As in GENEA; "
+        "whether motion follows speech at all",
+        "three-systems": "AMUSE, DiffSHEG and Speech2UnifiedExpressions beside rules, mismatched "
+        "motion and the recording, in pairs; for networks that you have",
+    }
+)
+
+LANGUAGES: Final[Mapping[str, str]] = MappingProxyType(
+    {"en": "English", "de": "German", "ja": "Japanese"}
+)
+
+CHANNELS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "link": "whoever has the study's address; each who finishes gets a code of their own",
+        "invitations": "people whom you write to; each gets a link of their own",
+        "prolific": "people from Prolific; drafts, places and pay go through its API",
+        "mturk": "workers of Mechanical Turk, if you are a requester there already",
+    }
+)
+
+
+def interview(before: WantedStudy, folder: Path) -> WantedStudy:
+    """Ask for everything that a study needs; an empty answer takes what stands in brackets.
+
+    Parameters
+    ----------
+    before : WantedStudy
+        What is known already: from options, or from answers that are gone through again.
+    folder : Path
+        The study's, from which files are named.
+    """
+    click.echo(
+        "An empty answer takes what stands in [brackets], '-' takes nothing instead. Ctrl-C "
+        "leaves, and writes nothing."
+    )
+    template = choose(
+        "Protocol",
+        "What do participants do? Everything else follows from it.",
+        _TEMPLATES,
+        default=ALIASES.get(before.template, before.template),
+    )
+    compared = ask_conditions(template, before, folder)
+    language = choose(
+        "Language",
+        "What do participants read in? The pages, the questions and the consent text follow.",
+        LANGUAGES,
+        default=before.language,
+    )
+    each = "for each comparison with the reference" if template == "pairwise" else "in all"
+    participants = ask(
+        "Participants",
+        f"How many take part, {each}? The published studies had as many as stand here; 'motionjury "
+        "plan' says how many a difference needs.",
+        default=str(before.participants or template_participants(template)),
+        read=read_count(10_000, what="participants"),
+    )
+    wanted = replace(
+        before,
+        template=template,
+        conditions=compared.conditions,
+        reference=compared.reference,
+        catch_videos=compared.catch_videos,
+        language=cast(Language, language),
+        participants=participants,
+    )
+    return _told(_recruited(wanted))
+
+
+def _recruited(wanted: WantedStudy) -> WantedStudy:
+    """Ask where participants come from, what they get and how long it takes."""
+    channel = choose(
+        "Recruiting",
+        "Where do participants come from? It can be changed while the study runs.",
+        CHANNELS,
+        default=wanted.channel or "link",
+    )
+    recruiter = channel in ("prolific", "mturk")
+    before = wanted.pay or Pay()
+
+    def read(text: str) -> str:
+        amount = "" if text == "-" else read_amount(text)
+        if recruiter and not amount:
+            raise InputError("recruiting sites must be told what participants get")
+        return amount
+
+    amount = ask(
+        "Pay",
+        "What does each participant get, as a number such as 2.50? It is told to participants, and "
+        "'motionjury check' says what an hour pays." + ("" if recruiter else " Empty for nothing."),
+        default=before.amount,
+        read=read,
+    )
+    currency = "USD" if channel == "mturk" and amount else ""
+    if amount and not currency:
+        currency = ask(
+            "Currency",
+            "In which currency? Three letters. On Prolific: that of your account, GBP or USD.",
+            default=before.currency or ("GBP" if channel == "prolific" else ""),
+            read=read_currency,
+        )
+    return replace(
+        wanted,
+        channel=cast(Channel, channel),
+        pay=before.model_copy(update={"amount": amount, "currency": currency}) if amount else None,
+        minutes=_minutes(wanted, recruiter=recruiter),
+    )
+
+
+def _minutes(wanted: WantedStudy, *, recruiter: bool) -> int | None:
+    count = read_count(LONGEST, what="minutes")
+
+    def read(text: str) -> int | None:
+        if text in ("", "-") and not recruiter:
+            return None
+        return count(text)
+
+    why = "How many minutes does it take? 'motionjury check' reckons it from your videos and "
+    why += "questions, and says where this is wrong."
+    default = str(wanted.minutes) if wanted.minutes else ("20" if recruiter else "")
+    return ask(
+        "Minutes", why + ("" if recruiter else " Empty for now."), default=default, read=read
+    )
+
+
+def _told(wanted: WantedStudy) -> WantedStudy:
+    """Ask for what participants are told before they agree."""
+    title = ask(
+        "Title",
+        "What do participants see as the study's title? It should not tell what you expect.",
+        default=wanted.title or "",
+        read=lambda text: _text(text, 200) or None,
+    )
+    organisation = ask(
+        "Institution",
+        "Who runs the study? Participants read it before they agree.",
+        default=wanted.organisation or "",
+        read=lambda text: _text(text, 200),
+    )
+    contact = ask(
+        "Contact",
+        "Whom can they ask? An e-mail address that somebody reads.",
+        default=wanted.contact or "",
+        read=_address,
+    )
+    ethics = ask(
+        "Ethics",
+        "Who approved the study? The committee and its number; empty if that is still to come.",
+        default=wanted.ethics or "",
+        read=lambda text: _text(text, 300),
+    )
+    return replace(wanted, title=title, organisation=organisation, contact=contact, ethics=ethics)
+
+
+def _text(text: str, longest: int) -> str:
+    """Return what was typed, nothing for a dash; `InputError` where it is too long."""
+    if text == "-":
+        return ""
+    if len(text) > longest:
+        raise InputError(f"that is longer than {longest} characters", remedy="Say it shorter")
+    return text
+
+
+def _address(text: str) -> str:
+    """Return a contact; one that reaches nobody is refused, none at all can be filled in later."""
+    if text not in ("", "-") and not reaches_somebody(text):
+        raise InputError(
+            f"{text!r} does not say how to reach anybody",
+            remedy="Give an e-mail address, a page or a telephone number; or nothing for now",
+        )
+    return _text(text, 200)

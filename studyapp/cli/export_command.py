@@ -1,0 +1,161 @@
+"""`motionjury export`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import click
+
+from motion.errors import InputError
+from studyapp.cli.arguments import study_folder
+from studyapp.researchers.audit import reason_given
+from studyapp.results.export.sharing import Shared, share
+from studyapp.results.export.typed import Format
+from studyapp.results.export.writing import export
+from studyapp.study.folder import StudyFolder
+
+FORMATS: Final[dict[str, tuple[Format, ...]]] = {
+    "csv": ("csv",),
+    "parquet": ("parquet",),
+    "both": ("csv", "parquet"),
+}
+
+
+@click.command("export")
+@study_folder
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="The main table; responses.csv in the study folder by default. The others lie beside it.",
+)
+@click.option(
+    "--format",
+    "written_as",
+    type=click.Choice(list(FORMATS)),
+    default=None,
+    help="What to write.  [default: what --out ends in, else csv]",
+)
+@click.option(
+    "--folder",
+    "shared",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Write a folder for another lab instead: BIDS' behavioural data, and all that repeats "
+    "the report byte for byte.",
+)
+@click.option("--with-videos", is_flag=True, help="With --folder: copy the videos too.")
+@click.option(
+    "--with-free-text",
+    is_flag=True,
+    help="With --folder: put in what participants wrote in their own words. It may name people.",
+)
+@click.option("--rehearsal", is_flag=True, help="Export the simulated participants instead.")
+@click.option(
+    "--withdrawn",
+    is_flag=True,
+    help="Export what was kept of participants who withdrew instead; it is never analysed.",
+)
+@click.option(
+    "--with-recruiter-ids",
+    is_flag=True,
+    help="Write recruiter_ids.csv too: which pseudonym is whom. It names people.",
+)
+@click.option(
+    "--reason",
+    help="Why you export participants' answers; it stands in the study's log of looks and, where "
+    "you export before the end, in later reports.",
+)
+def command(
+    folder: StudyFolder,
+    out: Path | None,
+    written_as: str | None,
+    shared: Path | None,
+    with_videos: bool,
+    with_free_text: bool,
+    rehearsal: bool,
+    withdrawn: bool,
+    with_recruiter_ids: bool,
+    reason: str | None,
+) -> None:
+    """Write the answers of the study FOLDER as tidy tables, with a codebook.
+
+    The main table has one row for each answer. Tables beside it hold the participants, what they
+    said about themselves (_form), how each video was watched (_watching), which requests were
+    refused (_refusals) and what was changed meanwhile (_log). Participants have pseudonyms.
+    """
+    if reason is not None and (rehearsal or withdrawn):
+        raise InputError(
+            "--reason is for answers that are analysed, which alone are logged as seen",
+            where="--reason",
+            remedy="Leave it out",
+        )
+    why = "" if reason is None else reason_given(reason)
+    if shared is not None:
+        _refuse_beside_folder(
+            {
+                "--out": out is not None,
+                "--format": written_as is not None,
+                "--withdrawn": withdrawn,
+                "--with-recruiter-ids": with_recruiter_ids,
+            }
+        )
+        done = share(
+            folder,
+            shared,
+            rehearsal=rehearsal,
+            videos=with_videos,
+            free_text=with_free_text,
+            reason=why,
+        )
+        _say_shared(done, shared)
+        return
+    if with_videos or with_free_text:
+        raise InputError(
+            "--with-videos and --with-free-text are for a folder for another lab",
+            remedy="Add --folder OUT, or leave them out",
+        )
+    kinds = ("rehearsal_" if rehearsal else "") + ("withdrawn_" if withdrawn else "")
+    path = out or folder.root / f"{kinds}responses.csv"
+    if written_as is None:
+        written_as = path.suffix.lstrip(".")
+    if written_as not in FORMATS:
+        raise InputError(
+            f"{path.name} ends neither in .csv nor in .parquet",
+            where="--out",
+            remedy="Give it one of these endings, or say --format",
+        )
+    written = export(
+        folder,
+        path,
+        formats=FORMATS[written_as],
+        rehearsal=rehearsal,
+        withdrawn=withdrawn,
+        with_recruiter_ids=with_recruiter_ids,
+        reason=why,
+    )
+    click.echo(f"Wrote {written.answers} answers to {written.files[0]}")
+    click.echo(f"Beside it: {', '.join(file.name for file in written.files[1:])}")
+    for remark in filter(None, (written.remark, written.look)):
+        click.echo(remark)
+    if not (written.answers or rehearsal or withdrawn) and folder.rehearsal.exists():
+        click.echo("Nobody has answered yet; --rehearsal exports the simulated participants.")
+
+
+def _refuse_beside_folder(given: dict[str, bool]) -> None:
+    wrong = [name for name, is_given in given.items() if is_given]
+    if wrong:
+        raise InputError(
+            f"{', '.join(wrong)} cannot be given with --folder",
+            remedy="Export tables and the folder one after the other",
+        )
+
+
+def _say_shared(done: Shared, out: Path) -> None:
+    click.echo(f"Wrote {done.participants} participants to {out}")
+    click.echo(f"There, 'motionjury report {done.study}' repeats the results.")
+    for remark in done.remarks:
+        click.echo(remark)
+    click.echo(
+        "Before you pass it on: it holds study.toml as it is, with contact and codes, and the "
+        "study's speech and motion, whose licence must allow that."
+    )

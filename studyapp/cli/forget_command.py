@@ -1,0 +1,70 @@
+"""`motionjury forget`."""
+
+from __future__ import annotations
+
+import click
+
+from motion.listing import listed
+from studyapp.cli.arguments import study_folder
+from studyapp.custody.erasure import copies_to_mend, forget_participant, remembered_of
+from studyapp.custody.forgetting import Remembered
+from studyapp.study.folder import StudyFolder
+
+
+@click.command("forget")
+@study_folder
+@click.argument("participant")
+@click.option("--yes", is_flag=True, help="Erase without asking.")
+def command(folder: StudyFolder, participant: str, yes: bool) -> None:
+    """Erase PARTICIPANT of the study FOLDER, who may be answering at this moment.
+
+    PARTICIPANT is the recruiter's id, the pseudonym of an export, or the completion code. What is
+    erased and what remains is said before anything happens.
+    """
+    found = remembered_of(folder, participant)
+    if not found:
+        forget_participant(folder, participant)
+        click.echo(
+            "Nobody in this study has that recruiter id, pseudonym or completion code (any more): "
+            "nothing was erased. If there should be somebody, check how it is written."
+        )
+        return
+    for one in found:
+        click.echo(_what_goes(one))
+    click.echo(
+        "What remains: one row that says that a study session in this arm is gone, and since when; "
+        "a line in the log with its number and no name; and the place, which somebody else can "
+        "take while the study is open. Whoever comes again under the same id begins anew. Erased "
+        "answers count in no later report, also where they were analysed before."
+    )
+    if not yes:
+        click.confirm("Erase this for good?", abort=True)
+    forget_participant(folder, participant)
+    click.echo("Erased, and nothing is left in the database's files.")
+    click.echo(_by_hand(folder))
+
+
+def _what_goes(one: Remembered) -> str:
+    if one.study_session is None:
+        return "Screened out, found by the recruiter's id. What goes: that it was so."
+    return (
+        f"Study session {one.study_session} ({one.state}, arm {one.arm}), found by its "
+        f"{one.known_as}. What goes: {one.answers} answers with their trials, "
+        f"{one.watch_records} records of what was watched, {one.form_answers} answers about the "
+        f"person, {one.refusals} refused requests, the recruiter's ids, the completion code, and "
+        "whether and why researchers excluded them."
+    )
+
+
+def _by_hand(folder: StudyFolder) -> str:
+    copies = copies_to_mend(folder)
+    here = (
+        f"Beside the study, {listed(copies)} may still hold them: export and report again, or "
+        "remove these. "
+        if copies
+        else ""
+    )
+    return (
+        f"Left to do by hand: {here}Folders and tables given to others, backups of the database "
+        "and of its server, and the recruiter's own records are out of reach from here."
+    )

@@ -1,0 +1,102 @@
+"""`motionjury`: the front door."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module, metadata
+from typing import Any, Final
+
+import click
+
+from motion.errors import InputError
+
+_COMMANDS: Final = {
+    "backup": "Back up a study into one file, or check a backup.",
+    "check": "Say everything that can go wrong before launch.",
+    "corpus": "Make speech and motion with known truth, to train and test on.",
+    "demo": "Run the whole line on synthetic speech, from nothing to a report.",
+    "deploy": "Write the files with which a server serves the study to the world.",
+    "exclude": "Leave a participant out of the analysis, with a reason, or take one in again.",
+    "export": "Write the answers as tidy tables with a codebook, or as a folder for another lab.",
+    "figure": "Make figures and videos for the paper.",
+    "forget": "Erase a participant.",
+    "generate": "Make the motion of every generated condition.",
+    "import": "Bring recorded motion and speech, or motion made elsewhere, into a study.",
+    "init": "Make a study folder with a commented study.toml.",
+    "metrics": "Compute automatic metrics of a study, or of folders of motion files.",
+    "plan": "Say how many participants and segments a study needs.",
+    "preview": "Look at any motion file: a video and a sheet of frames.",
+    "publish-media": "Bring the videos into an S3-compatible store.",
+    "recruit": "Bring participants to the study, and pay those of a recruiting site.",
+    "rehearse": "Let simulated participants take the study over real HTTP.",
+    "render": "Render clips and side-by-side pairs.",
+    "report": "Write the report.",
+    "researchers": "Say who may see the study's pages, and let people in.",
+    "restore": "Bring a study back from a backup.",
+    "serve": "Serve the study to participants.",
+    "train": "Train networks on your own recordings.",
+}
+
+_ROOMS: Final = {
+    "init": "creation.",
+    "recruit": "recruitment.",
+    **dict.fromkeys(
+        ("corpus", "figure", "generate", "import", "preview", "render", "train"), "material."
+    ),
+}
+"""Packages of `studyapp.cli` that hold a command; all others stand in it directly."""
+
+
+class _LazyCommands(click.Group):
+    """Imports a subcommand only when it is run, so that each one starts fast."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _COMMANDS:
+            return None
+        room = _ROOMS.get(cmd_name, "")
+        module = import_module(f"studyapp.cli.{room}{cmd_name.replace('-', '_')}_command")
+        command: click.Command = module.command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(sorted(_COMMANDS.items()))
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            if ctx.params["debug"]:
+                raise
+            raise click.ClickException(str(error)) from error
+        except OSError as error:
+            if ctx.params["debug"] or error.filename is None:
+                raise
+            raise click.ClickException(
+                f"{error.filename}: {error.strerror}. Check that this is the right path, and that "
+                "it may be read and written."
+            ) from error
+
+
+@click.group(cls=_LazyCommands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(metadata.version("motionjury"), prog_name="motionjury")
+@click.option("--debug", is_flag=True, help="Show a traceback when something fails.")
+def group(debug: bool) -> None:
+    """Find out which generated motion people prefer, and whether the metrics agree."""
+
+
+def main() -> None:
+    """Run the command line; an interruption says how to go on."""
+    try:
+        group(standalone_mode=False, prog_name="motionjury")
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("\nInterrupted. The same command goes on where it stopped.", err=True)
+        sys.exit(130)
+    except click.exceptions.Exit as leaving:
+        sys.exit(leaving.exit_code)

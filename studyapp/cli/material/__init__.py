@@ -1,0 +1,1 @@
+"""The subcommands that make speech, motion and videos, and that train networks."""

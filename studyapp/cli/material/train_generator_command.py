@@ -1,0 +1,194 @@
+"""`motionjury train NAME`, for every generator that learns."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, get_args
+
+import click
+
+from generators.registry import trainable_of
+from generators.trainable import Device, Trainable, TrainingChoice, TrainingRequest, run_of
+from motion.errors import InputError
+from studyapp.cli.progress import progress
+from training.data.take import KINDS
+
+if TYPE_CHECKING:
+    from generators.trainable import TrainedGenerator
+
+_NAMED: Final = 10
+"""Recordings that could not be used are named up to this many; the rest are counted."""
+
+_CHANGES: Final = ("steps", "batch_size", "learning_rate", "precision", "accumulate")
+"""Options that change a field of the training's config where they are given."""
+
+_folder = click.Path(file_okay=False, path_type=Path)
+_file = click.Path(dir_okay=False, path_type=Path)
+
+
+def generator_command(name: str) -> click.Command:
+    """Return the command that trains generator `name`."""
+    trainable = trainable_of(name)
+
+    def callback(**given: Any) -> None:
+        _train(name, trainable, given)
+
+    sizes = "; ".join(f"{size}: {what}" for size, what in trainable.configs.items())
+    options = [
+        click.Option(
+            ["--data"],
+            required=True,
+            type=_folder,
+            help="Recordings as BEAT, BEAT2, SHOW or 'motionjury corpus' lay them out.",
+        ),
+        click.Option(
+            ["--kind"],
+            type=click.Choice(KINDS),
+            help="Layout of --data, where its content does not tell it.",
+        ),
+        click.Option(["--split"], type=_file, help="A list that says what each take is for."),
+        click.Option(
+            ["--config"],
+            type=click.Choice(list(trainable.configs)),
+            default=next(iter(trainable.configs)),
+            show_default=True,
+            help=f"{sizes}.",
+        ),
+        click.Option(
+            ["--out"],
+            type=_file,
+            default=Path(f"{name}.safetensors"),
+            show_default=True,
+            help="The network's file; the run is kept beside it.",
+        ),
+        click.Option(
+            ["--cache"],
+            type=_folder,
+            help="Keeps what is computed of the recordings; by default features beside --out.",
+        ),
+        *(
+            click.Option(
+                [f"--{choice.name.replace('_', '-')}"],
+                type=_type_of(choice),
+                help=choice.help,
+            )
+            for choice in trainable.choices
+        ),
+        click.Option(["--steps"], type=click.IntRange(1), help="Updates of the weights."),
+        click.Option(["--batch-size"], type=click.IntRange(1), help="Windows in an update."),
+        click.Option(["--learning-rate"], type=click.FloatRange(0, 1, min_open=True)),
+        click.Option(
+            ["--accumulate"],
+            type=click.IntRange(1),
+            help="Parts that an update is computed in, where memory holds no whole one.",
+        ),
+        click.Option(
+            ["--precision"],
+            type=click.Choice(["float32", "bfloat16", "float16"]),
+            help="What layers are computed in that bear less than float32.",
+        ),
+        click.Option(["--seed"], type=click.IntRange(0), default=0, show_default=True),
+        click.Option(
+            ["--device"],
+            type=click.Choice(get_args(Device)),
+            default="cpu",
+            show_default=True,
+        ),
+        click.Option(
+            ["--processes"],
+            type=click.IntRange(1),
+            default=1,
+            show_default=True,
+            help="Processes that train together on this machine; one for each graphics processor.",
+        ),
+    ]
+    return click.Command(
+        name,
+        params=list(options),
+        callback=callback,
+        short_help=trainable.summary,
+        help=f"{trainable.summary}\n\n{_paragraph(trainable.explanation)}\n\n"
+        "An interrupted run goes on when the same command is given.",
+    )
+
+
+def _type_of(choice: TrainingChoice) -> click.ParamType[Any]:
+    if choice.values:
+        return click.Choice(choice.values)
+    return _file if choice.file else _folder
+
+
+def _paragraph(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
+    # Imported here: torch takes seconds to load, which --help need not wait for.
+    from training.data.any_folder import read_takes
+    from training.launching import group_size, is_leader, run_in_processes
+
+    out: Path = given["out"]
+    if given["processes"] > 1 and group_size() == 1:
+        sys.exit(run_in_processes(given["processes"], [sys.executable, *sys.orig_argv[1:]]))
+    if out.exists() and not (run_of(out) / "checkpoint.safetensors").exists():
+        raise InputError(
+            "there is a file already, and not the run that would go on to make it",
+            where=out,
+            remedy="Name another --out, or move the file away",
+        )
+    takes = read_takes(given["data"], kind=given["kind"], split_list=given["split"])
+    if is_leader():
+        for note in takes.notes:
+            click.echo(note)
+    request = TrainingRequest(
+        takes=takes,
+        out=out,
+        cache=given["cache"] or out.parent / "features",
+        config=given["config"],
+        changes={
+            "seed": given["seed"],
+            **{key: given[key] for key in _CHANGES if given[key] is not None},
+        },
+        choices={
+            choice.name: str(given[choice.name])
+            for choice in trainable.choices
+            if given[choice.name] is not None
+        },
+        device=given["device"],
+    )
+    trained = _trained(trainable, request)
+    if is_leader():
+        _tell(trained)
+        click.echo(f"Wrote {out}; '{trainable.taken_by.format(out=out)}' takes it.")
+
+
+def _trained(trainable: Trainable, request: TrainingRequest) -> TrainedGenerator:
+    """Train the network; an interruption says what was saved."""
+    from training.launching import is_leader
+    from training.loop import TrainingStopped
+
+    with progress("prepare", "take") as take, progress("train", "step") as step:
+        try:
+            shown = replace(request, show_preparing=take, show_training=step)
+            return trainable.load()(shown)
+        except TrainingStopped as stopped:
+            if is_leader():
+                steps = f"step {stopped.step} of {stopped.steps}"
+                click.echo(f"\nStopped after {steps}; saved in {request.run}", err=True)
+            raise
+
+
+def _tell(trained: TrainedGenerator) -> None:
+    """Say what was learned, from what, and what is to be doubted."""
+    for error in trained.skipped[:_NAMED]:
+        click.echo(f"skipped: {error}", err=True)
+    if trained.skipped:
+        count = len(trained.skipped)
+        more = f", {count - _NAMED} of them not named here" if count > _NAMED else ""
+        click.echo(f"{count} {'take' if count == 1 else 'takes'} skipped{more}.", err=True)
+    for sentence in trained.sentences:
+        click.echo(sentence)
+    for warning in trained.warnings:
+        click.echo(warning, err=True)

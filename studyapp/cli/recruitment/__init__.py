@@ -1,0 +1,1 @@
+"""`motionjury recruit`, for every place where participants come from."""

@@ -1,0 +1,186 @@
+"""`motionjury report`."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from analysis.answers.layouts import LAYOUTS
+from analysis.results.left_out import MAX_CATCH_FAILURES
+from motion.errors import InputError
+from studyapp.cli.arguments import optional_study_folder
+from studyapp.researchers.audit import reason_given
+from studyapp.results.report import report, report_table
+from studyapp.study.creation.written_exclusion import read_exclusion
+from studyapp.study.folder import StudyFolder
+
+
+@click.command("report")
+@optional_study_folder
+@click.option(
+    "--responses",
+    type=click.Path(path_type=Path),
+    help="Report a table of answers, CSV or Parquet, of any platform instead of a study; its "
+    "columns are described in docs/report-contract.md.",
+)
+@click.option("--protocol", type=click.Choice(list(LAYOUTS)), help="How the table was answered.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="The folder that gets results.json, report.html and tables.",
+)
+@click.option(
+    "--max-catch-failures",
+    type=click.IntRange(0),
+    metavar="N",
+    help="Of a table: exclude who failed more than N catch trials.  "
+    f"[default: {MAX_CATCH_FAILURES}]",
+)
+@click.option(
+    "--margin",
+    type=click.FloatRange(0, min_open=True),
+    help="The largest difference that does not matter, stated before the answers were seen; of a "
+    "win share from one half (such as 0.05), of two mean ratings in scores. A study states its "
+    "own as 'margin' in study.toml; one given here is marked as exploratory.",
+)
+@click.option(
+    "--family",
+    metavar="FAMILY",
+    help="Which tests decide, and are corrected together: all (unless told otherwise), by "
+    "question, against=CONDITION, primary=CONDITION,CONDITION[,QUESTION]. A study states its own "
+    "as 'family' in study.toml; one given here is marked as exploratory.",
+)
+@click.option(
+    "--scale",
+    metavar="LOW-HIGH",
+    help="Of a table of ratings: the lowest and the highest rating that could be given, such as "
+    "1-5. Others are refused, and intervals end there.",
+)
+@click.option(
+    "--exclude",
+    "exclude",
+    multiple=True,
+    metavar="RULE",
+    help="Leave out more participants, marked as exploratory: incomplete, catch>N, attention>N, "
+    "coverage<SHARE, time<SECONDS[,share=SHARE], straight_lining>=SHARE[,trials=N]. Can be "
+    "repeated; planned rules stand in study.toml.",
+)
+@click.option(
+    "--rehearsal",
+    is_flag=True,
+    help="Report the rehearsal's answers, though participants have answered.",
+)
+@click.option(
+    "--reason",
+    help="Why you look at the results of a study; it stands in the study's log of looks and, "
+    "where you look before the end, in later reports.",
+)
+def command(
+    folder: StudyFolder | None,
+    responses: Path | None,
+    protocol: str | None,
+    out: Path | None,
+    max_catch_failures: int | None,
+    margin: float | None,
+    family: str | None,
+    scale: str | None,
+    exclude: tuple[str, ...],
+    rehearsal: bool,
+    reason: str | None,
+) -> None:
+    """Write the report of the study FOLDER: preferences and metrics, side by side.
+
+    Or of a table of answers: --responses FILE --protocol NAME --out DIR.
+    """
+    of_table = {
+        "--responses": responses,
+        "--protocol": protocol,
+        "--out": out,
+        "--max-catch-failures": max_catch_failures,
+        "--scale": scale,
+    }
+    if rehearsal and folder is None:
+        raise InputError(
+            "--rehearsal is for a study; a table has none",
+            where="--rehearsal",
+            remedy="Leave it out",
+        )
+    added = [read_exclusion(text, where="--exclude") for text in exclude]
+    if folder is not None:
+        _refuse([name for name, value in of_table.items() if value is not None])
+        why = "" if reason is None else reason_given(reason)
+        page = report(
+            folder,
+            exclude=added,
+            margin=margin,
+            family=family,
+            reason=why,
+            rehearsal=rehearsal,
+            warn=click.echo,
+        )
+        click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
+        return
+    if responses is None or protocol is None or out is None:
+        _refuse_incomplete([name for name in _NEEDED if of_table[name] is None])
+        return
+    _refuse_of_table(reason)
+    page = report_table(
+        responses,
+        protocol,
+        out,
+        max_catch_failures=(
+            MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
+        ),
+        margin=margin,
+        family="all" if family is None else family,
+        scale=None if scale is None else _scale(scale, protocol),
+        exclude=[section.made() for section in added],
+    )
+    click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
+
+
+def _scale(text: str, protocol: str) -> tuple[int, int]:
+    """Return the ends of a scale."""
+    ends = re.fullmatch(r"(\d{1,4})-(\d{1,4})", text.strip())
+    if ends is None or not int(ends[1]) < int(ends[2]) or protocol != "rating":
+        raise InputError(
+            f"{text!r} is no scale of a {protocol} table",
+            where="--scale",
+            remedy="Of ratings, write the lowest and the highest, such as 1-5",
+        )
+    return int(ends[1]), int(ends[2])
+
+
+_NEEDED = ("--responses", "--protocol", "--out")
+
+
+def _refuse(given: list[str]) -> None:
+    if given:
+        raise InputError(
+            f"{', '.join(given)} cannot be given with a study folder, which states all that itself",
+            remedy="Leave out either the folder or the options",
+        )
+
+
+def _refuse_of_table(reason: str | None) -> None:
+    if reason is not None:
+        raise InputError(
+            "--reason is for a study, which has a log of looks; a table has none",
+            where="--reason",
+            remedy="Leave it out",
+        )
+
+
+def _refuse_incomplete(missing: list[str]) -> None:
+    if len(missing) == len(_NEEDED):
+        raise InputError(
+            "there is nothing to report",
+            remedy="Give a study folder, or a table with --responses FILE --protocol NAME "
+            "--out DIR",
+        )
+    raise InputError(
+        f"{', '.join(missing)} is missing for the report of a table",
+        remedy="Give --responses FILE --protocol NAME --out DIR",
+    )

@@ -1,0 +1,72 @@
+"""`motionjury researchers`."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import click
+
+from studyapp.cli.arguments import public_address, study_folder
+from studyapp.researchers.management import (
+    invitation,
+    link_for_new_password,
+    listed_researchers,
+    without_second_factor,
+)
+from studyapp.researchers.roles import ROLES, Role
+from studyapp.study.folder import StudyFolder
+
+address = public_address(
+    default="http://127.0.0.1:8000/", help="Where the study is served; the link begins with it."
+)
+
+
+@click.group("researchers")
+@study_folder
+@click.pass_context
+def command(context: click.Context, folder: StudyFolder) -> None:
+    """Say who may see the pages of the study FOLDER, and let people in.
+
+    Owners do the same on those pages; this is for who is locked out of them.
+    """
+    context.obj = folder
+
+
+@command.command("list")
+@click.pass_obj
+def list_(folder: StudyFolder) -> None:
+    """List all researchers with their roles."""
+    found = listed_researchers(folder)
+    for account in found:
+        out = ", shut out" if account.disabled_at else ""
+        out += ", second factor" if account.has_second_factor else ""
+        click.echo(f"{account.name} ({account.role}{out}), since {account.joined_at:%Y-%m-%d}")
+    if not found:
+        click.echo("Nobody yet; 'motionjury serve' prints a link for the first owner.")
+
+
+@command.command("invite")
+@click.option("--role", type=click.Choice(ROLES), required=True, help="What they may do.")
+@address
+@click.pass_obj
+def invite(folder: StudyFolder, role: str, address: str) -> None:
+    """Print a link with which somebody joins: once, within three days."""
+    click.echo(f"{address.rstrip('/')}/{invitation(folder, cast(Role, role))}")
+
+
+@command.command("reset")
+@click.argument("name")
+@address
+@click.pass_obj
+def reset(folder: StudyFolder, name: str, address: str) -> None:
+    """Print a link with which the researcher NAME chooses a new password: once, within a day."""
+    click.echo(f"{address.rstrip('/')}/{link_for_new_password(folder, name)}")
+
+
+@command.command("reset-second-factor")
+@click.argument("name")
+@click.pass_obj
+def reset_second_factor(folder: StudyFolder, name: str) -> None:
+    """Let the researcher NAME, whose device is lost, log in without a code again."""
+    without_second_factor(folder, name)
+    click.echo(f"{name} logs in with the password alone, until they turn a second factor on again.")

@@ -1,0 +1,148 @@
+"""`motionjury serve`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from urllib.parse import urlsplit
+
+import click
+
+from motion.errors import InputError
+from studyapp.cli.arguments import public_address, study_folder
+from studyapp.clock import Clock
+from studyapp.database.engine import Database, database_url_of
+from studyapp.recruitment.tries import make_test_participation
+from studyapp.researchers.links import first_owner_link
+from studyapp.researchers.looks import COMMAND_LINE
+from studyapp.session.served_study import ServedStudy
+from studyapp.study.folder import StudyFolder
+from studyapp.web.participants.trying import path_to_try
+from studyapp.web.server import THREADS, WORKERS, run_server
+from studyapp.web.sub_path import checked_prefix
+
+
+@click.command("serve")
+@study_folder
+@click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
+@click.option("--port", default=8000, show_default=True, type=click.IntRange(1, 65535))
+@click.option("--workers", default=WORKERS, show_default=True, type=click.IntRange(1, 64))
+@click.option(
+    "--threads",
+    default=THREADS,
+    show_default=True,
+    type=click.IntRange(1, 512),
+    help="Requests that each worker works on side by side; slow lines need none.",
+)
+@click.option(
+    "--accel-redirect",
+    metavar="PREFIX",
+    envvar="MOTIONJURY_ACCEL_REDIRECT",
+    help="Leave the videos to nginx, which has the study folder under this internal location.",
+)
+@click.option(
+    "--media-store",
+    is_flag=True,
+    envvar="MOTIONJURY_MEDIA_STORE",
+    help="Let participants load the videos from the store that 'publish-media' has filled.",
+)
+@click.option(
+    "--prefix",
+    default="",
+    metavar="PATH",
+    envvar="MOTIONJURY_PREFIX",
+    help="Serve below this path of the host, such as /studies/one; a proxy passes it on whole.",
+)
+@public_address(default=None, help="Where a proxy serves the study; the links printed begin so.")
+@click.option(
+    "--try",
+    "is_tried",
+    is_flag=True,
+    help="Print, and open, a link to take part as a test, which takes no place and never counts.",
+)
+@click.option(
+    "--new-version",
+    is_flag=True,
+    help="Go on with a changed design; earlier answers are kept apart.",
+)
+def command(
+    folder: StudyFolder,
+    host: str,
+    port: int,
+    workers: int,
+    threads: int,
+    accel_redirect: str | None,
+    media_store: bool,
+    prefix: str,
+    address: str | None,
+    is_tried: bool,
+    new_version: bool,
+) -> None:
+    """Serve the study FOLDER to participants.
+
+    Answers go to responses.db in the folder, or to the database that DATABASE_URL names.
+    """
+    public = _printed_address(address, prefix)
+    where = public or f"http://{host}:{port}{checked_prefix(prefix)}"
+    run_server(
+        folder.root,
+        host,
+        port,
+        workers,
+        threads=threads,
+        accel_prefix=accel_redirect,
+        prefix=prefix,
+        new_version=new_version,
+        from_store=media_store,
+        origin=public.removesuffix(checked_prefix(prefix)),
+        on_ready=lambda: _say_where(folder, where, is_tried=is_tried),
+    )
+
+
+def _say_where(folder: StudyFolder, address: str, *, is_tried: bool) -> None:
+    """Say where to take part and where to watch; until the study has an owner, how to be it."""
+    click.echo(f"Take part at {address}/ (Ctrl-C stops the server).")
+    if is_tried:
+        served = ServedStudy.read(folder.root)
+        own = make_test_participation(folder.root, served, Clock(), by=COMMAND_LINE)
+        link = address + path_to_try(own)
+        click.echo(f"Take part as a test at {link} (for one test; it never counts).")
+        if os.environ.get("DISPLAY") or sys.platform == "darwin":
+            click.launch(link)
+    database = Database.open(database_url_of(folder.root))
+    try:
+        token = first_owner_link(database, Clock())
+    finally:
+        database.close()
+    if token is None:
+        click.echo(f"Watch how it goes at {address}/research/.")
+    else:
+        click.echo(
+            f"Become the study's owner at {address}/research/join/{token} (once, within a day)."
+        )
+
+
+def _printed_address(address: str | None, prefix: str) -> str:
+    """Return the public address without a slash at its end; empty where none is known.
+
+    Raises
+    ------
+    InputError
+        If participants would not find the study there.
+    """
+    if not address:
+        return ""
+    parts = urlsplit(address)
+    if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.fragment:
+        raise InputError(
+            "this is no address of a study",
+            where=f"address {address!r}",
+            remedy="Give one such as https://study.example.org/",
+        )
+    if parts.path.rstrip("/") != checked_prefix(prefix):
+        raise InputError(
+            "the address and the path below which the study is served do not fit together",
+            where=f"address {address!r}, prefix {prefix!r}",
+            remedy="Let the address end with the prefix",
+        )
+    return address.rstrip("/")

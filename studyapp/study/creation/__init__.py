@@ -1,0 +1,1 @@
+"""Making and changing a study file from a template."""

@@ -1,0 +1,228 @@
+"""Making and changing `study.toml` without losing the comments in it."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, Final
+
+import tomlkit
+
+from generators.registry import generator_names, needs_model
+from motion.errors import InputError
+from motion.files import write_text
+from motion.segment import check_name
+from studyapp.study.completion_codes import draw_code
+from studyapp.study.creation.commented_keys import stated
+from studyapp.study.creation.placed_conditions import keys_for, put_conditions_into
+from studyapp.study.creation.ranked_systems import condition_table, put_systems_into, with_reference
+from studyapp.study.creation.template_language import put_into_language, templates
+from studyapp.study.creation.wanted_study import WantedStudy
+from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.pay import Pay, money
+from studyapp.study.settings.reading import ALIASES, parse_study, parse_text
+from studyapp.study.settings.recruitment import Prolific
+from studyapp.study.settings.study import Study
+
+TEMPLATES: Final = ("pairwise", "rating", "ranking", "mismatch", *ALIASES, "three-systems")
+"""The protocols, the papers whose studies they follow, and all three papers' systems together."""
+
+_EMPTY_LINES: Final = re.compile(r"\n{3,}")
+_AFTER_COMMENT: Final = re.compile(r"(\n#[^\n]*\n)\n(\[\[(?:sets|blocks)\]\])")
+
+_PARTICIPANTS: Final = ("participants_per_comparison", "participants")
+"""Keys that say how many there are; a template has one of them."""
+
+
+def new_study(path: Path, **wanted: Any) -> Study:
+    """Write a commented study file from a template and return what it says.
+
+    Parameters
+    ----------
+    path : Path
+        The study file to be made; an existing one is never overwritten.
+    **wanted
+        What it is to say; see `studyapp.study.creation.wanted_study.WantedStudy`.
+
+    Raises
+    ------
+    InputError
+        As `drafted`, and if the file exists.
+    """
+    refuse_existing(path)
+    text = drafted(WantedStudy(**wanted), where=path)
+    write_text(path, text)
+    return parse_text(text, where=path)
+
+
+def template_participants(template: str) -> int:
+    """Return how many participants a template has; of pairwise studies, for each comparison."""
+    said = tomllib.loads(templates().joinpath(_file_of(template)).read_text("utf-8"))
+    return int(said[_participants(said)])
+
+
+def _file_of(template: str) -> str:
+    return f"{ALIASES.get(template, template)}.toml"
+
+
+def _participants(said: Mapping[str, Any]) -> str:
+    return next(key for key in _PARTICIPANTS if key in said)
+
+
+def refuse_existing(path: Path) -> None:
+    """Raise `InputError` if there is a study file already."""
+    if path.exists():
+        raise InputError(
+            "the study exists already",
+            where=path,
+            remedy="Edit that file, or choose another folder",
+        )
+
+
+def drafted(wanted: WantedStudy, *, where: object) -> str:
+    """Return the text of a study file; nothing is written.
+
+    Parameters
+    ----------
+    wanted : WantedStudy
+        What it is to say.
+    where : object
+        What errors name.
+
+    Raises
+    ------
+    InputError
+        If the template is unknown or does not have a key that is given, or the result would not
+        be a valid study.
+    """
+    template = wanted.template
+    if template not in TEMPLATES:
+        raise InputError(
+            f"unknown template {template!r}", remedy=f"Use one of {', '.join(TEMPLATES)}"
+        )
+    file = _file_of(template)
+    text = _with_recruiting(templates().joinpath(file).read_text("utf-8"), wanted)
+    protocol = str(tomllib.loads(text)["protocol"])
+    if wanted.conditions:
+        keys = keys_for(
+            protocol,
+            wanted.conditions,
+            reference=wanted.reference,
+            catch_videos=wanted.catch_videos,
+        )
+        text = stated(text, keys)
+    is_ranking = protocol == "ranking"
+    if is_ranking and wanted.reference is not None:
+        text = with_reference(text, check_name(wanted.reference, "condition"))
+    document = tomlkit.parse(text)
+    put_into_language(document, file, wanted.language)
+    document["name"] = check_name(wanted.name, "study")
+    own = wanted.reference if wanted.conditions is None or is_ranking else None
+    for key, value in (
+        ("title", wanted.title),
+        ("reference", own),
+        ("trials", wanted.trials),
+        (_participants(document), wanted.participants),
+    ):
+        if value is None:
+            continue
+        if key not in document:
+            raise InputError(
+                f"the template {template!r} does not set {key!r}",
+                remedy="Leave the option out and edit the study file",
+            )
+        document[key] = value
+    if wanted.trials is not None:
+        document["practice"] = min(int(document["practice"]), max(wanted.trials // 2, 0))
+    _tell_participants(document, wanted)
+    if wanted.conditions is not None:
+        for name in wanted.conditions:
+            check_name(name, "condition")
+        put_conditions_into(
+            document,
+            protocol,
+            wanted.conditions,
+            reference=wanted.reference,
+            catch_videos=wanted.catch_videos,
+        )
+    elif wanted.reference is not None and not is_ranking:
+        _follow_reference(document, wanted.reference)
+    if is_ranking and wanted.conditions is None:
+        put_systems_into(document, reference=wanted.reference, learned=wanted.learned)
+    elif wanted.learned is not None:
+        raise InputError(
+            f"the template {template!r} has no condition that a network could take over",
+            remedy="Leave the checkpoint out, and state it in the study file",
+        )
+    # What was taken out and put in leaves empty lines behind.
+    said = _EMPTY_LINES.sub("\n\n", tomlkit.dumps(document))
+    said = _AFTER_COMMENT.sub(r"\1\2", said)
+    parse_text(said, where=where)
+    return said
+
+
+def _with_recruiting(text: str, wanted: WantedStudy) -> str:
+    """State what the template has in comments: pay, how long it takes, and what recruiters need."""
+    if wanted.minutes is not None:
+        text = stated(text, {"minutes": wanted.minutes})
+    pay = wanted.pay or Pay()
+    keys = {key: str(value) for key, value in pay.model_dump().items() if value}
+    each = pay.each or Decimal(0)
+    if wanted.channel in ("prolific", "mturk"):
+        keys.pop("amount", None)
+    text = stated(text, keys, table="recruitment.pay")
+    if wanted.channel == "prolific":
+        codes = {key: draw_code() for key in Prolific().codes}
+        return stated(text, {"reward": int(each * 100), **codes}, table="recruitment.prolific")
+    if wanted.channel == "mturk":
+        return stated(text, {"reward": f"{each:.2f}"}, table="recruitment.mturk")
+    return text
+
+
+def _tell_participants(document: tomlkit.TOMLDocument, wanted: WantedStudy) -> None:
+    """Fill in what participants read before they agree, and where they come from."""
+    page: Any = document["page"]
+    recruitment: Any = document["recruitment"]
+    payment = wanted.payment
+    if payment is None and wanted.pay is not None and wanted.pay.each:
+        payment = money(wanted.pay.each, wanted.pay.currency)
+    for key, said in (
+        ("organisation", wanted.organisation),
+        ("contact", wanted.contact),
+        ("payment", payment),
+        ("ethics", wanted.ethics),
+    ):
+        if said is not None:
+            page[key] = said
+    if wanted.channel is not None:
+        recruitment["channel"] = wanted.channel
+
+
+def _follow_reference(document: tomlkit.TOMLDocument, reference: str) -> None:
+    """Let the template's mismatched condition start from `reference`, and add it if missing."""
+    conditions = document["conditions"]
+    if reference not in conditions:
+        known = reference in generator_names() and not needs_model(reference)
+        generator = reference if known else None
+        conditions[reference] = condition_table(Condition(generator=generator))
+    conditions["mismatched"]["source"] = reference
+
+
+def add_condition(path: Path, name: str) -> Study:
+    """Add a condition whose motion comes from files to a study file, keeping its comments."""
+    document = tomlkit.parse(path.read_text(encoding="utf-8"))
+    table = tomlkit.table()
+    table.add(tomlkit.nl())
+    document["conditions"][check_name(name, "condition", path)] = table
+    return _write(path, document)
+
+
+def _write(path: Path, document: tomlkit.TOMLDocument) -> Study:
+    """Write `document` once it has proved to be a valid study."""
+    text = tomlkit.dumps(document)
+    study = parse_study(tomllib.loads(text), where=path)
+    write_text(path, text)
+    return study

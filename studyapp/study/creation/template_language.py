@@ -1,0 +1,88 @@
+"""What participants read of a template, in the language of the study's pages."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from importlib.resources.abc import Traversable
+from typing import Any, Final
+
+import tomlkit
+
+from studyapp.study.settings.study import Study
+
+TEMPLATES_IN: Final = "en"
+"""The language of the templates themselves."""
+
+
+def templates() -> Traversable:
+    """Return the folder of the templates; those of other languages hold their texts alone."""
+    return resources.files("studyapp.study").joinpath("templates")
+
+
+def put_into_language(document: tomlkit.TOMLDocument, file: str, language: str) -> None:
+    """Replace what participants read in a template, and let the pages be in the same language.
+
+    Parameters
+    ----------
+    document : TOMLDocument
+        The template `file`; all else in it, comments included, stays as it is.
+    language : str
+        One of `studyapp.study.settings.page.Language`.
+    """
+    document["page"]["language"] = language
+    if language == TEMPLATES_IN:
+        return
+    texts = tomllib.loads(templates().joinpath(language, file).read_text("utf-8"))
+    document["title"] = texts["title"]
+    document["page"]["consent"] = tomlkit.string(texts["page"]["consent"], multiline=True)
+    _say(document["questions"], texts["questions"])
+    for stage, questions in texts.get("form", {}).items():
+        _say(document["form"][stage], questions)
+
+
+def _say(questions: Any, texts: Sequence[Mapping[str, Any]]) -> None:
+    """Replace what `texts` say of each of `questions`, found by its name."""
+    by_name = {text["name"]: text for text in texts}
+    for question in questions:
+        for key, said in by_name[question["name"]].items():
+            if key != "name":
+                question[key] = _listed(said) if isinstance(said, list) else said
+
+
+def _listed(said: list[Any]) -> tomlkit.items.Array:
+    """Return a list with a line for each item."""
+    array = tomlkit.array()
+    for each in said:
+        if isinstance(each, dict):
+            table = tomlkit.inline_table()
+            table.update(each)
+            array.append(table)
+        else:
+            array.append(each)
+    return array.multiline(multiline=True)
+
+
+def still_english(study: Study) -> tuple[str, ...]:
+    """Return the keys that still say what an English template says, though the pages do not.
+
+    Nothing can be said of texts that a researcher has written.
+    """
+    if study.page.language == TEMPLATES_IN:
+        return ()
+    sources = [
+        tomllib.loads(file.read_text("utf-8"))
+        for file in templates().iterdir()
+        if file.name.endswith(".toml")
+    ]
+    asked = {question["text"] for source in sources for question in source["questions"]}
+    same = {
+        "title": study.title in {source["title"] for source in sources},
+        "page.consent": study.page.consent in {source["page"]["consent"] for source in sources},
+        **{
+            f"the question {question.name!r}": question.text in asked
+            for question in study.questions
+        },
+    }
+    return tuple(key for key, is_same in same.items() if is_same)

@@ -1,0 +1,1 @@
+"""`study.toml`: every section of it, checked."""

@@ -1,0 +1,92 @@
+"""Reading `study.toml`: which protocol it is of, and everything that is wrong with it."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from pydantic import ValidationError
+
+from motion.errors import InputError
+from studyapp.study.protocols.mismatch import MismatchStudy
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.protocols.rating import RatingStudy
+from studyapp.study.settings.study import Study
+from studyapp.study.settings.validation import explain
+
+PROTOCOLS: Final[Mapping[str, type[Study]]] = MappingProxyType(
+    {
+        "pairwise": PairwiseStudy,
+        "rating": RatingStudy,
+        "ranking": RankingStudy,
+        "mismatch": MismatchStudy,
+    }
+)
+"""Every protocol under its name."""
+
+ALIASES: Final[Mapping[str, str]] = MappingProxyType(
+    {"amuse": "pairwise", "s2ue": "rating", "diffsheg": "ranking"}
+)
+"""The papers whose studies the protocols follow."""
+
+DEFAULT_PROTOCOL: Final = "pairwise"
+
+
+def read_study(path: Path) -> Study:
+    """Read and validate a `study.toml`.
+
+    Raises
+    ------
+    InputError
+        Naming the file and every key that is unknown, missing or out of range.
+    """
+    return parse_text(read_text(path), where=path)
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a study file; `InputError` where there is none or it is no text."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(
+            "there is no such study file",
+            where=path,
+            remedy="Make a study with 'motionjury init FOLDER', or check the folder's name",
+        ) from None
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"the file is not UTF-8 text (byte {error.start})",
+            where=path,
+            remedy="Save it as UTF-8",
+        ) from None
+
+
+def parse_text(text: str, *, where: object) -> Study:
+    """Validate the text of a study file; `InputError` names every key that is wrong."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"not valid TOML: {error}", where=where, remedy="Mend that line") from None
+    return parse_study(data, where=where)
+
+
+def parse_study(data: Mapping[str, object], *, where: object) -> Study:
+    """Validate the contents of a study file; `InputError` names every key that is wrong."""
+    named = data.get("protocol", DEFAULT_PROTOCOL)
+    protocol = ALIASES.get(str(named), str(named))
+    if protocol not in PROTOCOLS:
+        raise InputError(
+            f"protocol: unknown {named!r}",
+            where=where,
+            remedy=f"Use one of {', '.join((*PROTOCOLS, *ALIASES))}",
+        )
+    try:
+        return PROTOCOLS[protocol].model_validate({**data, "protocol": protocol})
+    except ValidationError as error:
+        raise InputError(
+            explain(error), where=where, remedy="Correct these keys and run the command again"
+        ) from None

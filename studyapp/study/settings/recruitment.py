@@ -1,0 +1,218 @@
+"""`[recruitment]`: where participants come from, what their recruiter is told, and who is paid."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from typing import Final, Literal
+
+from pydantic import Field
+
+from studyapp.study.completion_codes import guessable
+from studyapp.study.settings.pay import Pay
+from studyapp.study.settings.section import Section
+
+Channel = Literal["link", "prolific", "mturk", "invitations"]
+
+Outcome = Literal["completed", "failed_attention", "unwatched"]
+"""How a study session ended; ``unwatched`` before its last trial, since too many videos failed."""
+
+LONG_STUDY_MINUTES: Final = 5
+FEWEST_FAILED_CHECKS: Final = 2
+"""A study this long may refuse pay only after so many failed attention checks."""
+
+Code = Field("", max_length=32, pattern=r"^[A-Za-z0-9_-]*$")
+
+
+class Prolific(Section):
+    """A study on Prolific. What is paid and asked for is sent when the draft is made.
+
+    Attributes
+    ----------
+    completed, screened_out, failed_attention : str
+        The study's three codes; ``motionjury recruit STUDY codes`` draws them.
+    reward : int
+        What each participant gets, in the smallest unit of the account's currency.
+    places : int or None
+        How many participants; None for as many as the study has places.
+    description : str
+        What participants read on Prolific; the study's title without it.
+    automatic : bool
+        Whether who finishes is paid at once, without being approved.
+    screened_out_reward, screened_out_places : int
+        What each of at most so many who are screened out gets; 0 where they are asked to return.
+    project : str
+        The Prolific project; the account's default without it.
+    signed_for : str
+        The host that participants reach the study at, where Prolific signs who comes; empty where
+        it does not.
+    """
+
+    completed: str = Code
+    screened_out: str = Code
+    failed_attention: str = Code
+    reward: int = Field(0, ge=0)
+    places: int | None = Field(None, ge=1)
+    description: str = Field("", max_length=4000)
+    automatic: bool = False
+    screened_out_reward: int = Field(0, ge=0)
+    screened_out_places: int = Field(0, ge=0)
+    project: str = Field("", max_length=100)
+    signed_for: str = Field("", max_length=253, pattern=r"^([a-z0-9-]+(\.[a-z0-9-]+)+)?$")
+
+    def code(self, outcome: Outcome) -> str:
+        """Return the code of `outcome`."""
+        return self.completed if outcome == "completed" else self.failed_attention
+
+    @property
+    def codes(self) -> dict[str, str]:
+        """All three codes, by their keys."""
+        return {
+            "completed": self.completed,
+            "screened_out": self.screened_out,
+            "failed_attention": self.failed_attention,
+        }
+
+
+class MTurk(Section):
+    """A HIT on Mechanical Turk. What is paid and asked for is sent when it is made.
+
+    Attributes
+    ----------
+    reward : str
+        US dollars each worker gets, such as ``"3.50"``.
+    assignments : int or None
+        How many workers; None for as many as the study has places.
+    description, keywords : str
+        What workers find the HIT by.
+    hours_to_accept, days_to_review : int
+        How long the HIT is offered, and after how long an assignment is paid unreviewed.
+    """
+
+    reward: str = Field("", pattern=r"^(\d{1,4}\.\d{2})?$")
+    assignments: int | None = Field(None, ge=1)
+    description: str = Field("", max_length=2000)
+    keywords: str = Field("video, animation, opinion", max_length=1000)
+    hours_to_accept: int = Field(72, ge=1, le=8760)
+    days_to_review: int = Field(7, ge=1, le=30)
+
+    @property
+    def dollars(self) -> Decimal:
+        """The reward as a number."""
+        return Decimal(self.reward or "0")
+
+
+class Recruitment(Section):
+    """Where participants come from, and who of them is paid.
+
+    Attributes
+    ----------
+    channel : {'link', 'prolific', 'mturk', 'invitations'}
+        ``link``: whoever has the study's address, each with a completion code of their own.
+        ``invitations``: only who has an invitation that was made for them.
+    unpaid_failed_checks : int
+        Who fails at least so many attention checks need not be paid; 0: who finishes is paid,
+        whatever they answered. Catch trials never cost pay.
+    newcomers_per_address : int
+        How many may begin within an hour from one network address, unless each has a link that was
+        made or signed for them; 0 for any number.
+    pay : Pay
+        What each of them gets.
+    """
+
+    channel: Channel = "link"
+    unpaid_failed_checks: int = Field(FEWEST_FAILED_CHECKS, ge=0, le=10)
+    newcomers_per_address: int = Field(30, ge=0)
+    pay: Pay = Pay()
+    prolific: Prolific = Prolific()
+    mturk: MTurk = MTurk()
+
+    @property
+    def amount(self) -> Decimal | None:
+        """What each participant gets; None where the channel's key for it is empty."""
+        stated = {
+            "prolific": Decimal(self.prolific.reward) / 100,
+            "mturk": self.mturk.dollars,
+        }.get(self.channel, self.pay.each)
+        return stated or None
+
+    @property
+    def currency(self) -> str:
+        """Of the amount; empty where nobody said which."""
+        return "USD" if self.channel == "mturk" else self.pay.currency
+
+    @property
+    def names_participants(self) -> bool:
+        """Whether nobody takes part whom the channel does not name."""
+        return self.channel != "link"
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether everybody comes with a link that was made or signed for them."""
+        signed = self.channel == "prolific" and self.prolific.signed_for != ""
+        return signed or self.channel == "invitations"
+
+    def outcome(self, failed_checks: int) -> Outcome:
+        """Return what the recruiter is told of who finished, by the payment rule."""
+        if self.unpaid_failed_checks and failed_checks >= self.unpaid_failed_checks:
+            return "failed_attention"
+        return "completed"
+
+    def problems(self, minutes: int | None) -> list[str]:
+        """Return what cannot be right, whatever the channel.
+
+        Parameters
+        ----------
+        minutes : int or None
+            How long the study says it takes.
+        """
+        short = minutes is not None and minutes < LONG_STUDY_MINUTES
+        paid = self.prolific
+        return [
+            *(
+                [
+                    "recruitment.unpaid_failed_checks: one failed check is no ground for refusing "
+                    "pay, unless page.minutes says that the study takes less than "
+                    f"{LONG_STUDY_MINUTES}; use {FEWEST_FAILED_CHECKS} or more, or 0"
+                ]
+                if self.unpaid_failed_checks == 1 and not short
+                else []
+            ),
+            *self.guessable_codes(),
+            *self.codes_alike(),
+            *self.pay.problems(),
+            *(
+                [
+                    "recruitment.prolific: screened_out_reward and screened_out_places need each "
+                    "other"
+                ]
+                if bool(paid.screened_out_reward) != bool(paid.screened_out_places)
+                else []
+            ),
+            *(
+                ["recruitment.prolific: screened_out_reward must be less than reward"]
+                if paid.screened_out_reward and paid.screened_out_reward >= paid.reward
+                else []
+            ),
+        ]
+
+    def guessable_codes(self) -> list[str]:
+        """Return which of the study's codes could be guessed, and why."""
+        return [
+            f"recruitment.prolific.{key}: the code {problem}; draw one with 'motionjury recruit "
+            "STUDY codes'"
+            for key, code in self.prolific.codes.items()
+            if code and (problem := guessable(code)) is not None
+        ]
+
+    def codes_alike(self) -> list[str]:
+        """Return that two outcomes have one code, if so."""
+        given = [code.casefold() for code in self.prolific.codes.values() if code]
+        alike = len(set(given)) < len(given)
+        return ["recruitment.prolific: two outcomes have the same code"] if alike else []
+
+    @property
+    def missing_codes(self) -> list[str]:
+        """Keys of the codes without which the channel's participants cannot be told the end."""
+        if self.channel != "prolific":
+            return []
+        return [key for key, code in self.prolific.codes.items() if not code]

@@ -1,0 +1,103 @@
+"""What of a study may change while it runs, and a digest of what may not."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from motion.segment import Segment
+from studyapp.study.design.arm import Arm
+from studyapp.study.design.stimulus import Content
+from studyapp.study.media import VideoFile
+from studyapp.study.settings.study import Study
+
+OPERATION: Final[dict[str, Any]] = {
+    "name": True,
+    "open": True,
+    "lease_minutes": True,
+    "participants": True,
+    "participants_per_comparison": True,
+    "page": {"organisation", "contact", "minutes", "payment", "ethics", "phones"},
+    "watching": {"megabytes_per_page"},
+    "recruitment": {"channel", "unpaid_failed_checks"},
+}
+"""Keys that may change while the study runs, and whose changes are noted."""
+
+RECRUITERS: Final[dict[str, Any]] = {"recruitment": True}
+"""Keys that may change too, and are noted nowhere: completion codes are among them."""
+
+BESIDE: Final[dict[str, Any]] = {"rehearsal": True, "alarms": True}
+"""Keys that say whom a rehearsal simulates, and what researchers are told: nothing that
+participants meet."""
+
+ANALYSIS: Final[dict[str, Any]] = {
+    "exclusions": True,
+    "evaluator": True,
+    "margin": True,
+    "family": True,
+    "conditions": {"__all__": {"generative"}},
+}
+"""Keys that say what is done with the answers. They may change too, but then the report says that
+they did. All keys that are neither these nor of the operation are the study's design."""
+
+
+def operation_part(study: Study) -> dict[str, Any]:
+    """Return what of `study` may change while it runs, as plain data."""
+    rules = [each.written() for each in study.settled_exclusions]
+    return study.model_dump(mode="json", include=OPERATION) | {"exclusions": rules}
+
+
+def operation_changes(before: dict[str, Any], after: dict[str, Any]) -> tuple[str, ...]:
+    """Return what differs between two operation parts, as ``key: before -> after``.
+
+    A key that only one of them has is known to one release and not to the other: no change.
+    """
+    old, new = _flat(before), _flat(after)
+    return tuple(
+        f"{key}: {old[key]!r} -> {new[key]!r}"
+        for key in sorted(old.keys() & new.keys())
+        if old[key] != new[key]
+    )
+
+
+def design_digest(
+    study: Study, segments: Sequence[Segment], videos: Mapping[Content, VideoFile]
+) -> str:
+    """Return what changes with anything that decides what participants see and are asked.
+
+    Parameters
+    ----------
+    videos : mapping of Content to VideoFile
+        What shows participants each of the study's contents.
+    """
+    # Keys that say what would be so without them do not count: writing one down, or a new
+    # release that knows more of them, is no other design.
+    keys = study.model_dump(
+        mode="json", exclude=OPERATION | ANALYSIS | RECRUITERS | BESIDE, exclude_defaults=True
+    )
+    design = {key: value for key, value in keys.items() if value != {}}
+    heard = [[s.name, s.wav, s.start, s.end, s.speaker, s.emotion] for s in segments]
+    seen = sorted(
+        [*([s.condition, s.segment, s.speech or ""] for s in content), [videos[content].made_from]]
+        for content in study.contents(segments)
+        if content in videos
+    )
+    state = json.dumps([study.protocol, design, heard, seen])
+    return hashlib.sha256(state.encode()).hexdigest()
+
+
+def arm_digest(
+    study: Study, arm: Arm, segments: Sequence[Segment], videos: Mapping[Content, VideoFile]
+) -> str:
+    """Return what changes with anything that decides what participants of `arm` see."""
+    return design_digest(study.design_of(arm), segments, videos)
+
+
+def _flat(part: dict[str, Any]) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, value in part.items():
+        inner = value if isinstance(value, dict) else None
+        flat |= {key: value} if inner is None else {f"{key}.{k}": v for k, v in inner.items()}
+    return flat

@@ -1,0 +1,294 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from analysis.answers.layout import Layout
+from analysis.answers.layouts import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE
+from analysis.answers.reading import MARKED, read_answers
+from analysis.answers.table import AnswerTable
+from analysis.results.ranking import placements_of
+from motion.errors import InputError
+
+ROW: dict[str, Any] = {
+    "participant": "anna",
+    "segment": "s1",
+    "question": "emotion",
+    "left": "ours",
+    "right": "other",
+    "response": 2,
+}
+
+
+def pairs(*changes: dict[str, Any]) -> pd.DataFrame:
+    return pd.DataFrame([ROW | change for change in changes])
+
+
+def read(folder: Path, table: pd.DataFrame, **writing: Any) -> AnswerTable:
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False, **writing)
+    return read_answers(path, PAIRWISE)
+
+
+def refusal(folder: Path, table: pd.DataFrame) -> str:
+    with pytest.raises(InputError) as caught:
+        read(folder, table)
+    return str(caught.value)
+
+
+def test_names_stand_in_the_order_in_which_the_table_names_them(tmp_path: Path) -> None:
+    found = read(
+        tmp_path,
+        pairs(
+            {"kind": "catch", "left": "broken", "right": "truth", "correct_side": "right"},
+            {"kind": "practice", "left": "zebra", "right": "ours", "question": "b"},
+            {"kind": "main", "left": "ours", "right": "apple", "question": "a"},
+            {"kind": "main", "left": "apple", "right": "zebra", "question": "b"},
+        ),
+    )
+    assert found.conditions == ("zebra", "ours", "apple")
+    assert found.questions == ("b", "a")
+    assert found.participants == ("anna",)
+    assert not found.has_sets
+
+
+def test_a_bad_cell_is_named_by_file_row_and_column(tmp_path: Path) -> None:
+    said = refusal(tmp_path, pairs({}, {}, {"response": 7}, {"response": 9}))
+    assert said == (
+        "answers.csv, row 4, column response: '7' is not a whole number from 1 (strongly left) to "
+        "5 (strongly right). Correct the cell, or remove the row."
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "column"),
+    [
+        ({"participant": ""}, "participant"),
+        ({"segment": " "}, "segment"),
+        ({"left": ""}, "left"),
+        ({"response": "2.5"}, "response"),
+        ({"response": "often"}, "response"),
+        ({"right": "ours"}, "right"),
+        ({"kind": "warm-up"}, "kind"),
+        ({"response_seconds": -1}, "response_seconds"),
+        ({"kind": "catch"}, "correct_side"),
+        ({"kind": "catch", "correct_side": "up"}, "correct_side"),
+    ],
+)
+def test_what_a_column_cannot_hold_is_refused(
+    change: dict[str, Any], column: str, tmp_path: Path
+) -> None:
+    table = pairs({"kind": "main"}, change)
+    said = refusal(tmp_path, table if "kind" in change else table.drop(columns="kind"))
+    assert f"row 3, column {column}:" in said
+
+
+def test_an_empty_answer_is_left_out_and_said(tmp_path: Path) -> None:
+    found = read(tmp_path, pairs({}, {"response": None}, {"response": "NA"}, {"response": 5}))
+    assert found.answers["value"].tolist() == [2, 5]
+    assert found.notes == ("2 rows are without a response left out.",)
+
+
+def test_a_condition_may_be_called_na(tmp_path: Path) -> None:
+    assert read(tmp_path, pairs({"left": "NA"})).conditions == ("NA", "other")
+
+
+def test_a_trial_is_a_main_one_unless_the_table_says_otherwise(tmp_path: Path) -> None:
+    found = read(tmp_path, pairs({"kind": "practice"}, {"kind": None}))
+    assert found.answers["kind"].tolist() == ["practice", "main"]
+    assert read(tmp_path, pairs({})).answers["kind"].tolist() == ["main"]
+
+
+def test_unknown_columns_are_ignored_with_a_note(tmp_path: Path) -> None:
+    found = read(tmp_path, pairs({"browser": "x", "emotion": "anger"}))
+    assert found.notes == ("Columns that are not read: browser.",)
+
+
+def test_a_missing_column_is_named(tmp_path: Path) -> None:
+    said = refusal(tmp_path, pairs({}).drop(columns=["left", "segment"]))
+    assert "column segment, left is missing; there are participant, question" in said
+
+
+def test_a_column_that_occurs_twice_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    path.write_text("participant,segment,question,left,right,response,left\n", "utf-8")
+    with pytest.raises(InputError, match="column left occurs twice"):
+        read_answers(path, PAIRWISE)
+
+
+def test_an_answer_that_is_stored_twice_is_refused(tmp_path: Path) -> None:
+    said = refusal(tmp_path, pairs({"trial": 1}, {"trial": 2}, {"trial": 1}))
+    assert "row 4, column trial: the same answer stands in row 2 already" in said
+
+
+def test_without_trial_numbers_the_same_pair_may_be_answered_again(tmp_path: Path) -> None:
+    assert len(read(tmp_path, pairs({}, {})).answers) == 2
+
+
+def test_a_condition_is_ranked_once_in_a_segment(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    row = "anna,s1,realism,ours,1\n"
+    path.write_text(f"participant,segment,question,condition,rank\n{row}{row}", "utf-8")
+    with pytest.raises(InputError, match=r"row 3, .* stands in row 2 already"):
+        read_answers(path, RANKING)
+
+
+def test_a_ranking_in_practice_may_come_back(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    rows = "".join(f"anna,s1,realism,ours,1,{kind}\n" for kind in ("practice", "repeat"))
+    path.write_text(f"participant,segment,question,condition,rank,kind\n{rows}", "utf-8")
+    assert len(read_answers(path, RANKING).answers) == 2
+
+
+def test_who_is_marked_as_excluded_is_so_with_the_reason_given(tmp_path: Path) -> None:
+    table = pairs(
+        {"participant": "anna", "excluded": "false"},
+        {"participant": "ben", "excluded": "0"},
+        {"participant": "ben", "excluded": "1"},
+        {"participant": "cleo", "excluded": "too fast"},
+        {"participant": "dan", "excluded": ""},
+    )
+    assert read(tmp_path, table).marked == {"ben": MARKED, "cleo": "too fast"}
+
+
+def test_parquet_is_read_like_csv(tmp_path: Path) -> None:
+    table = pairs(
+        {"participant": 1, "response": 2.0, "set": 1, "excluded": False},
+        {"participant": 2, "response": None, "set": 2, "excluded": True},
+        {"participant": 2, "response": 5.0, "set": 2, "excluded": True},
+    )
+    path = tmp_path / "answers.parquet"
+    table.to_parquet(path)
+    found = read_answers(path, PAIRWISE)
+    assert found.participants == ("1", "2")
+    assert found.sets == ("1", "2")
+    assert found.answers["value"].tolist() == [2, 5]
+    assert found.marked == {"2": MARKED}
+
+
+def test_a_bad_cell_of_parquet_is_named_by_its_row_from_1(tmp_path: Path) -> None:
+    path = tmp_path / "answers.parquet"
+    pairs({}, {"response": 6}).to_parquet(path)
+    with pytest.raises(InputError, match=r"answers\.parquet, row 2, column response"):
+        read_answers(path, PAIRWISE)
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_other_separators_are_found(separator: str, tmp_path: Path) -> None:
+    assert len(read(tmp_path, pairs({}, {}), sep=separator).answers) == 2
+
+
+def test_blank_lines_and_a_byte_order_mark_do_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    text = pairs({}, {"response": 8}).to_csv(index=False).replace("\n", "\n\n", 1)
+    path.write_text(text, "utf-8-sig")
+    with pytest.raises(InputError, match="row 4, column response"):
+        read_answers(path, PAIRWISE)
+
+
+@pytest.mark.parametrize("name", ["answers.csv", "answers.parquet"])
+def test_what_is_no_table_is_refused(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    with pytest.raises(InputError, match="there is no such file"):
+        read_answers(path, PAIRWISE)
+    path.write_bytes(b"\xff\xfe\x00\x81 no table\n")
+    with pytest.raises(InputError, match="neither CSV in UTF-8 nor Parquet"):
+        read_answers(path, PAIRWISE)
+
+
+def test_a_line_with_too_many_cells_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    path.write_text(
+        "participant,segment,question,left,right,response\na,s,q,x,y,1\na,s,q,x,y,1,7\n", "utf-8"
+    )
+    with pytest.raises(InputError, match="line 3"):
+        read_answers(path, PAIRWISE)
+
+
+def test_own_speech_on_both_sides_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    path.write_text(
+        "participant,segment,question,condition,left_speech,right_speech,response\n"
+        "anna,s1,fits,ours,own,other,1\nanna,s2,fits,ours,own,own,1\n",
+        "utf-8",
+    )
+    with pytest.raises(InputError, match="row 3, column right_speech: left_speech and right"):
+        read_answers(path, MISMATCH)
+
+
+def test_catch_trials_of_ratings_are_left_out_and_said(tmp_path: Path) -> None:
+    path = tmp_path / "answers.csv"
+    path.write_text(
+        "participant,segment,question,condition,response,kind\n"
+        "anna,s1,match,ours,4,main\nanna,,,,,catch\nanna,,,,,attention\n",
+        "utf-8",
+    )
+    found = read_answers(path, RATING_OF_ONE)
+    assert len(found.answers) == 1
+    assert len(found.notes) == 2
+
+
+def ranked(*rows: tuple[str, str, str, float]) -> pd.DataFrame:
+    """Rankings by one participant: trial, segment, condition, rank."""
+    header = ["trial", "segment", "condition", "rank"]
+    return pd.DataFrame(list(rows), columns=header).assign(participant="anna", question="q")
+
+
+def read_as(layout: Layout, folder: Path, table: pd.DataFrame, **how: Any) -> AnswerTable:
+    path = folder / "answers.csv"
+    table.to_csv(path, index=False)
+    return read_answers(path, layout, **how)
+
+
+def test_rankings_of_one_segment_in_several_trials_are_kept_apart(tmp_path: Path) -> None:
+    table = ranked(
+        *(("1", "s1", name, place) for place, name in enumerate("abc", 1)),
+        *(("2", "s1", name, place) for place, name in enumerate("bca", 1)),
+        *((str(place), "s2", name, place) for place, name in enumerate("abc", 1)),
+    )
+    found = placements_of(read_as(RANKING, tmp_path, table).answers)
+
+    # Trials that number single rows of a ranking apart tell nothing.
+    assert found.given.tolist() == [[1, 2, 3], [3, 1, 2], [1, 2, 3]]
+    assert found.averaged().given[0].tolist() == [2, 1.5, 2.5]
+
+
+def test_rankings_that_leave_places_out_are_noted(tmp_path: Path) -> None:
+    table = ranked(("1", "s1", "a", 1), ("1", "s1", "b", 2), ("1", "s1", "c", 4))
+    assert read_as(RANKING, tmp_path, table).notes[0].startswith("1 ranking leaves places out")
+    tied = table.assign(rank=[1, 1, 3])
+    assert read_as(RANKING, tmp_path, tied).notes == ()
+
+
+def test_rows_that_repeat_others_without_a_trial_are_noted(tmp_path: Path) -> None:
+    twice = pd.concat([pairs({}, {"segment": "s2"})] * 2)
+    assert read(tmp_path, twice).notes[0].startswith("2 rows are the same as an earlier one")
+    assert read(tmp_path, twice.assign(trial=range(4))).notes == ()
+
+
+def rated(*scores: int) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "participant": [f"p{number}" for number in range(len(scores))],
+            "segment": "s1",
+            "question": "q",
+            "condition": "ours",
+            "response": scores,
+        }
+    )
+
+
+def test_a_rating_far_above_all_others_is_noted_and_off_a_stated_scale_refused(
+    tmp_path: Path,
+) -> None:
+    table = rated(*[1, 2, 3, 4, 5] * 8, 55)
+    assert (
+        "The highest rating, 55, was given 1 time"
+        in read_as(RATING_OF_ONE, tmp_path, table).notes[0]
+    )
+    with pytest.raises(InputError, match="row 42, column response: 55 is not on the scale"):
+        read_as(RATING_OF_ONE, tmp_path, table, scale=(1, 5))
+    assert read_as(RATING_OF_ONE, tmp_path, table[:-1], scale=(1, 7)).scales == {"q": (1, 7)}

@@ -1,0 +1,175 @@
+from __future__ import annotations
+
+import hashlib
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis.evaluators.evaluator import Evaluator, load_evaluator
+from motion.errors import InputError
+from motion.freeze import freeze
+from motion.resample import resample
+from tests.analysis.evaluators.swinging import SWINGS, swinging
+from training.weights_file import read_weights, write_weights
+
+
+def test_each_window_of_a_clip_has_an_embedding(emotion: Evaluator, gesture: Evaluator) -> None:
+    clip = swinging("anger", 90, seconds=10)
+    assert emotion.embed(clip).shape == (2, 64)
+    assert gesture.embed(clip).shape == (4, 32)
+    assert gesture.embed(clip).dtype == np.float32
+
+
+def test_an_embedding_is_that_of_its_window_alone(gesture: Evaluator) -> None:
+    clip = resample(swinging("anger", 90, seconds=10), 15)
+    whole = gesture.embed(clip)
+    third = gesture.embed(clip.frames(slice(68, 102)))
+    np.testing.assert_allclose(whole[2:3], third, atol=1e-5)
+    assert not np.allclose(whole[0], whole[1], atol=1e-3)
+
+
+def test_the_emotions_of_what_was_never_seen_are_told_apart(emotion: Evaluator) -> None:
+    assert emotion.labels == ("anger", "sadness")
+    for number, label in enumerate(SWINGS):
+        shares = emotion.classify(swinging(label, 91, seconds=16))
+        np.testing.assert_allclose(shares.sum(axis=1), 1, atol=1e-5)
+        assert (shares.argmax(axis=1) == number).all()
+
+
+def test_a_clip_of_another_frame_rate_is_brought_to_the_networks(gesture: Evaluator) -> None:
+    fast = swinging("anger", 90, seconds=6, frame_rate=60)
+    np.testing.assert_allclose(gesture.embed(fast), gesture.embed(resample(fast, 15)), atol=1e-5)
+
+
+def test_a_clip_shorter_than_a_window_says_so(gesture: Evaluator) -> None:
+    with pytest.raises(InputError, match=r"lasts 2\.00 s .* windows of 2\.27 s"):
+        gesture.embed(swinging("anger", 90, seconds=2))
+    assert len(gesture.embed(swinging("anger", 90, seconds=33 / 15))) == 1
+
+
+def test_what_the_training_clips_were_held_still_in_is_held_still(both_file: Path) -> None:
+    both = load_evaluator(both_file)
+    clip = swinging("anger", 90)
+    assert both.describe()["held still"] == "root"
+    np.testing.assert_array_equal(both.embed(clip), both.embed(freeze(clip, ["root"])))
+
+
+def test_a_clip_without_a_face_says_what_is_missing(both_file: Path, face_file: Path) -> None:
+    faceless = replace(swinging("anger", 90), arkit=None)
+    for path in (both_file, face_file):
+        with pytest.raises(InputError, match=r"no .*ARKit weights|ARKit weights.*"):
+            load_evaluator(path).embed(faceless)
+
+
+def test_landmarks_travel_with_the_file_and_follow_the_face(face_file: Path) -> None:
+    face = load_evaluator(face_file)
+    clip = swinging("anger", 90)
+    still = replace(clip, arkit=np.zeros_like(clip.arkit))
+    assert (face.kind, face.channels, face.embed(clip).shape[1]) == ("face", "landmarks", 32)
+    assert not np.allclose(face.embed(clip), face.embed(still), atol=1e-3)
+    turned = replace(clip, poses=np.where(np.arange(55)[:, None] == 15, 0.3, clip.poses))
+    np.testing.assert_allclose(face.embed(clip), face.embed(turned), atol=1e-6)
+
+
+def test_only_a_network_of_emotions_classifies(gesture: Evaluator) -> None:
+    assert gesture.labels == ()
+    with pytest.raises(InputError, match="tells no emotions apart"):
+        gesture.classify(swinging("anger", 90))
+
+
+def test_every_setting_that_a_score_depends_on_is_told(
+    emotion: Evaluator, emotion_file: Path
+) -> None:
+    told = emotion.describe()
+    sha256 = hashlib.sha256(emotion_file.read_bytes()).hexdigest()
+    assert emotion.sha256 == sha256
+    assert told["network sha256"] == sha256[:16]
+    assert told["representation"].startswith("47 joints, 6D")
+    assert told["frame rate"].startswith("15 fps")
+    assert told["window"].startswith("60 frames (4 s)")
+    assert told["trained on"].startswith("10 clips of 10 recordings")
+    assert "2 of 10 recordings: accuracy" in told["held out"]
+    assert all(isinstance(value, str) and value for value in told.values())
+
+
+def test_asking_for_a_network_loads_no_torch_before_there_is_one() -> None:
+    code = "import sys, analysis.evaluators; print('torch' in sys.modules)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "False"
+
+
+def changed(facts: dict[str, Any], *keys: str, value: object) -> dict[str, Any]:
+    """Return a copy of nested facts in which one value is another."""
+    copy = json.loads(json.dumps(facts))
+    place = copy
+    for key in keys[:-1]:
+        place = place[key]
+    place[keys[-1]] = value
+    return copy
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "said"),
+    [
+        (("format",), 1, "format 1, not 2"),
+        (("kind",), "dance", "unknown kind, 'dance'"),
+        (("kind",), "motion", "sizes is unusable"),
+        (("channels",), "gesture", "does not look at 'gesture'"),
+        (("labels",), ["anger"], "does not look at"),
+        (("labels",), ["anger", "fear", "sadness"], "weights do not fit"),
+        (("joints",), ["tail"], "does not look at"),
+        (("network", "width"), 128, "weights do not fit"),
+        (("network", "width"), 10**9, "width of the network"),
+        (("network", "depth"), 3, "sizes is unusable"),
+        (("data", "sha256"), "?", r"data\.sha256"),
+        (("held_out",), {"accuracy": "good"}, r"held_out\.accuracy"),
+    ],
+)
+def test_a_changed_header_is_refused_with_what_is_wrong(
+    keys: tuple[str, ...], value: object, said: str, emotion_file: Path, tmp_path: Path
+) -> None:
+    found = read_weights(emotion_file)
+    path = tmp_path / "changed.safetensors"
+    write_weights(path, found.tensors, changed(dict(found.facts), *keys, value=value))
+    with pytest.raises(InputError, match=said) as refused:
+        load_evaluator(path)
+    assert refused.value.where == str(path)
+    assert refused.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (lambda tensors: tensors.pop("network.entry.weight"), "weights do not fit"),
+        (lambda tensors: tensors.pop("normalisation.mean"), "mean of the channels"),
+        (lambda tensors: tensors["normalisation.deviation"].zero_(), "deviation of a channel"),
+    ],
+)
+def test_damaged_tensors_are_refused(
+    damage: Callable[[dict[str, Any]], object], said: str, emotion_file: Path, tmp_path: Path
+) -> None:
+    found = read_weights(emotion_file)
+    tensors = dict(found.tensors)
+    damage(tensors)
+    write_weights(tmp_path / "damaged.safetensors", tensors, found.facts)
+    with pytest.raises(InputError, match=said):
+        load_evaluator(tmp_path / "damaged.safetensors")
+
+
+def test_a_file_that_is_no_feature_network_is_refused(emotion_file: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        load_evaluator(tmp_path / "none.safetensors")
+    checkpoint = emotion_file.with_suffix(".run") / "checkpoint.safetensors"
+    with pytest.raises(InputError, match="no feature network"):
+        load_evaluator(checkpoint)
+    cut = tmp_path / "cut.safetensors"
+    cut.write_bytes(emotion_file.read_bytes()[:-100])
+    with pytest.raises(InputError, match="damaged"):
+        load_evaluator(cut)

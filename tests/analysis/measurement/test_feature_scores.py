@@ -1,0 +1,118 @@
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.evaluators import network_names as names
+from analysis.evaluators.feature_networks import Network
+from analysis.measurement.clip_features import ClipFeatures
+from analysis.measurement.feature_scores import feature_scores, scores_without_network
+
+LABELS = ("neutral", "anger", "fear")
+
+
+def network(name=names.GESTURE, labels=()):
+    return Network(
+        source=Path("n"), sha256="ab" * 32, name=name, settings={"a": "b"}, labels=labels
+    )
+
+
+def clips(count, *, shift=0.0, dimensions=3, seed=0, windows=2, named=None):
+    chance = np.random.default_rng(seed)
+    found = {}
+    for number in range(count):
+        emotions = np.zeros((windows, 0), np.float32)
+        if named is not None:
+            emotions = np.tile(np.eye(3, dtype=np.float32)[named[number]], (windows, 1))
+        features = chance.normal(shift, 1, (windows, dimensions)).astype(np.float32)
+        found[f"s{number:02d}"] = ClipFeatures(features=features, emotions=emotions)
+    return found
+
+
+def of(scores, condition, name):
+    return next(s for s in scores.conditions if (s.condition, s.name) == (condition, name))
+
+
+def test_what_is_further_from_the_recordings_scores_worse_in_all_distances():
+    recorded = clips(30)
+    conditions = {"near": clips(30, seed=1), "far": clips(30, seed=2, shift=2.0)}
+    found = feature_scores(network(), conditions, recorded)
+    for name in (names.FGD, "FGD∞ (gesture autoencoder)", names.kernel_of(names.GESTURE)):
+        near, far = (of(found, condition, name) for condition in ("near", "far"))
+        assert near.value < far.value
+        assert near.better == "lower"
+        assert near.settings["a"] == "b"
+    assert of(found, "far", names.FGD).interval[0] > of(found, "near", names.FGD).value
+
+
+def test_every_condition_is_compared_over_equally_many_windows():
+    conditions = {"all": clips(30, seed=1), "fewer": clips(20, seed=2)}
+    found = feature_scores(network(), conditions, clips(40))
+    for condition in conditions:
+        settings = of(found, condition, names.FGD).settings
+        assert settings["samples"] == "40 windows of recorded motion and of every condition"
+
+
+def test_a_condition_of_few_clips_is_not_compared_and_does_not_shrink_the_others():
+    conditions = {"all": clips(30, seed=1), "catch": clips(3, seed=2)}
+    found = feature_scores(network(), conditions, clips(30))
+    few = of(found, "catch", names.FGD)
+    assert math.isnan(few.value)
+    assert "6 windows are fewer than half of what others have" in few.reason
+    assert "60 windows" in of(found, "all", names.FGD).settings["samples"]
+    assert not math.isnan(of(found, "catch", names.kernel_of(names.GESTURE)).value)
+
+
+def test_recorded_motion_has_a_variance_but_no_distance_from_itself():
+    recorded = clips(10)
+    found = feature_scores(
+        network(), {"recorded": recorded}, recorded, recordings=frozenset({"recorded"})
+    )
+    assert [score.name for score in found.conditions] == [
+        "variance of features (gesture autoencoder)"
+    ]
+
+
+def test_without_recordings_the_distances_say_so():
+    found = feature_scores(network(), {"ours": clips(10)}, {})
+    assert of(found, "ours", names.FGD).reason == "there is no recorded motion to compare with"
+    assert of(found, "ours", "variance of features (gesture autoencoder)").value > 0
+
+
+def test_clips_that_the_network_cannot_look_at_are_counted_with_their_reason():
+    own = clips(10, seed=1) | {"short": ClipFeatures(reason="the clip is too short")}
+    found = feature_scores(network(), {"ours": own}, clips(10))
+    score = of(found, "ours", names.FGD)
+    assert (score.scored, score.clips) == (10, 11)
+    assert "left out: the clip is too short (1 of 11 clips)" in score.remark
+    none = feature_scores(network(), {"ours": {"short": own["short"]}}, clips(10))
+    assert "the clip is too short (1 of 1 clips)" in of(none, "ours", names.FGD).reason
+
+
+def test_named_emotions_are_counted_by_clip_and_in_a_confusion():
+    emotions = {"s00": "anger", "s01": "anger", "s02": "fear", "s03": "joy"}
+    found = feature_scores(
+        network(names.EMOTION, LABELS),
+        {"ours": clips(4, named=[1, 2, 2, 0])},
+        clips(4, named=[0, 0, 0, 0]),
+        emotions=emotions,
+    )
+    assert of(found, "ours", names.EMOTION_ACCURACY).value == pytest.approx(0.75)
+    assert [score.result.value for score in found.clips] == [1, 0, 1]
+    assert found.clips[1].result.remark == "spoken: anger, named: fear"
+    assert found.confusions[0].counts == ((0, 1, 1), (0, 0, 1))
+
+
+def test_a_missing_network_names_the_command_that_trains_one():
+    scores = list(scores_without_network(names.EMOTION, "train it", "ours", 5, recorded=False))
+    assert [score.name for score in scores] == [
+        names.FGD_OF_EMOTION,
+        names.VARIANCE_OF_EMOTION,
+        names.EMOTION_ACCURACY,
+    ]
+    assert all(s.reason == "no emotion network is given; 'train it' trains one" for s in scores)
+    recorded = scores_without_network(names.GESTURE, "train it", "truth", 5, recorded=True)
+    assert not list(recorded)

@@ -1,0 +1,122 @@
+"""What metrics keep is used for as long as its version is the same, which must be true."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analysis.evaluators.clip_views import JOINTS_OF_CHANNELS, Channels
+from analysis.evaluators.design import SIZES, Design, Kind
+from analysis.evaluators.evaluator import Evaluator
+from analysis.evaluators.evaluator_file import (
+    DataFacts,
+    EvaluatorFacts,
+    EvaluatorFile,
+    TrainingFacts,
+)
+from analysis.evaluators.normalisation import Normalisation
+from analysis.measurement import (
+    clip_features,
+    joint_motion,
+    kept_onsets,
+    measured_clips,
+    penetration_of_files,
+)
+from analysis.metrics.self_penetration import PenetrableBody
+from motion.body import read_body
+from motion.clip import MotionClip
+from motion.face_landmarks import FaceLandmarks
+from motion.segment import EMOTIONS
+from motion.skeleton import joint_index
+from motion.speech_onsets import speech_onsets
+from renderer.avatars import default_body
+from tests.analysis.evaluators.published.conftest import seeded_weights
+from tests.fingerprint import fingerprint
+from tests.generators.conftest import syllables
+
+# Where a change is wanted, raise the version in the module and write its new numbers here.
+JOINTS = {"1": [-0.7307, 0.09075]}
+ONSETS = {"1": [-3.59122]}
+FEATURES = {"1": {"gesture": [-0.016127], "body": [0.174932, -0.160979], "both": [0.005965]}}
+LANDMARKS = {"1": [0.006724]}
+DEPTHS = {"1": [-0.041798]}
+
+
+def moving() -> MotionClip:
+    frames = np.arange(120)
+    waves = np.sin(frames[:, None, None] / 9 + np.arange(165).reshape(55, 3)) / 5
+    arkit = np.abs(np.sin(frames[:, None] / 7 + np.arange(52))) / 2
+    return MotionClip(poses=waves, trans=waves[:, 0], frame_rate=25, arkit=arkit)
+
+
+def network(kind: Kind, channels: Channels) -> Evaluator:
+    """Return a network of seeded weights, which no training changes."""
+    design = Design(
+        kind=kind,
+        channels=channels,
+        config=SIZES[kind]["tiny"],
+        joints=JOINTS_OF_CHANNELS[channels],
+        face="arkit" if channels == "both" else None,
+        labels=EMOTIONS if kind == "emotion" else (),
+    )
+    width = design.view().channels
+    made = design.network(width)
+    shapes = {name: list(weight.shape) for name, weight in made.state_dict().items()}
+    made.load_state_dict(seeded_weights(shapes))
+    facts = EvaluatorFacts.of(
+        design,
+        data=DataFacts(
+            sha256="0" * 64, clips=1, recordings=1, windows=1, held_out_windows=1, held_out=""
+        ),
+        training=TrainingFacts(config={}, best_step=0, last_loss=0.0, versions={}),
+        held_out={},
+    )
+    normalisation = Normalisation(
+        mean=np.linspace(-0.1, 0.1, width, dtype=np.float32),
+        deviation=np.linspace(0.5, 1.5, width, dtype=np.float32),
+    )
+    file = EvaluatorFile(
+        facts=facts, network=made.eval(), normalisation=normalisation, landmarks=None
+    )
+    return Evaluator(sha256="0" * 64, file=file)
+
+
+def test_joints_that_lie_elsewhere_have_another_version() -> None:
+    waves = np.sin(np.arange(40)[:, None, None] / 9 + np.arange(165).reshape(55, 3)) / 5
+    clip = MotionClip(poses=waves, trans=waves[:, 0], frame_rate=25)
+    found = joint_motion.joint_motion(clip, 30)
+    assert fingerprint(found.relative, found.pelvis) == pytest.approx(
+        JOINTS[joint_motion.VERSION], abs=1e-5
+    )
+
+
+def test_onsets_that_are_found_elsewhere_have_another_version() -> None:
+    onsets = speech_onsets(syllables(6.0, 1))
+    assert fingerprint(onsets) == pytest.approx(ONSETS[kept_onsets.VERSION], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "channels"), [("motion", "gesture"), ("emotion", "body"), ("motion", "both")]
+)
+def test_a_network_that_sees_other_features_has_another_version(
+    kind: Kind, channels: Channels
+) -> None:
+    seen = network(kind, channels)
+    found = [seen.embed(moving())] + ([seen.classify(moving())] if seen.labels else [])
+    assert fingerprint(*found) == pytest.approx(FEATURES[clip_features.VERSION][channels], abs=1e-5)
+
+
+def test_landmarks_that_lie_elsewhere_have_another_version() -> None:
+    found = FaceLandmarks.of(read_body(default_body())).positions(moving().frames(slice(0, 30)))
+    assert fingerprint(found) == pytest.approx(
+        LANDMARKS[measured_clips.LANDMARKS_VERSION], abs=1e-5
+    )
+
+
+def test_arms_that_are_deeper_in_the_body_have_another_version() -> None:
+    poses = np.zeros((40, 55, 3))
+    poses[:, joint_index("left_shoulder"), 2] = -np.linspace(1.2, 1.8, 40)
+    clip = MotionClip(poses=poses, trans=np.zeros((40, 3)), frame_rate=10)
+    depths = PenetrableBody.of(read_body(default_body("mannequin"))).depths(clip)
+    assert depths.max() > 0.01
+    assert fingerprint(depths) == pytest.approx(DEPTHS[penetration_of_files.VERSION], abs=1e-5)

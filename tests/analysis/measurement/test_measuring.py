@@ -1,0 +1,280 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.measurement import measured_clips, seen_motion
+from analysis.measurement.joint_motion import JointMotionStore
+from analysis.measurement.measuring import study_metrics
+from analysis.measurement.presets import PRESETS
+from motion.audio import Audio, write_wav
+from motion.errors import InputError
+from motion.formats import write_clip
+
+
+@pytest.fixture
+def clicks(tmp_path):
+    """Return a recording with a click at each half second."""
+    samples = np.zeros(16000 * 4, np.float32)
+    for start in range(4000, len(samples), 8000):
+        samples[start : start + 320] = 0.8 * np.sin(np.arange(320) * 0.6) * np.hanning(320)
+    write_wav(tmp_path / "clicks.wav", Audio(samples, 16000))
+    return tmp_path / "clicks.wav"
+
+
+@pytest.fixture
+def study(tmp_path, clicks, waving):
+    """Return motion files of a waving and of a static condition, and their speech."""
+    clips = {"waving": {}, "static": {}}
+    for segment, amplitude in (("a", 0.4), ("b", 0.8)):
+        for condition, size in (("waving", amplitude), ("static", 0.0)):
+            path = tmp_path / condition / f"{segment}.npz"
+            write_clip(path, waving(amplitude=size))
+            clips[condition][segment] = path
+    return clips, dict.fromkeys("ab", (clicks, 0.0, 4.0))
+
+
+def of(metrics, condition, name):
+    return next(s for s in metrics.conditions if (s.condition, s.name) == (condition, name))
+
+
+def test_every_condition_gets_every_metric(study):
+    metrics = study_metrics(*study)
+    names = {s.name for s in metrics.conditions}
+    assert len(metrics.conditions) == 2 * len(names)
+    assert {"jerk (hands)", "mean distance between clips"} <= names
+    assert any(name.startswith("beat alignment above chance") for name in names)
+    assert metrics.frame_rate == 30.0
+    assert all(s.settings["frame rate"] == "30 fps" for s in metrics.conditions)
+
+
+def test_a_condition_is_the_mean_over_its_clips(study):
+    metrics = study_metrics(*study)
+    values = [
+        s.result.value
+        for s in metrics.clips
+        if s.condition == "waving" and s.result.name == "jerk (hands)"
+    ]
+    found = of(metrics, "waving", "jerk (hands)")
+    assert len(values) == 2
+    assert found.value == pytest.approx(np.mean(values))
+    assert found.spread == pytest.approx(np.std(values, ddof=1))
+    assert (found.scored, found.clips) == (2, 2)
+
+
+def test_a_motionless_condition_has_no_beat_alignment_and_the_reason_counts_clips(study):
+    found = of(study_metrics(*study), "static", "beat alignment above chance (amuse)")
+    assert math.isnan(found.value)
+    assert found.scored == 0
+    assert found.reason == "the motion has no beat (2 of 2 clips)"
+
+
+def test_without_speech_there_is_no_beat_alignment(study):
+    metrics = study_metrics(study[0], {})
+    assert not any("beat" in s.name for s in metrics.conditions)
+    assert of(metrics, "waving", "jerk (hands)").scored == 2
+
+
+def test_no_clips_are_no_metrics():
+    assert study_metrics({}, {}).conditions == ()
+
+
+def test_a_missing_motion_is_named(study, tmp_path):
+    clips, speech = study
+    clips["static"]["c"] = tmp_path / "nowhere.npz"
+    with pytest.raises(InputError, match=r"nowhere\.npz"):
+        study_metrics(clips, speech)
+
+
+@pytest.fixture
+def recorded_study(tmp_path, study, waving):
+    """Return a study of which the motion of 'still' is the recording itself."""
+    clips, speech = study
+    recorded = {}
+    for number, segment in enumerate("ab"):
+        recorded[segment] = tmp_path / "recorded" / f"{segment}.npz"
+        write_clip(recorded[segment], waving(amplitude=0.5 + 0.1 * number, frequency=0.8))
+    clips["recorded"] = dict(recorded)
+    clips["copied"] = {}
+    for segment, path in recorded.items():
+        clips["copied"][segment] = tmp_path / "copied" / f"{segment}.npz"
+        clips["copied"][segment].parent.mkdir(exist_ok=True)
+        clips["copied"][segment].write_bytes(path.read_bytes())
+    return clips, speech, recorded
+
+
+ERRORS = {
+    "mean absolute error (MAJE, s2ue)",
+    "mean acceleration error (MAcE-P, s2ue)",
+    "velocity error (L1)",
+    "velocity error (L2)",
+}
+
+
+def test_beside_recordings_a_copy_is_perfect_and_other_motion_is_not(recorded_study):
+    clips, _, recorded = recorded_study
+    metrics = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
+    for name in ERRORS:
+        assert of(metrics, "copied", name).value == 0
+        assert of(metrics, "waving", name).value > 0
+        assert of(metrics, "waving", name).better == "lower"
+    for preset in ("amuse", "beat", "diffsheg"):
+        name = f"percent of correct motion ({preset})"
+        assert of(metrics, "copied", name).value == 1
+        assert of(metrics, "waving", name).value < 1
+        assert "left_wrist" in of(metrics, "copied", name).settings["joints"]
+    assert not {s.name for s in metrics.conditions if s.condition == "recorded"} & ERRORS
+    assert of(metrics, "recorded", "foot sliding").value == 0
+    assert all(s.settings["frame rate"] for s in metrics.conditions if not s.reason)
+
+
+def test_without_recordings_nothing_is_compared_with_them(study):
+    metrics = study_metrics(*study, presets=PRESETS)
+    names = {s.name for s in metrics.conditions}
+    assert not names & ERRORS
+    assert {"jerk (genea)", "foot sliding", "beat alignment (talkshow)"} <= names
+
+
+def test_files_that_cannot_be_used_are_named_and_the_rest_is_measured(study, tmp_path):
+    clips, speech = study
+    bad = tmp_path / "waving" / "c.npz"
+    bad.write_bytes(b"PK no archive")
+    clips["waving"]["c"] = bad
+    torn = tmp_path / "static" / "b.npz"
+    torn.write_bytes(torn.read_bytes()[:-200])
+    speech["a"] = (tmp_path / "silent.wav", 0.0, 4.0)
+    metrics = study_metrics(clips, speech, skip_unusable=True)
+    assert sorted(file.where for file in metrics.skipped) == sorted(
+        map(str, (bad, torn, tmp_path / "silent.wav"))
+    )
+    assert of(metrics, "waving", "jerk (hands)").scored == 2
+    assert of(metrics, "static", "jerk (hands)").scored == 1
+    assert of(metrics, "waving", "beat alignment (amuse)").clips == 1
+
+
+def test_nothing_usable_is_no_score_but_a_list_of_files(tmp_path):
+    bad = tmp_path / "a.npz"
+    bad.write_bytes(b"")
+    metrics = study_metrics({"x": {"a": bad}}, {}, skip_unusable=True)
+    assert metrics.conditions == ()
+    assert [file.where for file in metrics.skipped] == [str(bad)]
+
+
+def test_what_is_kept_from_an_earlier_run_changes_no_number(study, tmp_path):
+    store = JointMotionStore(tmp_path / "kept")
+    alone = study_metrics(*study)
+    first = study_metrics(*study, store=store)
+    kept = {path: path.stat().st_mtime_ns for path in store.folder.iterdir()}
+    # Both motionless clips are the same file, and both segments the same speech.
+    assert sorted(path.name.partition("-")[0] for path in kept) == ["joints"] * 3 + ["onsets"]
+    second = study_metrics(*study, store=store)
+    assert {path: path.stat().st_mtime_ns for path in store.folder.iterdir()} == kept
+    for other in (first, second):
+        np.testing.assert_equal(
+            [s.result.value for s in alone.clips], [s.result.value for s in other.clips]
+        )
+    study[0].pop("static")
+    study_metrics(*study, store=store)
+    assert len(list(store.folder.glob("joints-*"))) == 2
+
+
+def test_clips_of_an_unchanged_store_are_not_read_again(study, tmp_path, monkeypatch):
+    store = JointMotionStore(tmp_path / "kept")
+    study_metrics(*study, store=store)
+    monkeypatch.setattr(measured_clips, "joint_motion", pytest.fail)
+    monkeypatch.setattr(seen_motion, "read_clip", pytest.fail)
+    study_metrics(*study, store=store)
+
+
+@pytest.mark.slow
+def test_several_processes_find_what_one_finds(recorded_study):
+    clips, _, recorded = recorded_study
+    progress = []
+    alone = study_metrics(clips, {}, recorded=recorded, presets=PRESETS)
+    together = study_metrics(
+        clips,
+        {},
+        recorded=recorded,
+        presets=PRESETS,
+        processes=2,
+        on_progress=lambda done, total: progress.append((done, total)),
+    )
+    assert progress == [(done, 4) for done in (1, 2, 3, 4)]
+    assert [s.result.name for s in alone.clips] == [s.result.name for s in together.clips]
+    np.testing.assert_equal(
+        [s.result.value for s in alone.clips], [s.result.value for s in together.clips]
+    )
+
+
+def test_clips_of_many_rates_are_compared_at_the_slowest(study, tmp_path, waving):
+    clips, speech = study
+    clips["slow"] = {"a": tmp_path / "slow.npz"}
+    write_clip(clips["slow"]["a"], waving(frame_rate=20.0))
+    metrics = study_metrics(clips, speech)
+    assert metrics.frame_rate == 20.0
+    assert of(metrics, "waving", "jerk (hands)").settings["frame rate"] == "20 fps"
+
+
+def test_what_metrics_lack_is_said(recorded_study):
+    clips, speech, recorded = recorded_study
+    speech.pop("a")
+    recorded.pop("b")
+    found = study_metrics(clips, speech, recorded=recorded, presets=("amuse",)).remarks
+    assert found == (
+        "no beat alignment without speech: 1 of 2 segments (a)",
+        "no comparison without a recording: 1 of 2 segments (b)",
+    )
+    alone = study_metrics(clips, speech, presets=("genea",)).remarks
+    assert alone == ("no recordings are given, so nothing is compared with them",)
+
+
+def test_files_are_taken_to_have_the_frame_rate_that_is_given(study, tmp_path):
+    store = JointMotionStore(tmp_path / "kept")
+    fast = study_metrics(*study, file_rate=30.0, store=store)
+    slow = study_metrics(*study, file_rate=15.0, store=store)
+    assert (fast.frame_rate, slow.frame_rate) == (30, 15)
+    name = "jerk (hands, unfiltered)"
+    assert of(fast, "waving", name).value == pytest.approx(8 * of(slow, "waving", name).value)
+
+
+def test_semantic_scores_choose_which_frames_are_recalled(recorded_study, tmp_path):
+    clips, _, recorded = recorded_study
+    spans = {"a": "beat\t0\t4\t4\t0.3\t", "b": "none\t0\t4\t4\t0\t"}
+    semantics = {segment: tmp_path / f"{segment}.txt" for segment in spans}
+    for segment, span in spans.items():
+        semantics[segment].write_text(span, encoding="utf-8")
+    metrics = study_metrics(
+        clips, {}, recorded=recorded, semantics=semantics, presets=("amuse", "beat")
+    )
+    for preset in ("amuse", "beat"):
+        copied = of(metrics, "copied", f"semantic-relevant gesture recall ({preset})")
+        assert copied.value == 1
+        assert copied.reason == "no frame has a semantic score above 0 (1 of 2 clips)"
+        waving = of(metrics, "waving", f"semantic-relevant gesture recall ({preset})")
+        assert waving.value == pytest.approx(
+            next(
+                s.result.value
+                for s in metrics.clips
+                if (s.condition, s.segment) == ("waving", "a")
+                and s.result.name == f"percent of correct motion ({preset})"
+            )
+        )
+    assert not any("recall" in s.name for s in metrics.conditions if s.condition == "recorded")
+
+
+def test_semantic_scores_that_cannot_be_read_are_named(recorded_study, tmp_path):
+    clips, _, recorded = recorded_study
+    damaged = tmp_path / "a.txt"
+    damaged.write_text("no annotation", encoding="utf-8")
+    metrics = study_metrics(
+        clips,
+        {},
+        recorded=recorded,
+        semantics={"a": damaged},
+        presets=("amuse",),
+        skip_unusable=True,
+    )
+    assert [file.where for file in metrics.skipped] == [f"{damaged}, line 1"]
+    assert not any("recall" in s.name for s in metrics.conditions)

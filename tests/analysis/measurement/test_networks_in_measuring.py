@@ -1,0 +1,211 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analysis.evaluators import feature_networks
+from analysis.evaluators import network_names as names
+from analysis.evaluators.feature_networks import networks
+from analysis.measurement import clip_features
+from analysis.measurement.joint_motion import JointMotionStore
+from analysis.measurement.measured_clips import LandmarkBody
+from analysis.measurement.measuring import study_metrics
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.face import arkit_index
+from motion.formats import write_clip
+from renderer.avatars import default_body
+
+
+class MeanPose:
+    """Stands for a trained network: the mean and spread of a few joints' rotations."""
+
+    labels = ()
+    name = names.GESTURE
+    rule = None
+
+    def __init__(self, path):
+        self.sha256 = path.read_text()
+        self.seen = []
+
+    def describe(self):
+        return {"network sha256": self.sha256}
+
+    def embed(self, clip):
+        self.seen.append(clip)
+        if len(clip) < 60:
+            raise InputError("the clip is shorter than a window")
+        halves = np.array_split(clip.poses[:, 16:20].reshape(len(clip), -1), 2)
+        return np.array([[h.mean(0)[2], h.std(0)[2]] for h in halves], np.float32)
+
+
+@pytest.fixture
+def network_file(tmp_path, monkeypatch):
+    """Return the file of a stand-in network, and what it was shown."""
+    opened = {}
+
+    def opening(path):
+        return opened.setdefault(path, MeanPose(path))
+
+    monkeypatch.setattr(feature_networks, "open_network", opening)
+    monkeypatch.setattr(clip_features, "open_network", opening)
+    clip_features._opened.cache_clear()
+    path = tmp_path / "network"
+    path.write_text("c0ffee" * 11)
+    yield path, opened
+    clip_features._opened.cache_clear()
+
+
+@pytest.fixture
+def study(tmp_path, waving):
+    clips = {"truth": {}, "ours": {}}
+    for condition, size in (("truth", 0.5), ("ours", 0.8)):
+        for number in range(6):
+            path = tmp_path / condition / f"{number}.npz"
+            write_clip(path, waving(amplitude=size + number / 20, seconds=2.5))
+            clips[condition][f"s{number}"] = path
+    return clips
+
+
+def of(metrics, condition, name):
+    return next(s for s in metrics.conditions if (s.condition, s.name) == (condition, name))
+
+
+def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(study, network_file, tmp_path):
+    path, opened = network_file
+    store = JointMotionStore(tmp_path / "kept")
+    first, second = (
+        study_metrics(
+            study, {}, recorded=study["truth"], evaluators=[path], presets=["genea"], store=store
+        )
+        for _ in range(2)
+    )
+    assert len(opened[path].seen) == 12
+    assert of(first, "ours", names.FGD).value > 0
+    assert [s.value for s in first.conditions] == pytest.approx(
+        [s.value for s in second.conditions], nan_ok=True
+    )
+    assert of(first, "ours", names.FGD).settings["network sha256"] == "c0ffee" * 11
+
+
+def test_what_a_study_holds_still_is_still_for_the_network(study, network_file):
+    path, opened = network_file
+    study_metrics(study, {}, frozen=("hands", "root"), evaluators=[path])
+    assert all(np.ptp(clip.trans) == 0 for clip in opened[path].seen)
+
+
+def test_a_clip_that_is_too_short_is_left_out_with_its_reason(study, network_file, waving):
+    path, _ = network_file
+    write_clip(study["ours"]["s0"], waving(seconds=1.0))
+    found = study_metrics(study, {}, recorded=study["truth"], evaluators=[path])
+    assert "shorter than a window (1 of 6 clips)" in of(found, "ours", names.FGD).remark
+
+
+def test_two_networks_of_one_kind_are_told_apart_by_their_hash(network_file, tmp_path):
+    path, _ = network_file
+    other, same = tmp_path / "other", tmp_path / "same"
+    other.write_text("beef" * 16)
+    same.write_text(path.read_text())
+    found = networks([path, other, same])
+    assert [n.name for n in found] == [
+        "gesture autoencoder, c0ffeec0",
+        "gesture autoencoder, beefbeef",
+    ]
+    assert names.distance_of(found[1].name) == "FGD (gesture autoencoder, beefbeef)"
+
+
+def test_a_network_that_is_not_given_is_listed_with_what_trains_it(study):
+    found = study_metrics(study, {}, recorded=study["truth"], presets=["s2ue"])
+    missing = of(found, "ours", names.FLD)
+    assert "'motionjury train evaluator face' trains one" in missing.reason
+    assert not any(s.condition == "truth" and s.name == names.FLD for s in found.conditions)
+
+
+@pytest.fixture
+def talking(tmp_path):
+    """Return recorded faces, and generated ones: a copy, and one that opens the mouth less."""
+    clips = {"truth": {}, "copied": {}, "shy": {}}
+    for number in range(2):
+        opening = np.abs(np.sin(np.arange(60) / (5 + number)))
+        for condition, share in (("truth", 1.0), ("copied", 1.0), ("shy", 0.5)):
+            arkit = np.zeros((60, 52))
+            arkit[:, arkit_index("jawOpen")] = share * opening
+            path = tmp_path / condition / f"{number}.npz"
+            clip = MotionClip(
+                poses=0.01 * np.random.default_rng(number).normal(size=(60, 55, 3)),
+                trans=np.zeros((60, 3)),
+                frame_rate=30,
+                arkit=arkit,
+            )
+            write_clip(path, clip)
+            clips[condition][str(number)] = path
+    return clips
+
+
+LANDMARK_ERRORS = (
+    "mean absolute error (MALE, s2ue)",
+    "mean acceleration error (MAcE-LM, s2ue)",
+)
+
+
+def test_landmarks_of_a_copied_face_have_no_error_and_of_another_one_millimetres(talking):
+    found = study_metrics(
+        talking,
+        {},
+        recorded=talking["truth"],
+        presets=["s2ue"],
+        face=LandmarkBody(path=default_body()),
+    )
+    for name in LANDMARK_ERRORS:
+        assert of(found, "copied", name).value == 0
+        assert of(found, "shy", name).value > 0.1
+    assert of(found, "shy", LANDMARK_ERRORS[0]).settings["frame rate"] == "15 fps"
+
+
+@pytest.mark.parametrize(
+    ("frozen", "face", "said"),
+    [
+        (("face",), LandmarkBody(path=default_body()), "holds the face still"),
+        ((), None, "no body is given"),
+    ],
+)
+def test_where_there_are_no_landmarks_the_errors_say_why(talking, frozen, face, said):
+    found = study_metrics(
+        talking, {}, recorded=talking["truth"], presets=["s2ue"], face=face, frozen=frozen
+    )
+    for name in LANDMARK_ERRORS:
+        assert said in of(found, "shy", name).reason
+
+
+def test_a_face_that_is_told_in_other_terms_has_no_landmarks(talking, waving):
+    write_clip(talking["shy"]["0"], waving(seconds=2.0))
+    found = study_metrics(
+        talking,
+        {},
+        recorded=talking["truth"],
+        presets=["s2ue"],
+        face=LandmarkBody(path=default_body()),
+    )
+    score = of(found, "shy", LANDMARK_ERRORS[0])
+    assert (score.scored, score.clips) == (1, 2)
+    assert "tells no face" in score.reason
+
+
+def test_faces_differ_between_clips_unless_they_are_held_still(talking):
+    name = "mean distance between clips (expressions)"
+    moving = of(study_metrics(talking, {}, presets=["diffsheg"]), "truth", name)
+    assert moving.value > 0
+    assert moving.settings["face"] == "ARKit weights"
+    still = of(study_metrics(talking, {}, presets=["diffsheg"], frozen=("face",)), "truth", name)
+    assert still.reason == "the study holds the face still"
+
+
+def test_penetration_is_measured_where_a_body_is_given_and_kept(talking, tmp_path, monkeypatch):
+    store = JointMotionStore(tmp_path / "kept")
+    wanted = {"penetrable": default_body("mannequin"), "presets": ["genea"], "store": store}
+    found = study_metrics(talking, {}, **wanted)
+    assert of(found, "shy", "self-penetration, depth").value == 0
+    assert of(found, "shy", "self-penetration, depth").scored == 2
+    monkeypatch.setattr("analysis.measurement.penetration_of_files._penetrable", lambda body: None)
+    again = study_metrics(talking, {}, **wanted)
+    assert of(again, "shy", "self-penetration, share of frames").value == 0

@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+import pytest
+
+from analysis.measurement.presets import PRESETS, combined
+from motion.errors import InputError
+
+
+def test_every_paper_has_its_preset():
+    assert {"amuse", "beat", "diffsheg", "genea", "s2ue", "talkshow"} <= set(PRESETS)
+
+
+def test_what_two_presets_share_is_measured_once():
+    together = combined(["beat", "diffsheg", "beat"])
+    assert together.beats == PRESETS["beat"].beats == PRESETS["diffsheg"].beats
+    assert [settings.name for settings in together.correct] == ["beat", "diffsheg"]
+    assert together.mean_pose_deviation
+    assert together.pair_distance
+    assert not together.foot_sliding
+
+
+def test_an_unknown_preset_is_refused_with_those_there_are():
+    with pytest.raises(InputError, match=r"'amuze'.*amuse, beat"):
+        combined(["amuze"])
+
+
+def test_without_recordings_nothing_is_left_that_needs_them():
+    alone = combined(PRESETS).without_recordings()
+    assert alone.beats
+    assert alone.jerks
+    assert not (alone.correct or alone.absolute_errors or alone.velocity_errors)
+    assert not alone.needs_rotations
+    assert combined(["s2ue"]).needs_recorded_spread

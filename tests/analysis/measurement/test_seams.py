@@ -1,0 +1,99 @@
+"""Seams show where windows of motion do not go over into each other, and nowhere else."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.measurement.seams import Windows, seam_acceleration, seams_of_clip, windows_of
+from motion.clip import MotionClip
+from motion.errors import InputError
+
+WINDOWS = Windows(frames=34, overlap=4, frame_rate=15)
+
+
+def wandering(frames: int = 600, seed: int = 0) -> np.ndarray:
+    """Return points whose accelerations are alike everywhere, (T, 5, 3)."""
+    steps = np.random.default_rng(seed).standard_normal((frames, 5, 3))
+    return np.cumsum(np.cumsum(steps, axis=0), axis=0)
+
+
+def ratio(values: np.ndarray, windows: Windows = WINDOWS) -> float:
+    return seam_acceleration(values, windows, of="points").value
+
+
+def test_motion_without_seams_has_a_ratio_of_one() -> None:
+    found = seam_acceleration(wandering(), WINDOWS, of="points")
+    assert found.value == pytest.approx(1, abs=0.1)
+    assert found.interval is not None
+    assert found.interval[0] < 1 < found.interval[1]
+    assert found.n == 19
+
+
+@pytest.mark.parametrize("frame", [0, 2, 4])
+def test_a_jump_anywhere_at_a_seam_is_seen(frame: int) -> None:
+    """Frame 0 is the first shared one, and 4 the first that is shared no more."""
+    values = wandering()
+    for border in range(30, 600, 30):
+        values[border + frame :] += 5
+    assert ratio(values) > 1.8
+
+
+@pytest.mark.parametrize("frame", [-2, 7, 15])
+def test_a_jump_elsewhere_is_not_put_down_to_seams(frame: int) -> None:
+    values = wandering()
+    for border in range(30, 600, 30):
+        values[border + frame :] += 5
+    assert ratio(values) < 0.9
+
+
+def test_the_ratio_is_that_of_accelerations_there_and_elsewhere() -> None:
+    windows = Windows(frames=10, overlap=2, frame_rate=15)
+    second = np.ones(41)
+    # Frames 8 and 9 are shared by the first two windows: 7 and 10 are next to them.
+    for border in range(8, 41, 8):
+        second[border - 2 : border + 2] = 3
+    values = np.cumsum(np.cumsum(second))[:, None, None]
+    values = np.concatenate([np.zeros((2, 1, 1)), values])
+    assert ratio(values, windows) == pytest.approx(3)
+
+
+def test_windows_that_share_nothing_have_their_seam_between_two_frames() -> None:
+    windows = Windows(frames=30, overlap=0, frame_rate=15)
+    values = wandering()
+    for border in range(30, 600, 30):
+        values[border:] += 5
+    assert ratio(values, windows) > 2
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [(wandering(50), "1 seams"), (np.zeros((600, 2, 3)), "nothing moves")],
+)
+def test_where_there_is_nothing_to_compare_the_reason_is_said(
+    values: np.ndarray, reason: str
+) -> None:
+    found = seam_acceleration(values, WINDOWS, of="points")
+    assert math.isnan(found.value)
+    assert reason in found.reason
+
+
+def test_a_clip_says_where_its_windows_begin() -> None:
+    rng = np.random.default_rng(1)
+    turns = np.cumsum(0.01 * rng.standard_normal((150, 55, 3)), axis=0)
+    clip = MotionClip(
+        poses=np.repeat(turns, 2, axis=0).astype(np.float32),
+        trans=np.zeros((300, 3), np.float32),
+        frame_rate=30,
+        arkit=rng.random((300, 52)).astype(np.float32),
+    )
+    with pytest.raises(InputError, match="does not say where"):
+        list(seams_of_clip(clip))
+    told = clip.with_provenance(window_frames="34", window_overlap="4", window_frame_rate="15")
+    assert windows_of(told) == WINDOWS
+    found = list(seams_of_clip(told))
+    names = [one.name.partition("(")[2] for one in found]
+    assert names == ["arms and head)", "fingers)", "face)"]
+    assert all(0.7 < one.value < 1.4 for one in found)

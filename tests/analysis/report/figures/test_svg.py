@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+import re
+
+import matplotlib as mpl
+import pytest
+from bs4 import BeautifulSoup
+from matplotlib.figure import Figure
+
+from analysis.report.content import Picture
+from analysis.report.figures.ink import (
+    FIVE,
+    FOLLOWS_THE_PAGE,
+    INK,
+    SERIES,
+    STYLE,
+    on,
+    place_colours,
+    scale_colours,
+)
+from analysis.report.figures.svg import inline_svg, picture
+
+
+def drawn(name: str = "one") -> Picture:
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(2, 1))
+        axes = figure.subplots()
+        axes.plot([0, 1], [0, 1], gid="line")
+        axes.set_title("a < b & c")
+        return picture(
+            figure,
+            name=name,
+            title='It says "hi"',
+            alt="a is 1 & b is 2",
+            caption="",
+            hints={"line": "1 < 2"},
+        )
+
+
+def test_a_figure_is_the_same_bytes_every_time_and_has_no_date() -> None:
+    first, again = drawn(), drawn()
+    assert first.svg == again.svg
+    assert first.pdf == again.pdf
+    assert "dc:date" not in first.svg
+    assert b"CreationDate" not in first.pdf
+    assert first.pdf.startswith(b"%PDF")
+
+
+def test_letters_of_every_script_are_drawn_without_a_warning() -> None:
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(2, 1))
+        figure.subplots().set_title("条件 条件")
+    found = picture(figure, name="one", title="", alt="", caption="")
+    assert "条件" in found.svg
+    assert found.pdf
+
+
+def test_two_figures_of_one_page_share_no_id() -> None:
+    ids = [set(re.findall(r'id="([^"]+)"', drawn(name).svg)) for name in ("one", "two")]
+    assert ids[0]
+    assert not ids[0] & ids[1]
+    assert all(each.startswith("one-") for each in ids[0])
+
+
+def test_a_figure_says_what_it_shows_to_those_who_cannot_see_it() -> None:
+    svg = BeautifulSoup(drawn().svg, "html.parser").svg
+    assert svg is not None
+    assert svg["role"] == "img"
+    title, said = (svg.find(id=svg[name]) for name in ("aria-labelledby", "aria-describedby"))
+    assert title is not None
+    assert said is not None
+    assert title.get_text() == 'It says "hi"'
+    assert said.get_text() == "a is 1 & b is 2"
+    line = svg.find(id="one-line")
+    assert line is not None
+    assert line.find("title").get_text() == "1 < 2"
+    assert "a < b & c" in [text.get_text() for text in svg("text")]
+
+
+def test_a_figure_without_a_title_is_named_by_what_it_shows() -> None:
+    figure = Figure(figsize=(2, 1))
+    figure.subplots()
+    assert 'aria-label="say &#34;hi&#34;"' in inline_svg(figure, name="one", alt='say "hi"')
+
+
+def test_words_and_lines_follow_the_colours_of_the_page() -> None:
+    svg = drawn().svg
+    assert FOLLOWS_THE_PAGE[INK] in svg
+    assert not any(re.search(rf"(?<!, ){colour}", svg) for colour in FOLLOWS_THE_PAGE)
+
+
+@pytest.mark.parametrize("colour", [*FIVE, *SERIES, *place_colours(12), *scale_colours(21)])
+def test_words_on_a_coloured_part_can_be_read(colour: str) -> None:
+    light, dark = sorted((_luminance(colour), _luminance(on(colour))), reverse=True)
+    assert (light + 0.05) / (dark + 0.05) >= 3
+
+
+def _luminance(colour: str) -> float:
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

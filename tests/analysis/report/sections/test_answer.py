@@ -1,0 +1,249 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from analysis.report.sections.answer import answer
+from analysis.report.sections.flow import flow_section
+from analysis.report.sections.flow_words import flow_line
+from analysis.results.flow import Flow
+from analysis.results.pairwise import PairwiseResults
+from tests.analysis.report.made_reports import report_of, subject_of
+from tests.analysis.results.made_tables import (
+    TABLES,
+    catch_rows,
+    mismatch_table,
+    pairwise_table,
+    ranking_table,
+    rating_table,
+)
+
+
+def test_a_clear_preference_is_named_with_its_interval_and_what_it_rests_on(tmp_path: Path) -> None:
+    table = pairwise_table(("ours", "other"), effects=(3.0, 0.0), participants=14, segments=8)
+    report = report_of(table, "pairwise", tmp_path)
+
+    effect, basis, limits = answer(report, subject_of(report))
+
+    share = f"{report.results.comparisons[0].win_share.estimate:.2f}"[1:]  # type: ignore[union-attr]
+    assert effect.startswith(
+        f"Participants preferred ours to other on emotion (win share {share}, 95% interval [."
+    )
+    assert "14 of 14 participants and 1 segment of 1 speaker; nobody was excluded" in basis
+    assert limits.startswith("It does not show how other systems")
+
+
+def test_the_better_condition_comes_first_whichever_the_table_names_first(tmp_path: Path) -> None:
+    table = pairwise_table(("worse", "better"), effects=(0.0, 3.0), participants=14, segments=8)
+    report = report_of(table, "pairwise", tmp_path)
+
+    assert answer(report, subject_of(report))[0].startswith(
+        "Participants preferred better to worse"
+    )
+
+
+def test_what_is_not_decided_is_not_called_equal(tmp_path: Path) -> None:
+    table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=10, segments=8)
+    report = report_of(table, "pairwise", tmp_path)
+
+    effect, _, limits = answer(report, subject_of(report))
+
+    assert effect.startswith("None of 1 test decides")
+    assert "no evidence that two conditions are equally good" in limits
+
+
+def test_what_is_equivalent_within_the_margin_is_named(tmp_path: Path) -> None:
+    table = pairwise_table(("ours", "twin"), effects=(0.0, 0.0), participants=40, segments=20)
+    report = report_of(table, "pairwise", tmp_path, margin=0.2)
+
+    _, basis, _ = answer(report, subject_of(report))
+
+    assert basis.startswith("Equivalent within 0.2 are twin and ours on emotion.")
+
+
+def test_where_everybody_agrees_the_sign_test_decides_and_the_answer_says_so(
+    tmp_path: Path,
+) -> None:
+    table = pairwise_table(("ours", "other"), participants=6, effects=(0.0, 0.0))
+    table["response"] = (table["left"] == "ours").map({True: 1, False: 5})
+    report = report_of(table, "pairwise", tmp_path)
+
+    effect, basis, _ = answer(report, subject_of(report))
+
+    assert effect.startswith("Participants preferred ours to other on emotion (share of ")
+    assert "1 test is of the share of participants, because the usual test cannot be used" in basis
+
+
+def test_why_the_win_share_decides_is_said_once_however_many_answered_each_question(
+    tmp_path: Path,
+) -> None:
+    table = pairwise_table(questions=("emotion", "rhythm"), participants=8)
+    fewer = table[(table["question"] != "rhythm") | (table["participant"] != "p00")]
+    report = report_of(fewer, "pairwise", tmp_path)
+
+    basis = answer(report, subject_of(report))[1]
+
+    assert basis.count("because the usual test cannot be used") == 1
+
+
+def test_ratings_are_answered_by_mean_differences(tmp_path: Path) -> None:
+    report = report_of(rating_table(participants=16, segments=10), "rating", tmp_path)
+
+    effect = answer(report, subject_of(report))[0]
+
+    assert "preferred truth to static on match (mean difference " in effect
+
+
+def test_rankings_are_answered_by_differences_of_worths(tmp_path: Path) -> None:
+    report = report_of(ranking_table(participants=16, segments=10), "ranking", tmp_path)
+
+    effect, basis, _ = answer(report, subject_of(report))
+
+    assert "preferred truth to static on realism (difference of worths in logits " in effect
+    assert basis.startswith("One test of all conditions together: on realism (F(2, ")
+
+
+def test_no_condition_is_called_best_where_all_share_one_rank(tmp_path: Path) -> None:
+    report = report_of(ranking_table(participants=4).assign(rank=1), "ranking", tmp_path)
+
+    assert answer(report, subject_of(report))[0].startswith(
+        "No test could be made: every ranking ties all that it places"
+    )
+
+
+def test_rankings_of_sets_that_were_never_compared_are_refused_with_both_named(
+    tmp_path: Path,
+) -> None:
+    first = ranking_table(("a", "b"), participants=6)
+    second = ranking_table(("c", "d"), participants=6, seed=2)
+    report = report_of(
+        pd.concat([first, second.assign(participant="q" + second["participant"])]),
+        "ranking",
+        tmp_path,
+    )
+
+    effect = answer(report, subject_of(report))[0]
+
+    assert "never compared with one another, not even through others: a and b | c and d" in effect
+
+
+def test_the_model_decides_with_its_own_estimate_quoted(tmp_path: Path) -> None:
+    table = pairwise_table(("ours", "other"), effects=(1.0, 0.0), participants=20, segments=20)
+    report = report_of(table, "pairwise", tmp_path)
+
+    effect = answer(report, subject_of(report))[0]
+
+    [one] = report.results.comparisons  # type: ignore[union-attr]
+    assert one.decision.by == "clmm"
+    assert f"(log-odds {abs(one.clmm.estimate):.2f}, 95% interval [" in effect
+
+
+def test_of_many_conditions_strengths_decide_and_an_interval_that_does_not_is_explained(
+    tmp_path: Path,
+) -> None:
+    table = pairwise_table(
+        ("a", "b", "c", "d"), effects=(2.0, 0.5, 0.4, 0.0), participants=9, segments=6
+    )
+    report = report_of(table, "pairwise", tmp_path)
+    assert isinstance(report.results, PairwiseResults)
+    first = next(one for one in report.results.contrasts if one.p_holm < 0.05)
+    others = [
+        replace(one, low=-1.0, high=1.0) if one.p_holm >= 0.05 else one
+        for one in report.results.contrasts
+        if one is not first
+    ]
+    open_one = replace(first, p_holm=0.064)
+    seen = replace(report, results=replace(report.results, contrasts=(open_one, *others)))
+
+    assert "(difference of strengths in logits " in answer(report, subject_of(report))[0]
+    assert (
+        "Intervals stand for one test at a time: 1 of them leaves out no difference, although p, "
+        "corrected over 6 tests, does not decide."
+    ) in answer(seen, subject_of(report))[1]
+
+
+def test_a_very_busy_participant_is_warned_of(tmp_path: Path) -> None:
+    table = pairwise_table(("ours", "other"), effects=(0.5, 0.0), participants=12, segments=12)
+    busy = pd.concat([table[table["participant"] == "p00"]] * 9)
+    table = pd.concat([table, busy.assign(trial=range(1000, 1000 + len(busy)))])
+    report = report_of(table, "pairwise", tmp_path)
+
+    basis = answer(report, subject_of(report))[1]
+
+    assert "Participants answered very unequally often. " in basis
+    assert "without any one participant the estimate lies between 0." in basis
+
+
+def test_own_speech_is_named_against_anothers(tmp_path: Path) -> None:
+    report = report_of(mismatch_table(participants=40, segments=12), "mismatch", tmp_path)
+
+    effect = answer(report, subject_of(report))[0]
+
+    assert "truth with its own speech to truth with another's speech on fits" in effect
+
+
+def test_a_rehearsal_says_that_no_person_answered(tmp_path: Path) -> None:
+    report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
+
+    effect, _, limits = answer(report, subject_of(report, origin="rehearsal"))
+
+    assert "imulated raters" in effect + limits
+    assert "It does not show what any person prefers" in limits
+
+
+def test_a_study_with_open_places_says_how_many(tmp_path: Path) -> None:
+    report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
+    flow = Flow(
+        arm="", places=9, opened=5, withdrawn=1, earlier=0, completed=4, answered=4, removed=(),
+        analysed=4,
+    )  # fmt: skip
+    unfinished = replace(report, flow=(flow,))
+
+    assert "4 of 9 places are filled" in answer(unfinished, subject_of(report))[-1]
+    assert "places" not in answer(unfinished, subject_of(report, origin="rehearsal"))[-1]
+
+
+def test_study_sessions_that_ended_unwatched_are_counted_among_the_participants(
+    tmp_path: Path,
+) -> None:
+    report = report_of(pairwise_table(participants=4), "pairwise", tmp_path)
+    flow = Flow(
+        arm="", places=9, opened=7, withdrawn=0, earlier=0, unwatched=2, completed=4, answered=4,
+        removed=(), analysed=4,
+    )  # fmt: skip
+
+    words = flow_section(replace(report, flow=(flow,)), subject_of(report)).paragraphs
+
+    assert any(text.startswith("2 study sessions ended before the last trial") for text in words)
+    unflawed = flow_section(report, subject_of(report)).paragraphs
+    assert not any("ended before the last trial" in text for text in unflawed)
+
+
+def test_excluded_participants_are_counted_in_answer_and_flow(tmp_path: Path) -> None:
+    table = pd.concat(
+        [
+            pairwise_table(participants=6),
+            catch_rows("p00", "ll", (5, 5)),
+            catch_rows("p01", "l", (1,)),
+        ]
+    )
+    report = report_of(table, "pairwise", tmp_path)
+
+    assert "5 of 6 participants" in answer(report, subject_of(report))[1]
+    assert "1 was excluded" in answer(report, subject_of(report))[1]
+    assert flow_line(report, subject_of(report)) == (
+        "Participants: 6 answered − 1 failed more than 1 catch trial = 5 analysed."
+    )
+
+
+@pytest.mark.parametrize("protocol", TABLES)
+def test_nobody_and_nothing_are_said_in_a_sentence(protocol: str, tmp_path: Path) -> None:
+    report = report_of(TABLES[protocol](participants=2).iloc[:0], protocol, tmp_path)
+
+    assert answer(report, subject_of(report))[0].startswith("There are no answers")
+    assert answer(report, subject_of(report, origin="none")) == (
+        "No participant has answered yet, so this report says nothing about preference.",
+    )

@@ -1,0 +1,198 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import pytest
+
+from analysis.evaluators import network_names
+from analysis.measurement.conditions import ConditionScore, StudyMetrics
+from analysis.measurement.segment_scores import SkippedFile
+from analysis.metrics.emotion_accuracy import EmotionConfusion
+from analysis.metrics.result import Better
+from analysis.report.booktabs import booktabs
+from analysis.report.content import Table
+from analysis.report.sections.metric import (
+    confusion_tables,
+    metric_tables,
+    metrics_not_tabled,
+)
+from analysis.report.subject import Subject
+
+NAMES = ("ground_truth", "ours", "camn", "broken")
+GEN = {"ours": True, "camn": False}
+
+
+def scores(
+    name: str,
+    values: Iterable[float],
+    *,
+    better: Better = "lower",
+    spread: float = math.nan,
+    reason: str = "no recording",
+    remark: str = "",
+) -> list[ConditionScore]:
+    return [
+        ConditionScore(
+            condition=condition,
+            name=name,
+            unit="",
+            value=value,
+            spread=spread,
+            scored=0 if math.isnan(value) else 8,
+            clips=8,
+            settings={"frame_rate": "30 fps"},
+            reason=reason if math.isnan(value) else "",
+            better=better,
+            remark=remark,
+        )
+        for condition, value in zip(NAMES, values, strict=True)
+    ]
+
+
+def tables(
+    *found: list[ConditionScore], protocol: str = "ranking", **settings: object
+) -> tuple[Table, ...]:
+    metrics = StudyMetrics(
+        frame_rate=30.0, clips=(), conditions=tuple(s for own in found for s in own)
+    )
+    subject = Subject(
+        title="study",
+        origin="participants",
+        protocol=protocol,
+        conditions=("ours", "camn", "ground_truth"),
+        questions={"realism": ""},
+        recorded="ground_truth",
+        broken="broken",
+        **settings,
+    )
+    return metric_tables(metrics, protocol, subject)
+
+
+def column(table: Table, heading: str) -> list[str]:
+    place = table.header.index(heading)
+    marks = [f"{'*' * row[place].best}{'_' * row[place].second}" for row in table.rows]
+    return [f"{m}{row[place].text}" for m, row in zip(marks, table.rows, strict=True)]
+
+
+def test_the_protocols_paper_gives_the_table_its_columns_and_blocks():
+    (table,) = tables(scores(network_names.FMD, [math.nan, 324.7, 1055.5, 9e4]))
+    assert table.groups == (("", 1), ("Holistic", 1), ("Expression", 2), ("Gesture", 5))
+    assert table.header[:3] == ("condition", "FMD ↓", "FED ↓")
+    assert table.name == "metrics-diffsheg"
+
+
+def test_recorded_motion_stands_first_and_that_of_catch_trials_last_and_neither_is_ranked():
+    (table,) = tables(scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95], better="higher"))
+    assert [row[0].text for row in table.rows] == ["ground truth", "ours", "camn", "broken"]
+    assert column(table, "BA ↑") == ["0.900", "*0.800", "_0.700", "0.950"]
+
+
+def test_nearness_is_measured_to_recorded_motion():
+    (table,) = tables(
+        scores("jerk (hands)", [100, 140, 90, 9000], better="near the reference", spread=11.0)
+    )
+    found = column(table, "jerk (hands) →")
+    assert found[1].startswith("_140")
+    assert found[2].startswith("*90")
+    assert "standard deviation between clips" in table.notes[0]
+
+
+def test_generative_conditions_are_marked_in_diffshegs_blocks_where_it_is_stated():
+    own = scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95])
+    (table,) = tables(own, generative=GEN)
+    assert table.header.count("Gen") == 2
+    assert column(table, "Gen") == ["–", "✓", "✗", "–"]
+    (without,) = tables(own)
+    assert "Gen" not in without.header
+
+
+def test_a_missing_score_is_a_dash_with_its_reason_in_a_footnote_and_no_number():
+    (table,) = tables(scores(network_names.FMD, [math.nan, 3.0, 4.0, 5.0], reason="is itself"))
+    assert column(table, "FMD ↓")[0] == "–\xa0(a)"
+    assert table.rows[0][1].value is None
+    assert "(a) holistic FMD of ground truth: is itself." in table.notes
+    assert any("gesture PCM" in note and "not measured" in note for note in table.notes)
+
+
+def test_an_error_of_recorded_motion_against_itself_is_none():
+    found = scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0])[1:]
+    (table,) = tables(found, scores("beat alignment (beat)", [0.9, 0.8, 0.7, 0.95]))
+    note = "(a) holistic FMD of ground truth: recorded motion is not compared with itself."
+    assert note in table.notes
+
+
+def test_what_limits_a_score_is_a_footnote_too():
+    (table,) = tables(scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0], remark="n < 2d"))
+    assert all("(a)" in text for text in column(table, "FMD ↓"))
+    assert "(a) holistic FMD: n < 2d." in table.notes
+
+
+def test_other_metrics_follow_and_those_that_mean_nothing_alone_stay_in_the_files():
+    found = tables(
+        scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0]),
+        scores("jerk (hands)", [1.0, 3.0, 4.0, 5.0]),
+        scores("beat alignment by chance (beat)", [0.1, 0.1, 0.1, 0.1]),
+    )
+    assert [table.header[1:] for table in found[1:]] == [("jerk (hands) ↓",)]
+
+
+def test_many_metrics_are_shared_out_to_tables_that_fit_a_page():
+    found = tables(*(scores(f"metric {k}", [1.0, 2.0, 3.0, 4.0]) for k in range(8)))
+    assert [len(table.header) for table in found] == [5, 5]
+    assert len({table.name for table in found}) == 2
+
+
+def test_metrics_without_any_score_are_listed_with_the_reason():
+    found = tables(
+        scores("jerk (hands)", [1.0, 3.0, 4.0, 5.0]),
+        scores("new metric", [math.nan] * 4, reason="no network: train one"),
+    )
+    assert [cell.text for cell in found[-1].rows[0]] == ["new metric", "no network: train one"]
+
+
+def test_the_tables_make_latex_with_bold_and_underlined_cells():
+    (table,) = tables(scores(network_names.FMD, [1.0, 3.0, 4.0, 5.0]))
+    text = booktabs(table)
+    assert r"\textbf{3.00}" in text
+    assert r"\underline{4.00}" in text
+
+
+def test_files_that_could_not_be_used_are_named_without_their_folders():
+    metrics = StudyMetrics(
+        frame_rate=30.0,
+        clips=(),
+        conditions=(),
+        skipped=(SkippedFile(what="the file is cut off", where="/a/b/x.npz", remedy="Copy it"),),
+        remarks=("no beat alignment without speech: 1 of 2 segments (a)",),
+    )
+    assert metrics_not_tabled(metrics) == (
+        "No beat alignment without speech: 1 of 2 segments (a).",
+        "Not used: x.npz: the file is cut off.",
+    )
+
+
+def test_confusions_show_what_gestures_were_taken_for():
+    metrics = StudyMetrics(
+        frame_rate=30.0,
+        clips=(),
+        conditions=(),
+        confusions=(
+            EmotionConfusion(
+                condition="ours",
+                network="ab" * 32,
+                spoken=("anger",),
+                named=("neutral", "anger"),
+                counts=((1, 3),),
+            ),
+        ),
+    )
+    (table,) = confusion_tables(metrics)
+    assert column(table, "anger") == ["*3"]
+    assert column(table, "neutral") == ["1"]
+
+
+@pytest.mark.parametrize("protocol", ["pairwise", "rating", "mismatch"])
+def test_every_protocol_has_a_table_without_its_papers_metrics(protocol):
+    (table,) = tables(scores("jerk (hands)", [1.0, 3.0, 4.0, 5.0]), protocol=protocol)
+    assert table.caption == "Automatic metrics."

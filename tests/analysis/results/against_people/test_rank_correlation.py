@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+from scipy import stats
+
+from analysis.results.against_people.rank_correlation import kendall, order_signs, spearman
+
+
+def _signs(values: list[float]) -> np.ndarray:
+    return order_signs(np.array([values], float))
+
+
+@pytest.mark.parametrize("second", [[5, 3, 4, 1, 2], [1, 1, 2, 2, 2], [3, 1, 1, 4, 5]])
+def test_both_agree_with_scipy_ties_included(second):
+    first = [1.0, 2.0, 2.0, 4.0, 5.0]
+    once = np.ones((1, 5))
+    assert kendall(_signs(first), _signs(second), once)[0] == pytest.approx(
+        stats.kendalltau(first, second).statistic
+    )
+    assert spearman(_signs(first), _signs(second), once)[0] == pytest.approx(
+        stats.spearmanr(first, second).statistic
+    )
+
+
+def test_what_is_drawn_twice_counts_twice():
+    first, second = np.array([1.0, 2, 3, 4]), np.array([2.0, 1, 4, 3])
+    times = np.array([2, 0, 1, 3])
+    again = [np.repeat(one, times) for one in (first, second)]
+    weights = times[None].astype(float)
+    signs = _signs(list(first)), _signs(list(second))
+    assert kendall(*signs, weights)[0] == pytest.approx(stats.kendalltau(*again).statistic)
+    assert spearman(*signs, weights)[0] == pytest.approx(stats.spearmanr(*again).statistic)
+
+
+def test_one_condition_drawn_alone_has_no_correlation():
+    signs = _signs([1, 2, 3])
+    alone = np.array([[3.0, 0, 0]])
+    assert np.isnan(kendall(signs, signs, alone)[0])
+    assert np.isnan(spearman(signs, signs, alone)[0])
+
+
+def test_values_equal_but_for_rounding_are_ties():
+    assert not order_signs(np.array([[0.1 + 0.2, 0.3]])).any()

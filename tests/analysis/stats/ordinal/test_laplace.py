@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import expit
+
+from analysis.stats.ordinal.crossed import Layout
+from analysis.stats.ordinal.laplace import Answers, likelihood
+from analysis.stats.ordinal.links import Link
+from analysis.stats.ordinal.thresholds import Structure, Thresholds
+from tests.analysis.stats.ordinal.made_answers import made_answers
+
+
+def answers(link: Link, structure: Structure) -> Answers:
+    made = made_answers()
+    return Answers(
+        codes=made.values,
+        thresholds=Thresholds(5, structure),
+        fixed=made.side[:, None],
+        layout=Layout((made.participants, made.participants, made.items), (20, 20, 12)),
+        multipliers=(made.side, np.ones_like(made.side), made.side),
+        link=link,
+    )
+
+
+@pytest.mark.parametrize("link", ["logit", "probit"])
+@pytest.mark.parametrize("structure", ["flexible", "symmetric", "symmetric around zero"])
+def test_the_gradient_is_the_derivative(link: Link, structure: Structure) -> None:
+    made = answers(link, structure)
+    at = np.random.default_rng(2).normal(0, 0.4, made.count)
+    steps = 1e-5 * np.eye(made.count)
+
+    numeric = [
+        (likelihood(made, at + e).value - likelihood(made, at - e).value) / 2e-5 for e in steps
+    ]
+
+    np.testing.assert_allclose(likelihood(made, at).gradient, numeric, rtol=1e-5, atol=1e-5)
+
+
+def test_without_random_effects_it_is_the_exact_likelihood() -> None:
+    codes, fixed = np.array([0, 1, 1]), np.array([[0.0], [1.0], [-1.0]])
+    made = Answers(codes, Thresholds(2), fixed, None, ())
+
+    found = likelihood(made, np.array([0.3, 0.5]))
+
+    expected = np.log(expit(0.3)) + np.log(expit(0.5 - 0.3)) + np.log(expit(-0.5 - 0.3))
+    assert found.value == pytest.approx(expected)
+
+
+def test_it_is_near_the_integral_over_a_random_effect() -> None:
+    codes = np.array([0, 1, 1, 0, 1, 1, 1, 0] * 5)
+    made = Answers(
+        codes,
+        Thresholds(2),
+        np.empty((40, 0)),
+        Layout((np.zeros(40, int),), (1,)),
+        (np.ones(40),),
+    )
+
+    def density(u: float) -> float:
+        right = expit(np.where(codes == 1, u * 0.7 - 0.2, 0.2 - u * 0.7))
+        return float(np.prod(right) * np.exp(-0.5 * u * u) / np.sqrt(2 * np.pi))
+
+    exact = np.log(quad(density, -8, 8)[0])
+    assert likelihood(made, np.array([0.2, 0.7])).value == pytest.approx(exact, abs=0.02)

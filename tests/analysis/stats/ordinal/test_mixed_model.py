@@ -1,0 +1,208 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.stats.ordinal.mixed_model import RandomEffect, fit, likelihood_ratio
+from analysis.stats.ordinal.thresholds import Structure
+from motion.errors import InputError
+from tests.analysis.stats.ordinal.made_answers import made_answers
+
+REFERENCE = Path(__file__).parents[5] / "shared" / "reference" / "stats"
+
+with_reference = pytest.mark.skipif(
+    not REFERENCE.exists(), reason="the reference results are not here"
+)
+
+
+@with_reference
+def test_it_agrees_with_ordinal_for_r() -> None:
+    ratings = pd.read_csv(REFERENCE / "ratings.csv").dropna()
+    expected = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))["clmm"]
+    covariates = {
+        method: (ratings["method"] == method).to_numpy(float) for method in ("GT", "NoAC", "NoDisc")
+    }
+    random = [
+        RandomEffect(name=name, groups=ratings[name].to_numpy()) for name in ("participant", "item")
+    ]
+
+    found = fit(ratings["rating"].to_numpy(int), covariates, random)
+    without = fit(ratings["rating"].to_numpy(int), {}, random)
+
+    assert found.converged
+    assert not found.remark
+    for name in covariates:
+        assert found.estimates[name] == pytest.approx(expected["beta"][f"method{name}"], abs=1e-4)
+        assert found.standard_errors[name] == pytest.approx(
+            expected["se"][f"method{name}"], rel=1e-3
+        )
+        assert found.wald_p(name) == pytest.approx(expected["p"][f"method{name}"], rel=1e-2)
+    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-4)
+    assert found.thresholds == pytest.approx(list(expected["theta"].values()), abs=1e-3)
+    assert found.deviations["participant"] == pytest.approx(expected["sd_participant"], abs=1e-3)
+    assert found.deviations["item"] == pytest.approx(expected["sd_item"], abs=1e-3)
+    statistic, freedom, _ = likelihood_ratio(found, without)
+    assert (statistic, freedom) == (pytest.approx(expected["lrt_chisq_method"], abs=1e-3), 3)
+
+
+@with_reference
+@pytest.mark.parametrize("link", ["logit", "probit"])
+def test_without_random_effects_it_agrees_with_clm(link: str) -> None:
+    ratings = pd.read_csv(REFERENCE / "ratings.csv").dropna()
+    reference = json.loads((REFERENCE / "ratings.json").read_text("utf-8"))
+    expected = reference[f"clm_no_random_{link}"]
+    covariates = {
+        method: (ratings["method"] == method).to_numpy(float) for method in ("GT", "NoAC", "NoDisc")
+    }
+
+    found = fit(ratings["rating"].to_numpy(int), covariates, link=link)  # type: ignore[arg-type]
+
+    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-6)
+    for name in covariates:
+        assert found.estimates[name] == pytest.approx(expected["beta"][f"method{name}"], abs=1e-5)
+
+
+@with_reference
+@pytest.mark.parametrize(
+    ("structure", "name"),
+    [
+        ("symmetric around zero", "symmetric2"),
+        ("symmetric", "symmetric"),
+        ("flexible", "flexible"),
+    ],
+)
+def test_thresholds_of_graded_preferences_agree_with_clm(structure: Structure, name: str) -> None:
+    answers = pd.read_csv(REFERENCE / "comparisons.csv")
+    expected = json.loads((REFERENCE / "bradley_terry.json").read_text("utf-8"))["graded_clm"][name]
+    covariates = {
+        condition: (answers["left"] == condition).to_numpy(float)
+        - (answers["right"] == condition).to_numpy(float)
+        for condition in expected["beta"]
+    }
+
+    found = fit(answers["pref_left"].to_numpy(int), covariates, structure=structure)
+
+    assert found.log_likelihood == pytest.approx(expected["loglik"], abs=1e-6)
+    assert found.estimates == pytest.approx(expected["beta"], abs=1e-4)
+    if "se" in expected:
+        assert found.standard_errors == pytest.approx(expected["se"], abs=1e-4)
+
+
+def test_it_finds_what_was_put_in() -> None:
+    made = made_answers(participants=60, items=60)
+
+    found = fit(made.values, {"side": made.side}, made.slopes)
+
+    assert abs(found.estimates["side"] - 0.4) < 3 * found.standard_errors["side"]
+    assert found.deviations["participant"] == pytest.approx(0.6, abs=0.2)
+    assert found.deviations["item"] == pytest.approx(0.45, abs=0.2)
+
+
+def test_the_order_of_answers_and_of_random_effects_does_not_matter() -> None:
+    made = made_answers()
+    order = np.random.default_rng(4).permutation(len(made.values))
+    shuffled = [
+        RandomEffect(name=e.name, groups=e.groups[order], multiplier=made.side[order])
+        for e in reversed(made.slopes)
+    ]
+
+    first = fit(made.values, {"side": made.side}, made.slopes)
+    second = fit(made.values[order], {"side": made.side[order]}, shuffled)
+
+    assert second.log_likelihood == pytest.approx(first.log_likelihood, abs=1e-6)
+    assert second.estimates["side"] == pytest.approx(first.estimates["side"], abs=1e-4)
+    assert second.deviations == pytest.approx(first.deviations, abs=1e-3)
+
+
+def test_swapping_the_sides_turns_the_sign_only() -> None:
+    made = made_answers()
+
+    found = fit(made.values, {"side": made.side}, made.slopes)
+    swapped = fit(4 - made.values, {"side": made.side}, made.slopes)
+
+    assert swapped.estimates["side"] == pytest.approx(-found.estimates["side"], abs=1e-4)
+    assert swapped.thresholds == pytest.approx([-t for t in found.thresholds[::-1]], abs=1e-3)
+
+
+@pytest.mark.parametrize("size", [(22, 24), (8, 3), (40, 300)])
+def test_a_fit_without_errors_has_the_same_likelihood(size: tuple[int, int]) -> None:
+    made = made_answers(*size)
+
+    whole = fit(made.values, {"side": made.side}, made.slopes)
+    quick = fit(made.values, {"side": made.side}, made.slopes, errors=False)
+
+    assert quick.converged
+    assert quick.log_likelihood == pytest.approx(whole.log_likelihood, abs=1e-4)
+    assert np.isnan(quick.standard_errors["side"])
+
+
+def test_many_answers_begun_from_a_part_of_them_end_at_the_same_maximum(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = made_answers(100, 80)
+    whole = fit(made.values, {"side": made.side}, made.slopes)
+
+    monkeypatch.setattr("analysis.stats.ordinal.maximum.MANY", 1000)
+    begun = fit(made.values, {"side": made.side}, made.slopes)
+    fixed = fit(made.values, {"side": made.side})
+
+    assert begun.converged
+    assert begun.log_likelihood == pytest.approx(whole.log_likelihood, abs=1e-5)
+    assert begun.estimates["side"] == pytest.approx(whole.estimates["side"], abs=1e-4)
+    assert begun.standard_errors["side"] == pytest.approx(whole.standard_errors["side"], rel=2e-3)
+    assert fixed.converged
+
+
+def test_symmetric_thresholds_are_a_special_case() -> None:
+    made = made_answers()
+    flexible, symmetric, zero = (
+        fit(made.values, {"side": made.side}, made.slopes, structure=structure)
+        for structure in ("flexible", "symmetric", "symmetric around zero")
+    )
+
+    assert flexible.log_likelihood >= symmetric.log_likelihood >= zero.log_likelihood
+    assert likelihood_ratio(flexible, symmetric)[1] == 1
+    assert likelihood_ratio(symmetric, zero)[1] == 1
+    assert zero.thresholds[0] == pytest.approx(-zero.thresholds[3])
+
+
+def test_a_variance_at_its_boundary_is_said() -> None:
+    made = made_answers()
+    # Two items about which everybody answers alike differ less than chance would make them.
+    alike = RandomEffect(
+        name="item", groups=np.repeat([0, 1], len(made.side)), multiplier=np.tile(made.side, 2)
+    )
+
+    found = fit(np.tile(made.values, 2), {"side": np.tile(made.side, 2)}, [alike])
+
+    assert found.boundary == ("item",)
+    assert found.converged
+    assert "boundary" in found.remark
+    assert found.standard_errors["side"] > 0
+
+
+def test_separated_answers_are_said_and_have_no_p() -> None:
+    made = made_answers()
+    answers = np.where(made.side > 0, 4, made.values % 2)
+
+    found = fit(answers, {"side": made.side}, made.slopes)
+
+    assert not found.converged
+    assert "separated by side" in found.remark
+
+
+@pytest.mark.parametrize("answers", [[], [2, 2, 2]])
+def test_nothing_to_fit_is_said(answers: list[int]) -> None:
+    with pytest.raises(InputError, match="ordinal model needs"):
+        fit(answers, {})
+
+
+def test_covariates_that_say_the_same_are_refused() -> None:
+    made = made_answers()
+
+    with pytest.raises(InputError, match="determine one another"):
+        fit(made.values, {"side": made.side, "again": -2 * made.side})

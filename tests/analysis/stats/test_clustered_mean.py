@@ -1,0 +1,202 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+from statsmodels.regression.linear_model import OLS
+from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
+
+from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.clustered_variance import (
+    INDEPENDENT,
+    ONE_SEGMENT,
+    ONE_WAY_PARTICIPANTS,
+    ONE_WAY_SEGMENTS,
+    TWO_WAY,
+)
+
+
+def means(rows):
+    """Return the estimate for a table of participants (rows) by segments (columns)."""
+    table = np.asarray(rows, float)
+    people, items = np.indices(table.shape)
+    return clustered_mean(table.ravel(), people.ravel(), items.ravel())
+
+
+def by_matrices(values, people, items):
+    """CR2 and Bell & McCaffrey's degrees of freedom of an intercept, written out as matrices."""
+    count = len(values)
+    design = np.ones((count, 1))
+    hat = design @ design.T / count
+    annihilator = np.eye(count) - hat
+
+    def one_way(groups):
+        variance, columns = 0.0, []
+        for group in np.unique(groups):
+            own = np.flatnonzero(groups == group)
+            scale, axes = np.linalg.eigh(np.eye(len(own)) - hat[np.ix_(own, own)])
+            adjusted = axes @ np.diag(scale**-0.5) @ axes.T
+            variance += (adjusted @ (values - values.mean())[own]).sum() ** 2 / count**2
+            columns.append(annihilator[:, own] @ adjusted @ np.ones(len(own)) / count)
+        gram = np.array(columns) @ np.array(columns).T
+        return variance, np.trace(gram) ** 2 / (gram**2).sum()
+
+    by_people, by_items = one_way(people), one_way(items)
+    by_cell, _ = one_way(people * (items.max() + 1) + items)
+    return by_people[0] + by_items[0] - by_cell, min(by_people[1], by_items[1])
+
+
+def test_a_table_worked_by_hand():
+    # Residuals .25 .25 / -.75 .25: each of the three variances is .0625.
+    found = means([[1, 1], [0, 1]])
+    assert found.estimate == 0.75
+    assert found.standard_error == pytest.approx(0.25)
+    assert found.method == TWO_WAY
+    assert found.p_value == pytest.approx(2 * stats.t(1).sf(1.0))
+    assert (found.low, found.high) == (0.0, 1.0)
+
+
+def test_an_unbalanced_sample_agrees_with_the_formula():
+    generator = np.random.default_rng(5)
+    people, items = generator.integers(0, 9, 150), generator.integers(0, 7, 150)
+    values = (np.sign((people - 4) + (items - 3) + generator.normal(0, 3, 150)) + 1) / 2
+    people[:60] = 0
+    found = clustered_mean(values, people, items)
+    variance, freedom = by_matrices(values, people, items)
+    assert found.method == TWO_WAY
+    assert found.standard_error**2 == pytest.approx(variance)
+    assert found.freedom == pytest.approx(freedom)
+    margin = stats.t(freedom).ppf(0.975) * found.standard_error
+    assert found.low == pytest.approx(found.estimate - margin)
+    assert found.high == pytest.approx(found.estimate + margin)
+
+
+def test_where_all_answer_alike_often_it_is_the_plain_two_way_variance():
+    generator = np.random.default_rng(6)
+    people, items = np.repeat(np.arange(12), 27), np.tile(np.arange(9), 36)
+    values = (np.sign((people - 6) + (items - 4) + generator.normal(0, 5, 324)) + 1) / 2
+    fit = OLS(values, np.ones((324, 1))).fit()
+    expected = cov_cluster_2groups(fit, people, items)[0].item()
+    assert clustered_mean(values, people, items).standard_error ** 2 == pytest.approx(expected)
+
+
+def test_an_interval_is_cut_where_values_can_no_longer_lie():
+    people, items = np.repeat([0, 1, 2], 3), np.tile([0, 1, 2], 3)
+    values = np.array([1, 1, 2, 1, 1, 1, 1, 2, 5])
+    found = clustered_mean(values, people, items, null=3, limits=(1, 5))
+    assert found.low == 1
+    assert found.estimate < found.high < 5
+
+
+@pytest.mark.parametrize(
+    ("rows", "method", "variance"),
+    [
+        # Person sums .5 and -.5, segment sums 0: two-way 1/36 + 0 - .05 is negative.
+        ([[1, 0, 1], [0, 1, 0]], ONE_WAY_PARTICIPANTS, 1 / 36),
+        ([[1, 0], [0, 1], [1, 0]], ONE_WAY_SEGMENTS, 1 / 36),
+        # All clustered sums are 0: what is left is the variance of independent answers.
+        ([[1, 0], [0, 1]], INDEPENDENT, 1 / 12),
+    ],
+)
+def test_a_two_way_variance_below_a_one_way_one_is_replaced_and_says_so(rows, method, variance):
+    found = means(rows)
+    assert found.method == method
+    assert found.standard_error**2 == pytest.approx(variance)
+
+
+@pytest.mark.parametrize(
+    ("rows", "reason"),
+    [
+        ([[1, 0, 0.5]], "one participant"),
+        ([[1, 1], [1, 1]], "all answers alike"),
+        ([[0.5, 0.5], [0.5, 0.5]], "all answers alike"),
+    ],
+)
+def test_a_design_too_small_gives_no_interval_but_a_reason(rows, reason):
+    found = means(rows)
+    assert found.reason == reason
+    assert found.estimate == pytest.approx(np.mean(rows))
+    assert math.isnan(found.low)
+    assert math.isnan(found.high)
+    assert math.isnan(found.p_value)
+    assert not found.method
+
+
+def test_of_one_segment_participants_alone_are_the_sample():
+    found = means([[1], [0], [1], [1]])
+    assert found.method == ONE_SEGMENT
+    assert found.p_value == pytest.approx(stats.ttest_1samp([1, 0, 1, 1], 0.5).pvalue)
+
+
+def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_hangs_on_them():
+    generator = np.random.default_rng(8)
+    people = np.concatenate([np.zeros(300, int), generator.integers(1, 30, 210)])
+    values = np.where(people == 0, generator.random(510) < 0.7, generator.random(510) < 0.5)
+    found = clustered_mean(values.astype(float), people, generator.integers(0, 17, 510))
+
+    without = [values[people != one].mean() for one in np.unique(people)]
+    assert found.freedom < 4
+    assert found.remark == (
+        "one participant gave 300 of 510 answers; without any one participant the estimate lies "
+        f"between {min(without):.3g} and {max(without):.3g}"
+    )
+
+
+def test_a_very_busy_participant_no_longer_makes_false_findings():
+    generator = np.random.default_rng(9)
+    people = np.concatenate([np.zeros(300, int), np.arange(210) % 29 + 1])
+    items, found = np.tile(np.arange(17), 30), 0
+    for _ in range(300):
+        tastes, luck = generator.normal(0, 0.6, 30), generator.normal(0, 0.45, 17)
+        latent = tastes[people] + luck[items] + generator.logistic(size=510)
+        found += clustered_mean((latent > 0).astype(float), people, items).p_value < 0.05
+    assert found / 300 < 0.065
+
+
+def test_no_answers_give_no_number_at_all():
+    found = clustered_mean(np.zeros(0), np.zeros(0, str), np.zeros(0, str))
+    assert found.reason == "no answers"
+    assert math.isnan(found.estimate)
+    assert (found.answers, found.participants, found.segments) == (0, 0, 0)
+
+
+tables = st.integers(2, 6).flatmap(
+    lambda width: st.lists(
+        st.lists(st.sampled_from([0.0, 0.5, 1.0]), min_size=width, max_size=width),
+        min_size=2,
+        max_size=6,
+    )
+)
+
+
+@given(tables)
+def test_turning_every_answer_round_mirrors_the_interval(rows):
+    found, mirrored = means(rows), means(1 - np.asarray(rows))
+    assert mirrored.estimate == pytest.approx(1 - found.estimate)
+    assert mirrored.reason == found.reason
+    if not found.reason:
+        assert mirrored.low == pytest.approx(1 - found.high)
+        assert mirrored.p_value == pytest.approx(found.p_value)
+
+
+@given(tables)
+def test_an_interval_lies_in_the_unit_range_around_its_estimate(rows):
+    found = means(rows)
+    if not found.reason:
+        assert 0 <= found.low <= found.estimate <= found.high <= 1
+        assert found.low < found.high
+        assert 0 <= found.p_value <= 1
+
+
+def test_names_and_order_of_clusters_do_not_matter():
+    generator = np.random.default_rng(2)
+    values = generator.choice([0, 0.5, 1], 60)
+    people, items = np.repeat(np.arange(10), 6), np.tile(np.arange(6), 10)
+    order = generator.permutation(60)
+    plain = clustered_mean(values, people, items)
+    named = clustered_mean(values[order], (people[order] * -7).astype(str), items[order] + 100)
+    assert named.standard_error == pytest.approx(plain.standard_error)

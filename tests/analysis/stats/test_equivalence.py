@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from statsmodels.stats.weightstats import DescrStatsW
+
+from analysis.stats.equivalence import equivalence, equivalence_of_means
+from motion.errors import InputError
+from tests.analysis.reference import reference_ratings, with_reference
+
+
+@with_reference
+def test_it_agrees_with_r_on_participant_means():
+    ratings, reference = reference_ratings()
+    expected = reference["tost_ours_vs_GT_delta0.3"]
+    means = ratings.groupby(["participant", "method"])["rating"].mean().unstack()
+
+    found = equivalence_of_means((means["Ours"] - means["GT"]).to_numpy(), 0.3)
+
+    assert found.estimate == pytest.approx(expected["mean_diff"], abs=1e-9)
+    assert found.standard_error == pytest.approx(expected["se"], abs=1e-9)
+    assert found.freedom == expected["df"]
+    assert found.p_value == pytest.approx(expected["p"], rel=1e-6)
+    assert (found.low, found.high) == pytest.approx(expected["ci90"], abs=1e-9)
+    assert found.p_difference == pytest.approx(expected["p_difference"], rel=1e-6)
+    assert (found.verdict, found.n) == ("equivalent", 30)
+
+
+def test_it_agrees_with_another_implementation():
+    differences = np.random.default_rng(3).normal(0.1, 0.5, 40)
+    expected = DescrStatsW(differences).ttost_mean(-0.2, 0.4)[0]
+    assert equivalence_of_means(differences, (-0.2, 0.4)).p_value == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("estimate", "error", "verdict"),
+    [
+        (0.0, 0.1, "equivalent"),
+        (0.2, 0.05, "equivalent and different"),
+        (0.9, 0.1, "different"),
+        (0.2, 0.3, "undecided"),
+    ],
+)
+def test_it_tells_four_cases_apart(estimate, error, verdict):
+    assert equivalence(estimate, error, 0.5).verdict == verdict
+
+
+@given(st.floats(-2, 2), st.floats(0.01, 2), st.floats(0.01, 2), st.floats(1, 200))
+def test_it_is_equivalent_where_the_interval_lies_within_the_margins(estimate, error, margin, df):
+    found = equivalence(estimate, error, margin, freedom=df)
+    within = -margin < found.low and found.high < margin
+    if abs(found.p_value - 0.05) > 1e-9:
+        assert within == (found.p_value < 0.05) == found.verdict.startswith("equivalent")
+
+
+@pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf, (0.1, 0.2), (-0.1, -0.2)])
+def test_a_margin_that_does_not_enclose_zero_is_refused(margin):
+    with pytest.raises(InputError, match="does not enclose zero"):
+        equivalence(0.0, 0.1, margin)
+
+
+@pytest.mark.parametrize(
+    ("estimate", "error", "freedom", "reason"),
+    [
+        (math.nan, 0.1, 5, "the difference is unknown"),
+        (0.1, math.nan, 5, "the difference has no standard error"),
+        (0.1, 0.0, 5, "the difference has no standard error"),
+        (0.1, 0.1, 0, "the error has no degrees of freedom"),
+    ],
+)
+def test_no_test_comes_with_its_reason(estimate, error, freedom, reason):
+    found = equivalence(estimate, error, 0.3, freedom=freedom)
+    assert (found.reason, found.verdict) == (reason, "unknown")
+    assert math.isnan(found.p_value)
+
+
+def test_too_few_or_equal_participants_come_with_their_reason():
+    assert equivalence_of_means(np.array([0.1]), 0.3).reason == "fewer than two participants"
+    assert equivalence_of_means(np.zeros(0), 0.3).reason == "fewer than two participants"
+    alike = equivalence_of_means(np.array([0.1, 0.3 - 0.2, 0.1]), 0.3)
+    assert alike.reason == "all participants differ alike"

@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analysis.stats.cliffs_delta import cliffs_delta
+from analysis.stats.equivalence import equivalence_of_means
+from analysis.stats.finite import finite
+from analysis.stats.intraclass import intraclass_correlation
+from analysis.stats.krippendorff import krippendorff_alpha
+from analysis.stats.min_f import min_f
+from analysis.stats.pooled import pooled_tests
+from analysis.stats.sign_test import sign_test
+from analysis.stats.wilcoxon import signed_rank
+from motion.errors import InputError
+
+GAP = np.array([1.0, np.nan, 2.0, 1.0])
+WHO, WHAT = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
+
+
+def test_numbers_pass_as_floats():
+    assert finite(np.array([1, 2])).dtype == np.float64
+    assert finite(np.zeros((0, 3))).shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    "statistic",
+    [
+        finite,
+        signed_rank,
+        sign_test,
+        pooled_tests,
+        lambda values: min_f(values, WHO, WHAT),
+        lambda values: equivalence_of_means(values, 0.3),
+        lambda values: krippendorff_alpha(values, WHO, WHAT),
+        lambda values: intraclass_correlation(values, WHO, WHAT),
+        lambda values: cliffs_delta(values, WHAT == 0, WHO, WHAT),
+    ],
+)
+def test_a_missing_value_is_named_and_never_becomes_a_number(statistic):
+    with pytest.raises(InputError, match="value 2 of 4 is missing"):
+        statistic(GAP)

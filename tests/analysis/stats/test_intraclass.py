@@ -1,0 +1,116 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.stats.intraclass import COMPLETE, INCOMPLETE, intraclass_correlation
+from motion.errors import InputError
+
+SHROUT_AND_FLEISS = [
+    [9, 2, 5, 8],
+    [6, 1, 3, 2],
+    [8, 4, 6, 8],
+    [7, 1, 2, 6],
+    [10, 5, 6, 9],
+    [6, 2, 4, 7],
+]
+"""Six items, four judges: the example of Shrout & Fleiss (1979)."""
+
+
+def of(table):
+    """Return the result for a table of items (rows) by raters; NaN is missing."""
+    table = np.asarray(table, float)
+    items, raters = np.indices(table.shape)
+    there = ~np.isnan(table)
+    return intraclass_correlation(table[there], raters[there], items[there])
+
+
+def drawn(generator, items=20, raters=15, item_sd=0.6, rater_sd=0.6, missing=0.0):
+    table = (
+        generator.normal(0, item_sd, (items, 1))
+        + generator.normal(0, rater_sd, (1, raters))
+        + generator.normal(0, 1, (items, raters))
+    )
+    return np.where(generator.random(table.shape) < missing, np.nan, table)
+
+
+def test_it_is_what_shrout_and_fleiss_published():
+    found = of(SHROUT_AND_FLEISS)
+    assert round(found.single.estimate, 2) == 0.29
+    assert round(found.average.estimate, 2) == 0.62
+    assert (found.single.low, found.single.high) == pytest.approx((0.019, 0.761), abs=5e-4)
+    assert (found.average.low, found.average.high) == pytest.approx((0.071, 0.927), abs=5e-4)
+    assert found.method == COMPLETE
+
+
+def test_missing_answers_are_named_and_bias_nothing():
+    generator = np.random.default_rng(1)
+    found = [of(drawn(generator, missing=0.4)) for _ in range(200)]
+    assert all(f.method == INCOMPLETE for f in found)
+    assert np.mean([f.item_variance for f in found]) == pytest.approx(0.36, abs=0.03)
+    assert np.mean([f.rater_variance for f in found]) == pytest.approx(0.36, abs=0.04)
+    assert np.mean([f.residual_variance for f in found]) == pytest.approx(1, abs=0.03)
+
+
+def test_intervals_of_incomplete_tables_hold():
+    generator = np.random.default_rng(2)
+    truth = 0.36 / 1.72
+    found = [of(drawn(generator, missing=0.5)).single for _ in range(200)]
+    assert np.mean([f.low <= truth <= f.high for f in found]) > 0.92
+
+
+def test_a_single_missing_answer_hardly_matters():
+    table = np.array(SHROUT_AND_FLEISS, float)
+    table[2, 1] = np.nan
+    assert of(table).single.estimate == pytest.approx(
+        of(SHROUT_AND_FLEISS).single.estimate, abs=0.05
+    )
+
+
+def test_judges_who_use_the_scale_differently_disagree():
+    shifted = np.array(SHROUT_AND_FLEISS) + np.array([0, 5, 0, 5])
+    assert of(shifted).single.estimate < of(SHROUT_AND_FLEISS).single.estimate
+
+
+def test_perfect_agreement_is_one():
+    found = of([[1, 1, 1], [2, 2, 2], [5, 5, 5]])
+    assert (found.single.estimate, found.single.low, found.single.high) == (1, 1, 1)
+    assert found.average.estimate == 1
+
+
+def test_items_alike_give_a_number_below_zero_and_no_error():
+    found = of([[1, 2, 3], [2, 3, 1], [3, 1, 2]])
+    assert found.single.estimate < 0
+    assert found.average.low == -1
+
+
+def test_judges_who_differ_by_a_constant_only_give_no_error():
+    found = of([[1, 2, 3], [1, 2, 3], [1, 2, 3]])
+    assert found.residual_variance == 0
+    assert found.single.low <= found.single.estimate <= found.single.high
+
+
+@pytest.mark.parametrize(
+    ("table", "reason"),
+    [
+        (np.zeros((0, 3)), "no answers"),
+        ([[1, 2, 3]], "one item"),
+        ([[1], [2], [3]], "one participant"),
+        ([[3, 3], [3, 3]], "all answers alike"),
+        (
+            [[1, np.nan, 2], [np.nan, 3, np.nan]],
+            "too few participants share items to tell them apart",
+        ),
+    ],
+)
+def test_no_correlation_comes_with_its_reason(table, reason):
+    found = of(table)
+    assert found.reason == reason
+    assert math.isnan(found.single.estimate)
+
+
+def test_two_answers_of_one_participant_about_an_item_are_refused():
+    with pytest.raises(InputError, match="answered twice"):
+        intraclass_correlation(np.array([1, 2]), np.array(["a", "a"]), np.array(["x", "x"]))

@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from statsmodels.regression.linear_model import OLS
+from statsmodels.stats.sandwich_covariance import cov_cluster_2groups
+
+from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.rating_differences import mean_difference, mean_differences, rated_cells
+
+
+def made(seed: int = 1) -> tuple[np.ndarray, ...]:
+    """Return ratings, conditions, participants and segments of a crossed study."""
+    chance = np.random.default_rng(seed)
+    who, what, which = (part.ravel() for part in np.indices((10, 8, 3)))
+    taste = chance.normal(size=(10, 3))[who, which] + chance.normal(size=(8, 3))[what, which]
+    level = chance.normal(size=10)[who]
+    values = np.clip(np.rint(3 + 0.5 * (which == 0) + taste + level), 1, 5)
+    return values, which, who, what
+
+
+def test_paired_ratings_are_differences_of_one_participant_and_segment() -> None:
+    values, which, who, what = made()
+    table = values.reshape(80, 3)
+
+    found = mean_differences(rated_cells(values, which, who, what, count=3))
+
+    assert list(found) == [(0, 1), (0, 2), (1, 2)]
+    for (a, b), one in found.items():
+        by_hand = clustered_mean(
+            table[:, a] - table[:, b], who[::3], what[::3], null=0, limits=(-9, 9)
+        )
+        assert (one.estimate, one.low, one.high, one.p_value) == pytest.approx(
+            (by_hand.estimate, by_hand.low, by_hand.high, by_hand.p_value)
+        )
+        assert one.answers == 80
+        assert one.method.startswith("paired ratings, clustered by")
+
+
+def test_ratings_without_a_partner_are_left_out_while_they_are_few() -> None:
+    values, which, who, what = made()
+    few = ~((which == 0) & (what < 2))
+
+    found = mean_difference(
+        rated_cells(values[few], which[few], who[few], what[few], count=3), 0, 1
+    )
+
+    assert found.answers == 60
+    assert found.segments == 6
+
+
+def test_without_pairs_it_is_the_difference_of_two_means() -> None:
+    values, which, who, what = made(seed=3)
+    apart = which == (who + what) % 3
+    y, first = values[apart], which[apart] == 0
+    two = which[apart] < 2
+
+    found = mean_difference(rated_cells(y, which[apart], who[apart], what[apart], count=3), 0, 1)
+
+    design = np.column_stack([np.ones(two.sum()), first[two]])
+    fitted = OLS(y[two], design).fit()
+    expected = cov_cluster_2groups(fitted, who[apart][two], what[apart][two])[0][1, 1]
+    expected *= (two.sum() - 2) / (two.sum() - 1)  # Its factor for few answers.
+    assert found.method.startswith("all ratings")
+    assert found.estimate == pytest.approx(fitted.params[1])
+    assert found.standard_error == pytest.approx(math.sqrt(expected), rel=1e-3)
+
+
+def test_ratings_given_twice_count_as_their_mean() -> None:
+    values, which, who, what = made()
+    once = mean_difference(rated_cells(values, which, who, what, count=3), 0, 2)
+    twice = mean_difference(
+        rated_cells(*(np.tile(part, 2) for part in (values, which, who, what)), count=3),  # type: ignore[misc]
+        0,
+        2,
+    )
+    assert twice == once
+
+
+@pytest.mark.parametrize(
+    ("values", "which", "who", "what", "reason"),
+    [
+        ([], [], [], [], "no answers"),
+        ([3, 4], [0, 0], [0, 1], [0, 1], "one of the conditions has no ratings"),
+        ([3, 4, 5, 2], [0, 1, 0, 1], [0, 0, 0, 0], [0, 0, 1, 1], "one participant"),
+        ([3, 4, 2, 3], [0, 1, 0, 1], [0, 0, 1, 1], [0, 0, 1, 1], "differ alike"),
+    ],
+)
+def test_where_there_is_no_interval_it_says_why(
+    values: list[int], which: list[int], who: list[int], what: list[int], reason: str
+) -> None:
+    arrays = [np.array(part, dtype) for part, dtype in ((values, float), (which, int))]
+    cells = rated_cells(*arrays, np.array(who, int), np.array(what, int), count=2)  # type: ignore[call-arg,arg-type]
+
+    found = mean_difference(cells, 0, 1)
+
+    assert reason in found.reason
+    assert math.isnan(found.p_value)

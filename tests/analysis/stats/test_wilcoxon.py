@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+
+from analysis.stats.wilcoxon import pseudo_median, sign_distribution, signed_rank
+
+
+def by_all_signs(values, zeros):
+    """Return the exact two-sided p by going through every assignment of signs."""
+    ranks = stats.rankdata(np.abs(values[values != 0] if zeros == "dropped" else values))
+    kept = values[values != 0]
+    if zeros == "pratt":
+        ranks = ranks[values != 0]
+    sums = np.array([np.dot(ranks, s) for s in itertools.product([0, 1], repeat=len(ranks))])
+    found = ranks[kept > 0].sum()
+    centre = ranks.sum() / 2
+    return np.mean(np.abs(sums - centre) >= abs(found - centre) - 1e-9)
+
+
+small = st.lists(st.integers(-3, 3), min_size=1, max_size=9).filter(any)
+
+
+@settings(max_examples=60)
+@given(small, st.sampled_from(["dropped", "pratt"]))
+def test_with_ties_and_zeros_it_is_what_all_signs_give(values, zeros):
+    found = signed_rank(np.array(values) / 7, zeros=zeros)
+    assert found.p_value == pytest.approx(by_all_signs(np.array(values), zeros))
+    assert found.zeros == values.count(0)
+
+
+def test_without_ties_it_is_the_textbook_test():
+    values = np.random.default_rng(1).normal(0.3, 1, 25)
+    expected = stats.wilcoxon(values, method="exact", alternative="two-sided")
+    found = signed_rank(values)
+    assert found.p_value == pytest.approx(expected.pvalue)
+    assert min(found.statistic, 25 * 26 / 2 - found.statistic) == expected.statistic
+    assert found.method == "exact, no zeros"
+
+
+def test_very_many_values_are_taken_for_normal_and_it_says_so():
+    values = np.random.default_rng(2).integers(-2, 4, 400).astype(float)
+    expected = stats.wilcoxon(values, correction=False, method="asymptotic")
+    found = signed_rank(values)
+    assert found.p_value == found.normal_p == pytest.approx(expected.pvalue)
+    assert found.method == "normal approximation with tie correction, zeros dropped"
+
+
+def test_the_normal_approximation_stands_beside_the_exact_p():
+    values = np.array([1, 2, 2, 3, 4, -1, 5, 6, 0, 7, -3, 2]) / 3
+    found = signed_rank(values)
+    expected = stats.wilcoxon(np.round(values * 3), correction=False, method="asymptotic")
+    assert found.normal_p == pytest.approx(expected.pvalue)
+    assert found.normal_p != found.p_value
+
+
+def test_rounding_of_means_breaks_no_tie():
+    # 1 - 0.9 and 0.1 differ in their last digits only.
+    means = np.array([1 - 0.9, -0.1, 0.1, 0.4, 0.3, 0.2])
+    assert signed_rank(means) == signed_rank(np.round(means, 6))
+    assert signed_rank(means).tied
+
+
+def test_the_pseudo_median_is_the_median_of_all_pairs_means():
+    values = np.random.default_rng(3).integers(-2, 3, 15) / 4
+    pairs = [(values[i] + values[j]) / 2 for i in range(15) for j in range(i, 15)]
+    assert pseudo_median(values)[0] == pytest.approx(np.median(pairs))
+
+
+def test_the_interval_and_the_test_say_the_same():
+    values = np.random.default_rng(4).normal(0.5, 1, 20)
+    found = signed_rank(values)
+    for end, outwards in ((found.low, -1e-6), (found.high, 1e-6)):
+        assert signed_rank(values - end - outwards).p_value <= 0.05
+        assert signed_rank(values - end + outwards).p_value > 0.05
+
+
+def test_five_values_have_no_interval_at_95_percent():
+    estimate, low, high = pseudo_median(np.array([1.0, 2, 3, 4, 5]))
+    assert estimate == 3
+    assert math.isnan(low)
+    assert math.isnan(high)
+    assert not math.isnan(pseudo_median(np.arange(6.0))[1])
+    assert signed_rank(np.arange(1.0, 6)).remark == "too few values for an interval at 95 %"
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"), [([], "no values"), ([0.0, 0.0, 0.0], "all values are zero")]
+)
+def test_no_test_comes_with_its_reason(values, reason):
+    found = signed_rank(np.array(values))
+    assert found.reason == reason
+    assert math.isnan(found.p_value)
+    assert not found.method
+
+
+@given(st.lists(st.integers(0, 12), min_size=1, max_size=12))
+def test_the_counted_distribution_is_one_and_symmetric(weights):
+    chances = sign_distribution(np.array(weights))
+    assert chances.sum() == pytest.approx(1)
+    assert chances == pytest.approx(chances[::-1])
+
+
+@given(small)
+def test_turning_all_signs_turns_the_estimate_only(values):
+    found, turned = signed_rank(np.array(values)), signed_rank(-np.array(values))
+    assert turned.p_value == pytest.approx(found.p_value)
+    assert turned.estimate == pytest.approx(-found.estimate)
+    assert turned.rank_biserial == pytest.approx(-found.rank_biserial)

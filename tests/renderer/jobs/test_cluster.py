@@ -1,0 +1,307 @@
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import distributed
+import numpy as np
+import pytest
+
+from motion.audio import Audio, write_wav
+from motion.clip import MotionClip
+from motion.errors import InputError
+from motion.formats import write_clip
+from renderer.framing import Camera
+from renderer.jobs import cluster
+from renderer.jobs.job import ClipJob, Job, PairJob
+from renderer.jobs.making import run_jobs
+from renderer.look import Look
+from tests.renderer.conftest import SECONDS
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).resolve().parents[3]
+PATIENCE = 60.0
+
+
+def _dask(*arguments: str, log: Path) -> subprocess.Popen[bytes]:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "LP_NUM_THREADS": "0"}
+    environment["DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"] = "1"
+    with log.open("wb") as file:
+        return subprocess.Popen(
+            [sys.executable, "-m", "dask", *arguments, "--no-dashboard"],
+            stdout=file,
+            stderr=file,
+            env=environment,
+            cwd=log.parent,
+        )
+
+
+@contextmanager
+def _ended_afterwards(*processes: subprocess.Popen[bytes]) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+@contextmanager
+def _scheduler(folder: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """Start a scheduler without workers on loopback; give its address and process."""
+    described = folder / "scheduler.json"
+    process = _dask(
+        "scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(described),
+        log=folder / "scheduler.log",
+    )  # fmt: skip
+    with _ended_afterwards(process):
+        until = time.monotonic() + PATIENCE
+        while not described.exists() or not described.read_text():
+            assert time.monotonic() < until, (folder / "scheduler.log").read_text()
+            time.sleep(0.1)
+        yield json.loads(described.read_text())["address"], process
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Return the address of a scheduler that several tests use."""
+    with _scheduler(tmp_path_factory.mktemp("scheduler")) as (address, _):
+        yield address
+
+
+@pytest.fixture(autouse=True)
+def _time_for_workers_to_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "_FOR_A_WORKER", PATIENCE)
+
+
+@contextmanager
+def _workers(address: str, folder: Path, *, count: int = 2, threads: int = 1) -> Iterator[None]:
+    arguments = ("worker", address, "--nthreads", str(threads), "--host", "127.0.0.1")
+    started = [_dask(*arguments, log=folder / f"worker{number}.log") for number in range(count)]
+    with _ended_afterwards(*started):
+        yield
+
+
+@pytest.fixture(scope="module")
+def cluster_of_two(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Return the address of a cluster of two workers, which outlive what is done to them."""
+    with _workers(scheduler, tmp_path_factory.mktemp("workers")):
+        yield scheduler
+
+
+@pytest.fixture
+def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> ClipJob:
+    return ClipJob(
+        name="clip",
+        motion=inputs / "clip.npz",
+        speech=inputs / "speech.wav",
+        start=0.0,
+        end=SECONDS,
+        freeze=(),
+        body=body_path,
+        camera=camera,
+        look=Look(size=64),
+        frames=tmp_path / "study" / "clip.mkv",
+        video=tmp_path / "study" / "clip.mp4",
+    )
+
+
+def _pair_of(clip: ClipJob, name: str) -> PairJob:
+    return PairJob(
+        name=name,
+        left=clip.frames,
+        right=clip.frames,
+        speech=clip.speech,
+        start=clip.start,
+        end=clip.end,
+        video=clip.video.with_name(f"{name}.mp4"),
+        look=clip.look,
+    )
+
+
+def _jobs(clip: ClipJob, count: int) -> list[Job]:
+    """Return `count` clips, each followed by a pair of it."""
+    jobs: list[Job] = []
+    for number in range(count):
+        frames, video = (path.with_stem(f"clip{number}") for path in (clip.frames, clip.video))
+        one = replace(clip, name=f"clip{number}", frames=frames, video=video)
+        jobs += [one, _pair_of(one, f"pair{number}")]
+    return jobs
+
+
+def test_a_cluster_makes_the_same_files_as_this_machine(
+    cluster_of_two: str, clip_job: ClipJob, inputs: Path
+) -> None:
+    jobs = [*_jobs(clip_job, 2), replace(clip_job, name="mute", speech=inputs / "none.wav")]
+    there = run_jobs(jobs, processes=1, cluster=cluster_of_two)
+    made = {job.name: job.video.read_bytes() for job in jobs[:4]}
+    here = run_jobs(jobs[:4], processes=1)
+    assert [outcome.name for outcome in there] == [job.name for job in jobs]
+    assert [outcome.error for outcome in there[:4] + here] == [None] * 8
+    assert "no such audio file" in str(there[4].error)
+    assert made == {job.name: job.video.read_bytes() for job in jobs[:4]}
+
+
+def _writers_into(folder: Path) -> list[int]:
+    """Return the processes that have a file open in `folder`, from Linux's /proc."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            files = [link.readlink() for link in (process / "fd").iterdir()]
+        except OSError:
+            continue
+        if any(file.parent == folder for file in files):
+            found.append(int(process.name))
+    return found
+
+
+@contextmanager
+def _killing_writers(folder: Path, times: int) -> Iterator[list[int]]:
+    """Kill, so many times, the process that writes into `folder`; give those killed."""
+    over, killed = threading.Event(), list[int]()
+
+    def kill() -> None:
+        while len(killed) < times and not over.wait(0.03):
+            for pid in _writers_into(folder):
+                if pid not in killed:
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
+
+    killer = threading.Thread(target=kill, daemon=True)
+    killer.start()
+    try:
+        yield killed
+    finally:
+        over.set()
+        killer.join()
+
+
+@pytest.fixture
+def long_job(clip_job: ClipJob, clip: MotionClip, tmp_path: Path) -> ClipJob:
+    """Return a job that takes long enough to be caught at work."""
+    write_clip(tmp_path / "long.npz", clip.frames(np.arange(8 * 30) % len(clip)))
+    write_wav(tmp_path / "long.wav", Audio(np.zeros(8 * 16_000, np.float32), 16_000))
+    return replace(
+        clip_job,
+        name="long",
+        motion=tmp_path / "long.npz",
+        speech=tmp_path / "long.wav",
+        end=8.0,
+        frames=tmp_path / "long" / "clip.mkv",
+        video=tmp_path / "long" / "clip.mp4",
+    )
+
+
+def test_a_killed_workers_clip_is_done_by_another(
+    cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob
+) -> None:
+    jobs = [long_job, *_jobs(clip_job, 1)]
+    with _killing_writers(long_job.video.parent, times=1) as killed:
+        outcomes = run_jobs(jobs, processes=1, cluster=cluster_of_two)
+    assert len(killed) == 1
+    assert [outcome.error for outcome in outcomes] == [None, None, None]
+    assert long_job.video.exists()
+
+
+def test_a_clip_that_kills_worker_after_worker_is_reported_and_the_rest_goes_on(
+    cluster_of_two: str, clip_job: ClipJob, long_job: ClipJob
+) -> None:
+    jobs = [long_job, _pair_of(long_job, "long pair"), *_jobs(clip_job, 1)]
+    with _killing_writers(long_job.video.parent, times=100) as killed:
+        lost, pair, *rest = run_jobs(jobs, processes=1, cluster=cluster_of_two)
+    assert len(killed) == 4
+    assert "ended early" in str(lost.error)
+    assert pair.because_of == "long"
+    assert [outcome.error for outcome in rest] == [None, None]
+
+
+def test_a_scheduler_without_workers_and_one_that_goes_away_are_told(
+    clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with _scheduler(tmp_path) as (address, process):
+        with monkeypatch.context() as patch:
+            patch.setattr(cluster, "_FOR_A_WORKER", 0.5)
+            with pytest.raises(InputError, match=r"no worker.*Start some with .*dask worker tcp"):
+                run_jobs([clip_job], processes=1, cluster=address)
+        with (
+            _workers(address, tmp_path, count=1),
+            pytest.raises(InputError, match=r"connection .* was lost.*goes on where it stopped"),
+        ):
+            run_jobs(
+                _jobs(clip_job, 2),
+                processes=1,
+                cluster=address,
+                on_done=lambda outcome: process.kill(),
+            )
+    assert clip_job.video.with_stem("clip0").exists()
+
+
+def test_workers_of_another_version_or_without_the_files_are_refused(
+    cluster_of_two: str, clip_job: ClipJob, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pair, gone = _pair_of(clip_job, "pair"), tmp_path / "gone.npz"
+    without: list[list[Job]] = [
+        [replace(clip_job, speech=gone)],
+        [pair, replace(clip_job, body=gone)],
+        [pair, replace(clip_job, look=replace(clip_job.look, expression_matrix=gone))],
+    ]
+    for lacking in without:
+        with pytest.raises(InputError, match=r"2 of 2 workers cannot .* does not see .*gone"):
+            run_jobs(lacking, processes=1, cluster=cluster_of_two)
+    monkeypatch.setattr(cluster, "RENDERER_VERSION", "another")
+    with pytest.raises(InputError, match=r"another version .*here another"):
+        run_jobs([clip_job], processes=1, cluster=cluster_of_two)
+
+
+def test_a_worker_of_several_threads_is_refused(
+    cluster_of_two: str, clip_job: ClipJob, tmp_path: Path
+) -> None:
+    with _workers(cluster_of_two, tmp_path, count=1, threads=2):
+        with distributed.Client(cluster_of_two) as client:
+            client.wait_for_workers(3, timeout=PATIENCE)
+        with pytest.raises(InputError, match=r"does 2 jobs at once.*--nthreads 1"):
+            run_jobs([clip_job], processes=1, cluster=cluster_of_two)
+
+
+def test_an_address_where_nobody_answers_is_told(
+    clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_CONNECTING", 0.5)
+    with socket.socket() as unused:
+        unused.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{unused.getsockname()[1]}"
+        with pytest.raises(InputError, match="no Dask scheduler can be reached"):
+            run_jobs([clip_job], processes=1, cluster=address)
+
+
+@pytest.mark.parametrize("address", ["", "nonsense", "http://node1", "tcp://"])
+def test_what_is_no_address_is_told_before_a_client_is_made(
+    clip_job: ClipJob, address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(distributed.Client, "__init__")
+    with pytest.raises(InputError, match="no Dask scheduler can be reached"):
+        run_jobs([clip_job], processes=1, cluster=address)
+
+
+def test_without_dask_the_remedy_is_said(
+    clip_job: ClipJob, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"pip install 'motionjury\[cluster\]'"):
+        run_jobs([clip_job], processes=1, cluster="tcp://127.0.0.1:1")

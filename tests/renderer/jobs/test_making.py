@@ -1,0 +1,296 @@
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.audio import Audio, write_wav
+from motion.clip import MotionClip
+from motion.formats import write_clip
+from renderer.framing import Camera
+from renderer.jobs.job import ClipJob, Job, Outcome, PairJob
+from renderer.jobs.making import run_jobs
+from renderer.jobs.threads import ONE_THREAD
+from renderer.look import Look
+from tests.renderer.conftest import SECONDS
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture
+def clip_job(inputs: Path, body_path: Path, camera: Camera, tmp_path: Path) -> ClipJob:
+    return ClipJob(
+        name="clip",
+        motion=inputs / "clip.npz",
+        speech=inputs / "speech.wav",
+        start=0.0,
+        end=SECONDS,
+        freeze=(),
+        body=body_path,
+        camera=camera,
+        look=Look(size=64),
+        frames=tmp_path / "clip.mkv",
+        video=tmp_path / "clip.mp4",
+    )
+
+
+@pytest.fixture
+def pair_job(clip_job: ClipJob, tmp_path: Path) -> PairJob:
+    return PairJob(
+        name="pair",
+        left=clip_job.frames,
+        right=clip_job.frames,
+        speech=clip_job.speech,
+        start=0.0,
+        end=SECONDS,
+        video=tmp_path / "pair.mp4",
+        look=clip_job.look,
+    )
+
+
+def test_broken_jobs_are_reported_and_the_rest_goes_on(
+    clip_job: ClipJob, pair_job: PairJob, inputs: Path, tmp_path: Path
+) -> None:
+    with np.load(inputs / "clip.npz") as archive:
+        arrays = dict(archive)
+    arrays["poses"] = arrays["poses"].copy()
+    arrays["poses"][3] = np.nan
+    np.savez(tmp_path / "nan.npz", **arrays)
+    told: list[Outcome] = []
+    jobs = [
+        replace(pair_job, name="lonely", left=tmp_path / "never.mkv"),
+        replace(clip_job, name="nan", motion=tmp_path / "nan.npz", video=tmp_path / "nan.mp4"),
+        replace(clip_job, name="mute", speech=tmp_path / "none.wav", video=tmp_path / "mute.mp4"),
+        clip_job,
+        pair_job,
+    ]
+    outcomes = run_jobs(jobs, processes=1, on_done=told.append)
+    assert [outcome.name for outcome in outcomes] == ["lonely", "nan", "mute", "clip", "pair"]
+    assert [outcome.error is None for outcome in outcomes] == [False, False, False, True, True]
+    assert "not a number" in str(outcomes[1].error)
+    assert str(tmp_path / "nan.npz") in str(outcomes[1].error)
+    assert "no such audio file" in str(outcomes[2].error)
+    assert {outcome.name for outcome in told} == {outcome.name for outcome in outcomes}
+    assert clip_job.video.exists()
+    assert pair_job.video.exists()
+    assert not (tmp_path / "nan.mp4").exists()
+
+
+@pytest.fixture
+def long_job(clip_job: ClipJob, clip: MotionClip, tmp_path: Path) -> ClipJob:
+    """Return a job that takes long enough to be caught at work."""
+    seconds = 4
+    write_clip(tmp_path / "long.npz", clip.frames(np.arange(seconds * 30) % len(clip)))
+    silence = np.zeros(seconds * 16000, np.float32)
+    write_wav(tmp_path / "long.wav", Audio(silence, 16000))
+    return replace(
+        clip_job,
+        name="long",
+        motion=tmp_path / "long.npz",
+        speech=tmp_path / "long.wav",
+        end=float(seconds),
+        frames=tmp_path / "long" / "long.mkv",
+        video=tmp_path / "long" / "long.mp4",
+    )
+
+
+class _Killer(threading.Thread):
+    """Kills, so many times, the process that is writing a draft into `folder`."""
+
+    def __init__(self, folder: Path, times: int) -> None:
+        super().__init__(daemon=True)
+        self.killed: list[int] = []
+        self.over = threading.Event()
+        self._folder = folder
+        self._times = times
+
+    def run(self) -> None:
+        while len(self.killed) < self._times and not self.over.wait(0.005):
+            for pid in _children():
+                if pid not in self.killed and _writes_into(pid, self._folder):
+                    os.kill(pid, signal.SIGKILL)
+                    self.killed.append(pid)
+
+
+def _children() -> list[int]:
+    """Return the processes that this one started through multiprocessing."""
+    return [child.pid for child in multiprocessing.active_children() if child.pid]
+
+
+def _writes_into(pid: int, folder: Path) -> bool:
+    """Tell from Linux's /proc whether a process has a file open in `folder`."""
+    try:
+        links = [link.readlink() for link in Path(f"/proc/{pid}/fd").iterdir()]
+    except OSError:
+        return False
+    return any(link.parent == folder for link in links)
+
+
+@contextmanager
+def killing(job: ClipJob, times: int) -> Iterator[_Killer]:
+    """Kill, `times` times, the process that is busy with `job`."""
+    killer = _Killer(job.video.parent, times)
+    killer.start()
+    try:
+        yield killer
+    finally:
+        killer.over.set()
+        killer.join()
+
+
+@pytest.mark.slow
+def test_the_job_of_a_killed_process_is_done_by_another(
+    long_job: ClipJob, clip_job: ClipJob
+) -> None:
+    with killing(long_job, times=1) as killer:
+        outcomes = run_jobs([long_job, clip_job], processes=2)
+    assert len(killer.killed) == 1
+    assert [outcome.error for outcome in outcomes] == [None, None]
+    assert long_job.video.exists()
+    assert long_job.frames.exists()
+
+
+@pytest.mark.slow
+def test_a_job_that_kills_two_processes_is_reported_and_the_rest_goes_on(
+    long_job: ClipJob, clip_job: ClipJob, pair_job: PairJob
+) -> None:
+    doomed_pair = replace(pair_job, name="doomed pair", right=long_job.frames)
+    with killing(long_job, times=100) as killer:
+        lost, first, doomed, pair = run_jobs(
+            [long_job, clip_job, doomed_pair, pair_job], processes=1
+        )
+    assert len(killer.killed) == 2
+    assert "ended early, 2 times (signal 9)" in str(lost.error)
+    assert (doomed.because_of, doomed.error) == ("long", "its clip long could not be made")
+    assert (first.error, pair.error) == (None, None)
+    assert not long_job.video.exists()
+    assert pair_job.video.exists()
+
+
+@pytest.mark.slow
+def test_a_process_that_dies_while_it_is_idle_costs_no_job(
+    clip_job: ClipJob, tmp_path: Path
+) -> None:
+    def end_the_workers(outcome: Outcome) -> None:
+        for child in multiprocessing.active_children():
+            child.kill()
+            child.join()
+
+    jobs = [
+        replace(clip_job, name=str(number), video=tmp_path / f"{number}.mp4") for number in range(2)
+    ]
+    outcomes = run_jobs(jobs, processes=1, on_done=end_the_workers)
+    assert [outcome.error for outcome in outcomes] == [None, None]
+
+
+def test_a_segment_is_finished_before_the_next_is_begun(
+    clip_job: ClipJob, pair_job: PairJob, tmp_path: Path
+) -> None:
+    jobs: list[Job] = []
+    for segment in ("one", "two"):
+        frames, video = tmp_path / f"{segment}.mkv", tmp_path / f"{segment}.mp4"
+        jobs.append(replace(clip_job, name=f"{segment} clip", frames=frames, video=video))
+        jobs.append(
+            replace(
+                pair_job,
+                name=f"{segment} pair",
+                left=frames,
+                right=frames,
+                video=tmp_path / f"{segment}-pair.mp4",
+            )
+        )
+    told: list[str] = []
+    run_jobs(jobs, processes=1, on_done=lambda outcome: told.append(outcome.name))
+    assert told == ["one clip", "one pair", "two clip", "two pair"]
+
+
+def test_two_processes_make_what_one_makes(clip_job: ClipJob, tmp_path: Path) -> None:
+    jobs = [
+        replace(
+            clip_job,
+            name=str(number),
+            frames=tmp_path / f"{number}.mkv",
+            video=tmp_path / f"{number}.mp4",
+        )
+        for number in range(3)
+    ]
+    assert all(outcome.error is None for outcome in run_jobs(jobs, processes=2))
+    contents = {job.video.read_bytes() for job in jobs}
+    assert len(contents) == 1
+
+
+def test_a_worker_draws_and_computes_in_one_thread(clip_job: ClipJob) -> None:
+    assert ONE_THREAD["LP_NUM_THREADS"] == "0"
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    run_jobs([clip_job], processes=1)
+    assert before == {name: os.environ.get(name) for name in ONE_THREAD}
+
+
+def test_no_jobs_are_done_at_once() -> None:
+    assert run_jobs([], processes=1) == []
+
+
+def _running_in_group(group: int) -> list[str]:
+    """Return the states of the group's processes, ended ones left out, from Linux's /proc."""
+    states = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, _, its_group = stat.read_text().rpartition(")")[2].split()[:3]
+        except (FileNotFoundError, ProcessLookupError):
+            continue
+        if int(its_group) == group and state != "Z":
+            states.append(f"{stat.parent.name} {state}")
+    return states
+
+
+_ENDLESS = """
+import pickle, signal, sys
+from renderer.jobs.making import run_jobs
+if __name__ == "__main__":
+    # Where tests run in the background, Ctrl-C is ignored until somebody asks for it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    jobs = pickle.loads(open(sys.argv[1], "rb").read())
+    run_jobs(jobs, processes=1, on_done=lambda outcome: print(outcome.name, flush=True))
+"""
+
+
+def test_ctrl_c_ends_all_processes_and_leaves_no_half_written_file(
+    clip_job: ClipJob, tmp_path: Path
+) -> None:
+    jobs = [replace(clip_job, name=str(number)) for number in range(1000)]
+    (tmp_path / "jobs.pickle").write_bytes(pickle.dumps(jobs))
+    script = tmp_path / "endless.py"
+    script.write_text(_ENDLESS)
+    process = subprocess.Popen(
+        [sys.executable, str(script), str(tmp_path / "jobs.pickle")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        start_new_session=True,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "0\n"
+    os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert "KeyboardInterrupt" in errors
+    for _ in range(600):
+        if not _running_in_group(process.pid):
+            break
+        time.sleep(0.1)
+    assert _running_in_group(process.pid) == []
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "clip.mkv", "clip.mp4", "jobs.pickle", "endless.py",
+    }  # fmt: skip

@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pytest
+
+from motion.audio import Audio
+from renderer.video.encoder import SOUND_RATE
+from renderer.video.mp4_bit_rates import forget_bit_rates
+from tests.encoded import Told, write_video
+
+NOISE = Audio(np.random.default_rng(0).normal(0, 0.05, SOUND_RATE).astype(np.float32), SOUND_RATE)
+
+
+def heard(video: Path) -> tuple[list[bytes], bytes]:
+    """Return the encoded sound of a video, and its bit rate as a file tells it."""
+    with av.open(str(video)) as container:
+        stream: Any = container.streams.audio[0]
+        rate = stream.codec_context.bit_rate.to_bytes(4, "big")
+        return [bytes(p) for p in container.demux(stream) if p.pts is not None], rate
+
+
+@pytest.fixture
+def video(tmp_path: Path) -> Path:
+    write_video(tmp_path / "video.mp4", Told(frames=30, sound=NOISE))
+    return tmp_path / "video.mp4"
+
+
+def test_the_file_no_longer_says_how_many_bits_its_sound_has(video: Path) -> None:
+    before, rate = heard(video)
+    size = video.stat().st_size
+    told = video.read_bytes().count(rate)
+
+    forget_bit_rates(video)
+
+    assert video.read_bytes().count(rate) == told - 2
+    assert heard(video)[0] == before
+    assert video.stat().st_size == size
+
+
+def test_nothing_but_the_two_rates_is_changed(video: Path) -> None:
+    before = np.frombuffer(video.read_bytes(), np.uint8)
+
+    forget_bit_rates(video)
+
+    after = np.frombuffer(video.read_bytes(), np.uint8)
+    changed = np.flatnonzero(before != after)
+    assert 0 < len(changed) <= 8
+    assert changed[-1] - changed[0] < 8
+    assert not after[changed].any()
+
+
+def test_a_video_without_sound_stays_as_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "silent.mp4"
+    write_video(path, Told(sound=None))
+    before = path.read_bytes()
+
+    forget_bit_rates(path)
+
+    assert path.read_bytes() == before
+
+
+def test_its_sound_still_decodes(video: Path) -> None:
+    forget_bit_rates(video)
+
+    with av.open(str(video)) as container:
+        seconds = sum(Fraction(f.samples, f.sample_rate) for f in container.decode(audio=0))
+
+    assert seconds >= 1

@@ -1,0 +1,56 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from PIL import Image
+
+from motion.errors import InputError
+from studyapp.cli.main import group
+from tests.motion.formats.bvh_text import bvh_text, columns_of, smplx_skeleton, write_bvh
+from tests.studyapp.takes import write_motion, write_speech
+
+
+@pytest.fixture
+def unknown_skeleton(tmp_path: Path) -> Path:
+    """Return a BVH whose joints have names that nobody knows."""
+    skeleton = [
+        ("x" + name, None if parent is None else "x" + parent, offset)
+        for name, parent, offset in smplx_skeleton()
+    ]
+    rows = np.stack([columns_of(skeleton, {"xleft_elbow": (k, 0, 0)}) for k in range(20)])
+    return write_bvh(tmp_path / "wave.bvh", bvh_text(skeleton, rows))
+
+
+def test_a_motion_of_an_unknown_skeleton_is_shown_with_a_joint_map(
+    unknown_skeleton: Path, tmp_path: Path
+) -> None:
+    arguments = ["preview", str(unknown_skeleton), "--size", "64", "--out", str(tmp_path / "out")]
+    with pytest.raises(InputError, match="skeleton is unknown") as refusal:
+        CliRunner().invoke(group, ["--debug", *arguments], catch_exceptions=False)
+    assert "--joints FILE" in str(refusal.value.remedy)
+
+    joints = tmp_path / "joints.toml"
+    joints.write_text("".join(f'{name} = "x{name}"\n' for name, *_ in smplx_skeleton()))
+    done = CliRunner().invoke(group, [*arguments, "--joints", str(joints)])
+
+    assert done.exit_code == 0, done.output
+    with av.open(str(tmp_path / "out" / "wave.mp4")) as video:
+        assert {stream.type for stream in video.streams} == {"video", "audio"}
+    with Image.open(tmp_path / "out" / "wave.png") as sheet:
+        assert sheet.size == (256, 192)
+
+
+def test_a_motion_is_shown_with_as_much_speech_as_there_is(tmp_path: Path) -> None:
+    motion = write_motion(tmp_path / "a.npz", 1.0)
+    speech = write_speech(tmp_path / "a.wav", 0.5)
+    arguments = ["preview", str(motion), "--speech", str(speech), "--size", "64"]
+
+    done = CliRunner().invoke(group, [*arguments, "--out", str(tmp_path)])
+
+    assert done.exit_code == 0, done.output
+    with av.open(str(tmp_path / "a.mp4")) as video:
+        assert len(list(video.decode(video=0))) == 15

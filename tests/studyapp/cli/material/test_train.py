@@ -1,0 +1,113 @@
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import torch
+from click.testing import CliRunner, Result
+
+from analysis.evaluators.evaluator import load_evaluator
+from motion.formats import write_clip
+from studyapp.cli.main import group
+from tests.analysis.evaluators.swinging import SWINGS, swinging
+from training.threads import torch_threads
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_thread() -> Iterator[None]:
+    with torch_threads(1):
+        yield
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(group, ["train", "evaluator", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return ten clips of two emotions, and one that is damaged."""
+    folder = tmp_path_factory.mktemp("recorded")
+    rows = ["name,emotion"]
+    for emotion in SWINGS:
+        for seed in range(5):
+            write_clip(folder / f"{emotion}{seed}.npz", swinging(emotion, seed))
+            rows.append(f"{emotion}{seed},{emotion}")
+    (folder / "cut.npz").write_bytes(b"cut")
+    (folder / "segments.csv").write_text("\n".join([*rows, "cut,anger"]))
+    return folder
+
+
+def test_a_network_is_trained_and_damaged_files_are_counted(recorded: Path, tmp_path: Path) -> None:
+    out = tmp_path / "new" / "m.safetensors"
+    given = ("emotion", "--data", recorded, "--config", "tiny", "--steps", 12, "--out", out)
+    shown = run(*given)
+    assert shown.exit_code == 0, shown.output
+    assert f"skipped: {recorded / 'cut.npz'}" in shown.stderr
+    assert "1 clip skipped." in shown.stderr
+    assert "Learned from 40 windows of 10 clips; kept back 2 of 10 recordings" in shown.stdout
+    assert "Tells 2 emotions of what was kept back with accuracy 1.000" in shown.stdout
+    assert f"Wrote {out}" in shown.stdout
+    assert load_evaluator(out).labels == ("anger", "sadness")
+    assert (tmp_path / "new" / "m.run" / "curves.png").stat().st_size > 1000
+
+
+def test_an_interrupted_training_says_what_is_saved_and_goes_on(
+    recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = ("motion", "--data", recorded, "--config", "tiny", "--steps", 6, "--out")
+    whole, parts = tmp_path / "whole.safetensors", tmp_path / "parts.safetensors"
+    assert run(*given, whole).exit_code == 0
+
+    def stop_in_the_third_step(*arguments: object, **options: object) -> None:
+        calls.append(1)
+        if len(calls) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+        clip(*arguments, **options)
+
+    calls: list[int] = []
+    clip = torch.nn.utils.clip_grad_norm_
+    with monkeypatch.context() as patch:
+        patch.setattr("torch.nn.utils.clip_grad_norm_", stop_in_the_third_step)
+        shown = run(*given, parts)
+    assert shown.exit_code != 0
+    assert "Stopped after step 3 of 6; saved in" in shown.stderr
+    assert not parts.exists()
+    assert run(*given, parts).exit_code == 0
+    assert parts.read_bytes() == whole.read_bytes()
+
+
+def test_a_network_that_learned_nothing_says_so(recorded: Path, tmp_path: Path) -> None:
+    given = ("motion", "--data", recorded, "--config", "tiny", "--steps", 1, "--seed", 3)
+    shown = run(*given, "--out", tmp_path / "m.safetensors")
+    assert "It does no better than that" in shown.stderr
+
+
+def test_a_file_that_no_run_here_made_is_not_overwritten(recorded: Path, tmp_path: Path) -> None:
+    out = tmp_path / "m.safetensors"
+    out.write_bytes(b"another network")
+    shown = run("motion", "--data", recorded, "--out", out)
+    assert shown.exit_code == 1
+    assert "there is a file already" in shown.stderr
+    assert out.read_bytes() == b"another network"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("dance", "--data", "."), "'dance' is not one of"),
+        (("motion",), "Missing option '--data'"),
+        (("motion", "--data", "nowhere"), "nowhere: there is no such folder"),
+        (("face", "--data", ".", "--channels", "both"), "--channels is for the kind motion"),
+        (("motion", "--data", ".", "--learning-rate", "0"), "0<x<=1"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_a_sentence(
+    arguments: tuple[str, ...], said: str
+) -> None:
+    shown = run(*arguments)
+    assert shown.exit_code != 0
+    assert said in shown.stderr
+    assert "Traceback" not in shown.output

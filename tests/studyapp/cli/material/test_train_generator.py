@@ -1,0 +1,111 @@
+"""`motionjury train NAME`: from recordings to a network that `motionjury generate` takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from generators.registry import generator_names, trainable_names, trainable_of
+from motion.errors import InputError
+from motion.formats import read_clip
+from studyapp.cli.main import group
+from training.threads import torch_threads
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_thread() -> Iterator[None]:
+    with torch_threads(1):
+        yield
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(group, list(map(str, arguments)))
+
+
+def test_every_generator_that_learns_is_listed_beside_the_feature_networks() -> None:
+    shown = run("train", "--help")
+    assert "evaluator" in shown.output
+    for name in trainable_names():
+        assert trainable_of(name).summary[:40] in shown.output
+        assert run("train", name, "--help").exit_code == 0
+
+
+def test_a_choice_of_one_generators_own_is_in_its_help() -> None:
+    shown = run("train", "diffsheg", "--help").output
+    for option in ("--preset", "--ablation", "--hubert", "--config", "without_x0"):
+        assert option in shown
+
+
+def test_a_generator_that_does_not_learn_cannot_be_trained() -> None:
+    assert "static" in generator_names()
+    assert run("train", "static").exit_code == 2
+    with pytest.raises(InputError, match=r"static does not learn.*Train one of diffsheg"):
+        trainable_of("static")
+
+
+def test_a_file_that_no_run_would_go_on_with_is_not_written_over(tmp_path: Path) -> None:
+    out = tmp_path / "precious.safetensors"
+    out.write_bytes(b"mine")
+    shown = run("train", "diffsheg", "--data", tmp_path, "--out", out)
+    assert shown.exit_code == 1
+    assert "there is a file already" in shown.output
+    assert out.read_bytes() == b"mine"
+
+
+def test_a_folder_without_recordings_is_named(tmp_path: Path) -> None:
+    shown = run("train", "diffsheg", "--data", tmp_path / "none", "--out", tmp_path / "network")
+    assert shown.exit_code == 1
+    assert str(tmp_path / "none") in shown.output
+
+
+@pytest.mark.slow
+def test_a_corpus_becomes_a_network_and_the_network_moves_as_one_of_its_speakers(
+    tmp_path: Path,
+) -> None:
+    corpus, out = tmp_path / "corpus", tmp_path / "networks" / "two.safetensors"
+    made = run(
+        *("corpus", corpus, "--speakers", 2, "--sentences", 8, "--takes", 1),
+        *("--held-out-speakers", 0, "--processes", 1),
+    )
+    assert made.exit_code == 0, made.output
+    damaged = sorted(corpus.glob("1/*.bvh"))[0]
+    damaged.write_bytes(damaged.read_bytes()[:2000])
+    given = ("train", "diffsheg", "--data", corpus, "--batch-size", 8, "--out", out)
+
+    trained = run(*given, "--steps", 3)
+
+    assert trained.exit_code == 0, trained.output
+    assert f"skipped: {damaged}" in trained.stderr
+    assert "1 take skipped." in trained.stderr
+    assert "by 2 speakers" in trained.stdout
+    assert "untrained" in trained.stdout
+    assert f"Wrote {out}" in trained.stdout
+    assert (out.with_suffix(".run") / "curves.png").stat().st_size > 1000
+    more = run(*given, "--steps", 4)
+    assert more.exit_code == 0, more.output
+    assert " of 4, where noise and reconstruction of held-out" in more.stdout
+    other = run(*given, "--steps", 5, "--ablation", "reverse")
+    assert other.exit_code == 1
+    assert "the run that was begun here is another one" in other.output
+
+    speech = sorted(corpus.glob("2/*.wav"))[0]
+    speaker = speech.stem.split("_")[1]
+    moved = run(
+        *("generate", "--generator", "diffsheg", "--checkpoint", out, "--speaker", speaker),
+        *("--speech", speech, "--out", tmp_path / "clips"),
+    )
+    assert moved.exit_code == 0, moved.output
+    clip = read_clip(tmp_path / "clips" / f"{speech.stem}.npz")
+    assert clip.provenance["speaker"] == speaker
+    assert clip.provenance["dataset"] == "beat"
+    assert clip.arkit is not None
+    assert clip.arkit.max() > 0
+    stranger = run(
+        *("generate", "--generator", "diffsheg", "--checkpoint", out, "--speaker", "nobody"),
+        *("--speech", speech, "--out", tmp_path / "others"),
+    )
+    assert stranger.exit_code == 1
+    assert "knows no speaker 'nobody'" in stranger.output

@@ -1,0 +1,141 @@
+"""Whom a researcher excludes: what reports, exports and shared folders make of it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from analysis.results.left_out import LeftOut
+from motion.errors import InputError
+from studyapp.cli.exclude_command import decide_about
+from studyapp.database.engine import Database, sqlite_url
+from studyapp.results.analysed_tasks import analysed_tasks, rules_of
+from studyapp.results.answers import read_answers
+from studyapp.results.export.sharing import share
+from studyapp.results.export.writing import export
+from studyapp.results.report import report
+from studyapp.session.arrival.intake_decisions import extend
+from studyapp.session.served_study import ServedStudy
+from studyapp.study.folder import StudyFolder
+from tests.finished_study import write_finished_study, write_short_video
+from tests.studyapp.answered_study import answer_study
+from tests.studyapp.taking_part_steps import SetClock
+
+REASON = '=cmd; wrote to us, "fell asleep"'
+
+
+@pytest.fixture(scope="module")
+def answered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study that four participants answered by chance, the last one in part."""
+    folder = tmp_path_factory.mktemp("mismatch")
+    write_short_video(folder / "short.mp4")
+    write_finished_study(folder, "mismatch", folder / "short.mp4")
+    definition = StudyFolder(folder).definition
+    text = definition.read_text("utf-8")
+    definition.write_text(text.replace("participants = 3", "participants = 4"), "utf-8")
+    answer_study(folder, people=4, stop_after=2)
+    return folder
+
+
+@pytest.fixture
+def folder(answered: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> StudyFolder:
+    monkeypatch.delenv("DATABASE_URL", raising=False)
+    return StudyFolder(shutil.copytree(answered, tmp_path / "study"))
+
+
+def exclude(folder: StudyFolder, name: str, reason: str = REASON) -> None:
+    decide_about(folder, name, excluded=True, reason=reason)
+
+
+def results(folder: StudyFolder) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(report(folder).with_name("results.json").read_text("utf-8"))
+    return found
+
+
+def left_out(folder: StudyFolder) -> LeftOut:
+    study, answers = folder.study(), read_answers(folder, "participants")
+    return analysed_tasks(study, answers, rules_of(study, answers))[0].left_out
+
+
+def test_the_report_leaves_them_out_after_the_rules_and_says_that_it_was_by_hand(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    for name in ("2", "4"):
+        exclude(folder, name)
+    database = Database.open(sqlite_url(folder.responses))
+    extend(database, ServedStudy.read(folder.root), SetClock(), 3, by="Ada", reason="more")
+    database.close()
+    places = sum(arm.places for arm in folder.study().arms)
+
+    found = results(folder)
+
+    rule = found["rules"][-1]
+    assert (rule["rule"], rule["removed"], rule["exploratory"]) == ("researcher", 1, True)
+    # Whom a rule of the study leaves out counts under the rule.
+    assert list(found["exclusions"]) == ["4", "2"]
+    assert found["exclusions"]["4"].endswith("trials answered")
+    assert found["exclusions"]["2"] == REASON
+    assert found["participants"] == {"recruited": 4, "attentive": 2}
+    first = found["sensitivity"][0]
+    assert first["as_planned"]["participants"] == first["analysed"]["participants"] + 1
+    assert sum(flow["places"] for flow in found["flow"]) == places + 3
+    page = (folder.report / "report.html").read_text("utf-8")
+    assert "1 participant whom the rules before would have kept was excluded by hand" in page
+    assert "excluded by a researcher (exploratory)" in page
+    here = (folder.report / "results.json").read_bytes()
+    shared = share(folder, tmp_path / "out")
+    shutil.rmtree(folder.root)
+    assert report(StudyFolder(shared.study)).with_name("results.json").read_bytes() == here
+    with pytest.raises(InputError, match="has been passed on"):
+        exclude(StudyFolder(shared.study), "1")
+
+
+def test_without_any_decision_or_once_it_is_taken_back_the_rules_alone_decide(
+    folder: StudyFolder,
+) -> None:
+    before = left_out(folder)
+    assert [rule.rule for rule in before.rules] == ["incomplete", "attention"]
+    exclude(folder, "2")
+    decide_about(folder, "2", excluded=False, reason="it was another one")
+    decide_about(folder, "4", excluded=True, reason="hurried")
+    decide_about(folder, "4", excluded=False, reason="did not")
+
+    # Reinstating does not overrule a rule of the study.
+    after = left_out(folder)
+    assert list(after.exclusions) == ["4"]
+    assert (after.exclusions, after.rules) == (before.exclusions, before.rules)
+
+
+def test_the_export_says_of_each_answer_that_a_researcher_decided(
+    folder: StudyFolder, tmp_path: Path
+) -> None:
+    exclude(folder, "2")
+
+    export(folder, tmp_path / "answers.csv")
+
+    people = pd.read_csv(tmp_path / "answers_participants.csv").set_index("study_session")
+    columns = ["excluded", "exclusion_rule", "exclusion_kind", "exclusion_reason"]
+    assert people.loc[2, columns].tolist() == [True, "researcher", "by hand", f"'{REASON}"]
+    assert not people.loc[1, "excluded"]
+    answers = pd.read_csv(tmp_path / "answers.csv")
+    assert not answers.loc[answers["study_session"] == 2, "analysed"].any()
+    assert (answers["study_session"] == 2).sum() == (answers["study_session"] == 1).sum()
+    book = json.loads((tmp_path / "answers_codebook.json").read_text("utf-8"))
+    values = {
+        column["name"]: column["values"]
+        for column in book["tables"][0]["columns"]
+        if column["name"].startswith("exclusion_")
+    }
+    assert values["exclusion_rule"]["researcher"] == "excluded by a researcher"
+    assert "by hand" in values["exclusion_kind"]
+    log = pd.read_csv(tmp_path / "answers_log.csv")
+    assert log[["event", "detail", "reason"]].iloc[-1].tolist() == [
+        "participant_excluded",
+        "study session 2",
+        f"'{REASON}",
+    ]

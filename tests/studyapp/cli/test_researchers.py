@@ -1,0 +1,91 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pyotp
+import pytest
+from click.testing import CliRunner
+
+from motion.errors import InputError
+from studyapp.cli.researchers_command import command
+from studyapp.cli.serve_command import command as serve
+from studyapp.clock import Clock
+from studyapp.database.engine import Database, database_url_of
+from studyapp.researchers.authentication import log_in
+from studyapp.researchers.links import choose_password, first_owner_link, join
+from studyapp.researchers.membership import accounts
+from studyapp.researchers.second_factor import new_secret, turn_on
+from tests.studyapp.researchers_at_hand import PASSWORD
+
+pytestmark = pytest.mark.usefixtures("cheap_passwords")
+
+
+def run(*arguments: object) -> str:
+    done = CliRunner().invoke(command, [str(each) for each in arguments], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+def token_of(output: str, address: str = "http://127.0.0.1:8000/") -> str:
+    before, _, token = output.strip().rpartition("/")
+    assert f"{before}/" == f"{address}research/join/"
+    return token
+
+
+def test_somebody_is_invited_listed_and_given_a_new_password(tiny_study: Path) -> None:
+    assert "Nobody yet" in run(tiny_study, "list")
+    assert not (tiny_study / "responses.db").exists()
+
+    token = token_of(run(tiny_study, "invite", "--role", "analyst"))
+
+    database = Database.open(database_url_of(tiny_study))
+    join(database, Clock(), token, name="Ada", password=PASSWORD)
+    assert run(tiny_study, "list").startswith("Ada (analyst), since 20")
+    output = run(tiny_study, "reset", "ada", "--address", "https://study.example.org/jury")
+    token = token_of(output, "https://study.example.org/jury/")
+    choose_password(database, Clock(), token, password="seven quiet bicycles")  # noqa: S106
+    log_in(database, Clock(), name="Ada", password="seven quiet bicycles", address="")  # noqa: S106
+    database.close()
+
+
+def test_who_lost_the_device_logs_in_without_a_code_again(tiny_study: Path) -> None:
+    token = token_of(run(tiny_study, "invite", "--role", "owner"))
+    database = Database.open(database_url_of(tiny_study))
+    join(database, Clock(), token, name="Ada", password=PASSWORD)
+    secret, (ada,) = new_secret(), accounts(database)
+    code = pyotp.TOTP(secret).now()
+    turn_on(database, Clock(), ada.id, secret=secret, code=code, password=PASSWORD, address="")
+    assert "(owner, second factor)" in run(tiny_study, "list")
+
+    assert "password alone" in run(tiny_study, "reset-second-factor", "ada")
+
+    log_in(database, Clock(), name="Ada", password=PASSWORD, address="")
+    database.close()
+
+
+def test_nobody_gets_a_new_password_who_is_not_there(tiny_study: Path) -> None:
+    with pytest.raises(InputError, match=r"no researcher 'Eve'.*motionjury researchers STUDY list"):
+        run(tiny_study, "reset", "Eve")
+
+
+def test_serving_prints_a_link_until_there_is_an_owner(
+    tiny_study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        "studyapp.cli.serve_command.run_server", lambda *_, on_ready, **__: on_ready()
+    )
+
+    def served() -> str:
+        done = CliRunner().invoke(serve, [str(tiny_study)], catch_exceptions=False)
+        assert done.exit_code == 0
+        return done.output
+
+    assert "/research/join/" in served()
+    line = served().splitlines()[1]
+    token = line.partition("/research/join/")[2].split()[0]
+    database = Database.open(database_url_of(tiny_study))
+    join(database, Clock(), token, name="Ada", password=PASSWORD)
+    assert [account.role for account in accounts(database)] == ["owner"]
+    assert first_owner_link(database, Clock()) is None
+    database.close()
+    assert "Watch how it goes at http://127.0.0.1:8000/research/." in served()

@@ -1,0 +1,153 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from studyapp.study.creation.study_file import TEMPLATES, add_condition, new_study
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.protocols.ranking import RankingStudy
+from studyapp.study.settings.conditions import Condition
+from studyapp.study.settings.reading import read_study
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_each_template_is_a_valid_study_with_comments(tmp_path: Path, template: str) -> None:
+    path = tmp_path / "study.toml"
+    made = new_study(path, template=template, name="study")
+    assert read_study(path) == made
+    assert path.read_text().count("#") > 8
+
+
+def test_flags_end_up_in_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="scott", title="T", reference="static", trials=6)
+    study = read_study(path)
+    assert (study.name, study.title, study.reference, study.trials) == ("scott", "T", "static", 6)
+    assert study.conditions["static"].generator == "static"
+    assert study.conditions["mismatched"].source == "static"
+
+
+def test_a_reference_that_no_generator_makes_is_expected_as_files(tmp_path: Path) -> None:
+    study = new_study(tmp_path / "study.toml", name="s", reference="ground_truth")
+    assert study.conditions["ground_truth"].generator is None
+
+
+def test_few_trials_leave_room_for_more_than_practice(tmp_path: Path) -> None:
+    assert new_study(tmp_path / "study.toml", name="s", trials=2).practice == 1
+
+
+def test_an_existing_study_is_never_overwritten(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="a")
+    before = path.read_text()
+    with pytest.raises(InputError, match="exists already"):
+        new_study(path, name="b")
+    assert path.read_text() == before
+
+
+def test_an_invalid_study_is_not_written(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    conditions = {"a": Condition(generator="static"), "b": Condition(generator="nothing")}
+    with pytest.raises(InputError, match="unknown generator 'nothing'"):
+        new_study(path, name="s", reference="a", conditions=conditions)
+    assert not path.exists()
+
+
+def test_adding_a_condition_keeps_the_comments(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, name="s")
+    comments = path.read_text().count("#")
+    study = add_condition(path, "ground_truth")
+    assert study.conditions["ground_truth"].generator is None
+    assert path.read_text().count("#") == comments
+    assert "[conditions.ground_truth]\n\n[catch]\n# Catch trials" in path.read_text()
+    assert "ground_truth" in read_study(path).conditions
+
+
+@pytest.mark.parametrize(
+    ("paper", "protocol"), [("amuse", "pairwise"), ("s2ue", "rating"), ("diffsheg", "ranking")]
+)
+def test_a_template_goes_by_the_name_of_the_paper_too(
+    tmp_path: Path, paper: str, protocol: str
+) -> None:
+    study = new_study(tmp_path / "study.toml", template=paper, name="mine")
+
+    assert study.protocol == protocol
+    assert study.page.sound_check
+
+
+def test_all_three_systems_stand_in_one_study_beside_what_they_are_compared_with(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "study.toml"
+    study = new_study(path, template="three-systems", name="s", trials=15, participants=10)
+    assert isinstance(study, PairwiseStudy)
+    assert list(study.conditions) == [
+        "ground_truth", "amuse", "diffsheg", "s2ue", "rule_based", "mismatched",
+    ]  # fmt: skip
+    assert study.has_recording and study.conditions["mismatched"].source == "ground_truth"
+    assert [question.name for question in study.questions] == ["gestures", "face", "realism"]
+    assert len(study.pairs) == 2 * (15 + 1)
+    assert (study.trials, study.participants) == (15, 10)
+
+
+def test_a_network_takes_its_place_in_the_study_of_three_systems_by_one_line(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "study.toml"
+    new_study(path, template="three-systems", name="s")
+    files = {
+        f"networks/{name}.safetensors": f"released/{name}.pt"
+        for name in ("amuse", "amuse-speech", "diffsheg", "s2ue")
+    }
+    lines = path.read_text().splitlines()
+    for old, new in files.items():
+        (line,) = (number for number, text in enumerate(lines) if f'"{old}"' in text)
+        lines[line] = lines[line].replace(old, new)
+    path.write_text("\n".join(lines))
+    settings = [condition.settings for condition in read_study(path).conditions.values()]
+    told = {
+        str(value)
+        for one in settings
+        for key, value in one.model_dump(exclude_none=True).items()
+        if key in ("checkpoint", "speech_model")
+    }
+    assert told == set(files.values())
+
+
+def test_own_conditions_take_what_is_said_of_the_templates_with_them(tmp_path: Path) -> None:
+    conditions = {"amuse": Condition(generator="static"), "b": Condition(generator="rule_based")}
+    study = new_study(
+        tmp_path / "study.toml", template="three-systems", name="s", conditions=conditions
+    )
+    assert list(study.rehearsal.strength) == ["amuse"]
+
+
+def test_a_network_is_ranked_in_every_block_in_place_of_the_last_stand_in(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    network = Condition(generator="diffsheg", checkpoint="net.pt", sampling="careful")
+    before = new_study(tmp_path / "plain.toml", template="diffsheg", name="s")
+    study = new_study(path, template="diffsheg", name="s", learned=network)
+    assert isinstance(study, RankingStudy) and isinstance(before, RankingStudy)
+    assert study.conditions["diffsheg"] == network
+    for block, old in zip(study.blocks, before.blocks, strict=True):
+        assert block.conditions == ("diffsheg", *old.conditions[:-1])
+    assert tuple(study.conditions) == study.blocks[0].conditions
+    assert "\n# Blocks are shown one after the other." in path.read_text()
+
+
+def test_a_ranking_shows_the_reference_apart_where_the_template_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    study = new_study(path, template="ranking", name="s", reference="recorded")
+    assert study.reference == "recorded"
+    assert study.conditions["recorded"].generator is None
+    assert "[conditions.ground_truth]" not in path.read_text()
+    assert '"ground_truth".\nreference = "recorded"\n' in path.read_text()
+
+
+def test_a_network_has_no_place_in_other_templates(tmp_path: Path) -> None:
+    network = Condition(generator="diffsheg", checkpoint="net.pt")
+    with pytest.raises(InputError, match="no condition that a network could take over"):
+        new_study(tmp_path / "study.toml", name="s", learned=network)

@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from studyapp.study.design.adaptive import PRIOR_SD, posterior, worthiest_pairs
+from studyapp.study.design.adaptive_simulation import CHOICES, Choice, tournament
+
+NAMES = ("a", "b", "c", "d")
+VOTES = st.dictionaries(
+    st.sampled_from([(a, b) for a in NAMES for b in NAMES if a != b]), st.integers(0, 30)
+)
+
+
+def chance() -> np.random.Generator:
+    return np.random.default_rng(1)
+
+
+@given(VOTES, st.integers(0, 12))
+def test_so_many_pairs_of_different_conditions_are_chosen(
+    votes: dict[tuple[str, str], int], count: int
+) -> None:
+    pairs = worthiest_pairs(NAMES, votes, count, chance())
+
+    assert len(pairs) == count
+    assert set(pairs) <= set(combinations(NAMES, 2))
+
+
+def test_without_votes_every_pair_comes_before_any_comes_again() -> None:
+    pairs = worthiest_pairs(NAMES, {}, 3, chance())
+
+    assert len(set(pairs)) == 3
+
+
+def test_what_is_known_is_not_asked_again() -> None:
+    votes = {("a", "b"): 20.0, ("b", "a"): 20.0}
+
+    assert ("a", "b") not in worthiest_pairs(NAMES, votes, 4, chance())
+
+
+def test_among_unequal_conditions_neighbours_are_worth_more_than_extremes() -> None:
+    order = dict(zip(NAMES, (3, 2, 1, 0), strict=True))
+    votes = {
+        (a, b): 40.0 / (1 + np.exp(2 * (order[b] - order[a])))
+        for a in NAMES
+        for b in NAMES
+        if a != b
+    }
+
+    assert ("a", "d") not in worthiest_pairs(NAMES, votes, 6, chance())
+
+
+@given(VOTES)
+def test_more_wins_never_make_a_condition_weaker(votes: dict[tuple[str, str], int]) -> None:
+    before, _ = posterior(NAMES, votes)
+    after, _ = posterior(NAMES, {**votes, ("a", "b"): votes.get(("a", "b"), 0) + 3})
+
+    assert after[0] - after[1] >= before[0] - before[1] - 1e-9
+
+
+def test_the_posterior_is_the_prior_before_anybody_answers() -> None:
+    strengths, covariance = posterior(NAMES, {})
+
+    assert strengths.tolist() == [0.0] * 4
+    assert covariance == pytest.approx(np.eye(4) * PRIOR_SD**2)
+
+
+def test_adaptive_pairs_find_the_order_sooner_than_any_rival() -> None:
+    final: dict[str, list[float]] = {choice: [] for choice in CHOICES}
+    for seed in range(100, 125):
+        strengths = np.random.default_rng([seed, 1]).normal(0, 2, 6)
+        for choice in CHOICES:
+            *_, last = tournament(strengths, choice=choice, participants=8, seed=seed)
+            final[choice].append(last.tau)
+
+    assert np.mean(final["adaptive"]) > max(np.mean(final["even"]), np.mean(final["random"]))
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+def test_in_the_end_every_choice_of_pairs_knows_the_strengths(choice: Choice) -> None:
+    strengths = np.array([-1.5, -0.5, 0.5, 1.5])
+
+    *_, last = tournament(strengths, choice=choice, participants=60, seed=3)
+
+    assert last.tau == 1
+    assert last.error < 0.3

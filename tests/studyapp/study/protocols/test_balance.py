@@ -1,0 +1,199 @@
+"""What each protocol's plan balances, over many places, and what it leaves to chance."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Hashable, Iterable
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from motion.segment import EMOTIONS
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.settings.study import Study
+from tests.studyapp.made_study import make_segments
+from tests.studyapp.study.protocols.made_protocols import KEYS, make
+
+SEGMENTS = make_segments(EMOTIONS * 4)
+PLACES = st.integers(1, 40)
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def plans(study: Study, places: int) -> list[tuple[PlannedTrial, ...]]:
+    (arm, *_) = study.arms
+    return [study.plan(arm, number, SEGMENTS) for number in range(places)]
+
+
+def analysed(study: Study, places: int) -> list[PlannedTrial]:
+    return [
+        trial for plan in plans(study, places) for trial in plan if trial.kind in ("main", "repeat")
+    ]
+
+
+def spread(counted: Iterable[Hashable], among: Iterable[Hashable]) -> int:
+    """Return by how much the most and the least frequent of `among` differ."""
+    counts = Counter(counted)
+    of_each = [counts[one] for one in among]
+    return max(of_each) - min(of_each)
+
+
+def extras(protocol: str, **changes: Any) -> Study:
+    catch = {**KEYS[protocol].get("catch", {}), "trials": 2}
+    return make(protocol, catch=catch, attention={"trials": 2}, **changes)
+
+
+@settings(max_examples=15)
+@given(PLACES, SEEDS, st.integers(1, 26))
+def test_segments_of_an_emotion_are_judged_equally_often(
+    places: int, seed: int, trials: int
+) -> None:
+    study = make("pairwise", seed=seed, trials=trials, practice=1)
+
+    heard = [trial.segment for trial in analysed(study, places)]
+
+    for emotion in EMOTIONS:
+        own = [segment for segment in SEGMENTS if segment.emotion == emotion]
+        assert spread(heard, own) <= 1
+
+
+@settings(max_examples=15)
+@given(PLACES, SEEDS)
+def test_each_participant_of_amuses_study_gets_three_segments_of_each_emotion(
+    places: int, seed: int
+) -> None:
+    study = make("pairwise", seed=seed, trials=24, practice=3)
+
+    for plan in plans(study, places):
+        shown = [trial for trial in plan if trial.kind in ("main", "repeat")]
+        assert len({trial.segment for trial in shown}) == 24
+        assert Counter(trial.segment.emotion for trial in shown) == dict.fromkeys(EMOTIONS, 3)
+
+
+@settings(max_examples=15)
+@given(PLACES, SEEDS, st.integers(1, 14))
+def test_all_pairs_are_compared_equally_often(places: int, seed: int, trials: int) -> None:
+    study = make("all_pairs", seed=seed, trials=trials, practice=0)
+
+    pairs = [frozenset(trial.conditions) for trial in analysed(study, places)]
+
+    assert spread(pairs, {frozenset(p) for p in study_pairs(study)}) <= 1
+
+
+def study_pairs(study: Study) -> list[tuple[str, str]]:
+    names = list(study.conditions)
+    return [(a, b) for i, a in enumerate(names) for b in names[i + 1 :]]
+
+
+@settings(max_examples=15)
+@given(PLACES, SEEDS, st.integers(1, 20), st.integers(1, 20))
+def test_a_mismatch_study_shows_every_motion_equally_often(
+    places: int, seed: int, fit: int, realism: int
+) -> None:
+    study = make("mismatch", seed=seed, fit=fit, realism=realism)
+    trials = analysed(study, places)
+    fits = [(t.conditions[0], t.segment) for t in trials if t.part == "fit"]
+    pairs = [(frozenset(t.conditions), t.segment) for t in trials if t.part == "realism"]
+
+    assert spread((condition for condition, _ in fits), study.conditions) <= 1
+    assert spread((pair for pair, _ in pairs), map(frozenset, study_pairs(study))) <= 1
+    for emotion in EMOTIONS:
+        own = [segment for segment in SEGMENTS if segment.emotion == emotion]
+        for condition in study.conditions:
+            assert spread((s for c, s in fits if c == condition), own) <= 1
+        for pair in map(frozenset, study_pairs(study)):
+            assert spread((s for p, s in pairs if p == pair), own) <= 1
+
+
+@settings(max_examples=15)
+@given(PLACES, SEEDS)
+def test_speech_is_rated_and_ranked_equally_often(places: int, seed: int) -> None:
+    rated = [trial.segment for trial in analysed(make("rating", seed=seed), places)]
+    ranked = analysed(make("ranking", seed=seed), places)
+
+    for emotion in EMOTIONS:
+        own = [segment for segment in SEGMENTS if segment.emotion == emotion]
+        assert spread(rated, own) <= 1
+        for part in ("long", "short"):
+            assert spread((t.segment for t in ranked if t.part == part), own) <= 1
+
+
+@given(st.sampled_from(sorted(KEYS)), st.integers(0, 60), SEEDS)
+def test_with_speech_enough_what_is_heard_tells_no_extra_trial(
+    protocol: str, number: int, seed: int
+) -> None:
+    study = extras(protocol, seed=seed)
+    plan = study.plan(study.arms[0], number, SEGMENTS)
+    times = Counter(trial.segment for trial in plan)
+
+    for trial in plan:
+        if trial.kind in ("catch", "attention"):
+            assert times[trial.segment] == 1
+
+
+@pytest.mark.parametrize("protocol", sorted(KEYS))
+def test_over_places_an_extra_trial_may_have_any_speech_and_any_position(protocol: str) -> None:
+    study = extras(protocol)
+    made = plans(study, 200)
+    trials = [trial for plan in made for trial in plan]
+    practice = sum(trial.kind == "practice" for trial in made[0])
+
+    for kind in ("catch", "attention"):
+        # Catch trials of a mismatch study belong to its second task.
+        parts = {trial.part for trial in trials if trial.kind == kind}
+        assert parts == ({"realism"} if (protocol, kind) == ("mismatch", "catch") else {*parts})
+        possible = {trial.position for trial in trials if trial.part in parts}
+        positions = Counter(trial.position for trial in trials if trial.kind == kind)
+        heard = Counter(trial.segment.name for trial in trials if trial.kind == kind)
+        assert set(positions) == {at for at in possible if at > max(1, practice)}
+        assert len(heard) == len(SEGMENTS)
+        assert max(heard.values()) < 3 * sum(heard.values()) / len(SEGMENTS)
+
+
+@pytest.mark.parametrize("protocol", sorted(KEYS))
+def test_no_condition_has_a_label_of_its_own(protocol: str) -> None:
+    study = make(protocol, catch={**KEYS[protocol].get("catch", {}), "trials": 0})
+    at: Counter[tuple[str, int, str, int]] = Counter()
+    for trial in analysed(study, 150):
+        if len(set(trial.conditions)) > 1:
+            for number, condition in enumerate(trial.conditions):
+                at[trial.part, len(trial.conditions), condition, number] += 1
+
+    for (part, size, condition, _), count in at.items():
+        of_condition = sum(at[part, size, condition, number] for number in range(size))
+        assert abs(count / of_condition - 1 / size) < 0.09
+
+
+@pytest.mark.parametrize("task", ["fit"])
+def test_the_motions_own_speech_is_under_either_label_in_half_of_the_trials(task: str) -> None:
+    study = make("mismatch", fit=8, realism=0, questions=KEYS["mismatch"]["questions"][:1])
+
+    for plan in plans(study, 20):
+        own = [trial.stimuli[0].speech == trial.segment.name for trial in plan]
+        assert {trial.part for trial in plan} == {task}
+        assert sum(own) == 4
+
+
+GOLDEN = {
+    "adaptive": "08110065d903ee9b",
+    "all_pairs": "be61c2b13e08ceef",
+    "mismatch": "f1ca222a1b2747a9",
+    "pairwise": "edbbb938e775c4cc",
+    "ranking": "48aa2efe900b4663",
+    "rating": "907c0849dff1d224",
+}
+"""Digests of one place's trials. A change of plans changes studies that are under way."""
+
+
+@pytest.mark.parametrize("protocol", sorted(KEYS))
+def test_the_same_seed_gives_the_same_trials_on_any_machine(protocol: str) -> None:
+    study = extras(protocol, seed=2**31)
+    plan = study.plan(study.arms[0], 5, SEGMENTS)
+    said = [
+        (t.position, t.kind, t.part, t.segment.name, t.videos, t.reference, t.expected)
+        for t in plan
+    ]
+
+    assert hashlib.sha256(repr(said).encode()).hexdigest()[:16] == GOLDEN[protocol]

@@ -1,0 +1,255 @@
+"""What every protocol promises to the rest of the house."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from motion.segment import EMOTIONS, Segment
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.settings.reading import ALIASES, PROTOCOLS, parse_study
+from studyapp.study.settings.study import Study
+from studyapp.study.versioning import arm_digest, design_digest
+from tests.studyapp.made_study import make_segments
+from tests.studyapp.study.protocols.made_protocols import (
+    KEYS,
+    in_order,
+    make,
+    obedient,
+)
+
+SEGMENTS = make_segments(EMOTIONS * 2)
+PROTOCOL_NAMES = st.sampled_from(sorted(KEYS))
+
+
+@st.composite
+def designs(draw: st.DrawFn) -> tuple[Study, tuple[Segment, ...], tuple[PlannedTrial, ...]]:
+    """Return a study with catch trials and attention checks, its segments, and a place's trials."""
+    protocol = draw(PROTOCOL_NAMES)
+    catch = dict(KEYS[protocol].get("catch", {})) | {"trials": draw(st.integers(0, 3))}
+    study = make(
+        protocol,
+        seed=draw(st.integers(0, 2**32 - 1)),
+        catch=catch,
+        attention={"trials": draw(st.integers(0, 3))},
+    )
+    segments = make_segments(draw(st.lists(st.sampled_from(EMOTIONS), min_size=2, max_size=20)))
+    arm = draw(st.sampled_from(study.arms))
+    return study, segments, study.plan(arm, draw(st.integers(0, 30)), segments)
+
+
+@given(designs())
+def test_positions_count_from_one_and_nothing_extra_comes_first(design: Any) -> None:
+    _, _, plan = design
+
+    assert [trial.position for trial in plan] == list(range(1, len(plan) + 1))
+    assert plan[0].kind in ("main", "practice")
+
+
+@given(designs())
+def test_every_video_shown_is_among_those_that_are_prepared(design: Any) -> None:
+    study, segments, plan = design
+    contents = list(study.contents(segments))
+
+    assert len(set(contents)) == len(contents)
+    shown = {video for trial in plan for video in trial.videos}
+    shown |= {(trial.reference,) for trial in plan if trial.reference is not None}
+    assert shown <= set(contents)
+
+
+@given(designs())
+def test_as_many_catch_and_attention_trials_come_as_are_asked_for(design: Any) -> None:
+    study, _, plan = design
+    kinds = [trial.kind for trial in plan]
+
+    assert kinds.count("catch") == study.catch.trials
+    assert kinds.count("attention") == study.attention.trials
+
+
+@given(designs())
+def test_parts_come_one_after_the_other(design: Any) -> None:
+    study, _, plan = design
+    order = [part for part, _ in groupby(trial.part for trial in plan)]
+
+    assert order == [part for part in study.parts if part in order] or order == [""]
+
+
+@given(designs())
+def test_in_a_part_nothing_but_the_content_tells_kinds_apart(design: Any) -> None:
+    _, _, plan = design
+    looks: dict[str, set[tuple[int, int, bool]]] = {}
+    for trial in plan:
+        look = (len(trial.videos), len(trial.stimuli), trial.reference is not None)
+        looks.setdefault(trial.part, set()).add(look)
+
+    assert all(len(different) == 1 for different in looks.values())
+
+
+@given(designs())
+def test_every_question_has_a_field_of_its_own_and_a_choice(design: Any) -> None:
+    study, _, plan = design
+
+    for trial in plan:
+        asks = study.asks(trial)
+        shared = {(ask.question, ask.reasons_field) for ask in asks if ask.shares_reasons}
+        own = [ask.reasons_field for ask in asks if not ask.shares_reasons]
+        fields = [*(ask.field for ask in asks), *own, *(field for _, field in shared)]
+        assert asks
+        assert len(set(fields)) == len(fields)
+        assert len(shared) == len({question for question, _ in shared})
+        assert all(len(ask.values) > 1 for ask in asks)
+
+
+@given(designs())
+def test_conditions_of_an_ordinary_trial_are_those_of_the_arm(design: Any) -> None:
+    study, _, plan = design
+
+    for trial in plan:
+        if trial.kind != "catch":
+            assert set(trial.conditions) <= set(study.conditions)
+
+
+@given(designs(), st.randoms())
+def test_a_whole_order_is_an_acceptable_answer_and_fails_no_ordinary_trial(
+    design: Any, chance: Any
+) -> None:
+    study, _, plan = design
+
+    for trial in plan:
+        order = list(range(1, len(trial.conditions) + 1))
+        chance.shuffle(order)
+        answers = in_order(study, trial, order)
+        assert study.problem(trial, answers) is None
+        if trial.kind not in ("catch", "attention"):
+            assert not study.failed(trial, answers)
+
+
+@given(designs())
+def test_a_catch_trial_is_passed_by_who_sees_the_flaw_and_failed_by_who_does_not(
+    design: Any,
+) -> None:
+    study, _, plan = design
+
+    for trial in plan:
+        if trial.kind == "catch":
+            flawed = 1 + trial.conditions.index(study.catch.condition)
+            assert trial.conditions[trial.expected - 1] == study.catch_against
+            order = [n for n in range(1, len(trial.conditions) + 1) if n != flawed]
+            assert not study.failed(trial, in_order(study, trial, [*order, flawed]))
+            assert study.failed(trial, in_order(study, trial, [flawed, *order]))
+
+
+@given(designs())
+def test_an_attention_check_is_passed_by_who_does_as_it_says(design: Any) -> None:
+    study, _, plan = design
+
+    for trial in plan:
+        if trial.kind == "attention":
+            answers = obedient(study, trial)
+            assert study.problem(trial, answers) is None
+            assert not study.failed(trial, answers)
+            orders = ([1, 2, *range(3, 9)], [2, 1, *range(3, 9)])
+            others = [in_order(study, trial, order[: len(trial.conditions)]) for order in orders]
+            assert any(study.failed(trial, other) for other in others)
+
+
+@pytest.mark.parametrize("protocol", sorted(KEYS))
+def test_the_same_place_always_has_the_same_trials(protocol: str) -> None:
+    study = make(protocol, attention={"trials": 1})
+    (first, *_) = study.arms
+
+    plans = [make(protocol, attention={"trials": 1}).plan(first, 3, SEGMENTS) for _ in "ab"]
+
+    assert plans[0] == plans[1] == study.plan(first, 3, SEGMENTS)
+    assert plans[0] != study.plan(first, 4, SEGMENTS)
+
+
+@pytest.mark.parametrize("protocol", sorted(set(KEYS) - {"adaptive"}))
+def test_conditions_are_judged_equally_often_over_participants(protocol: str) -> None:
+    study = make(protocol, catch={**KEYS[protocol].get("catch", {}), "trials": 0})
+    (arm, *_) = study.arms
+    counts: dict[tuple[str, str], int] = {}
+    for number in range(48):
+        for trial in study.plan(arm, number, SEGMENTS):
+            if trial.kind in ("main", "repeat"):
+                for condition in trial.conditions:
+                    key = (trial.part, condition)
+                    counts[key] = counts.get(key, 0) + 1
+
+    for part in {part for part, _ in counts}:
+        within = [count for (named, _), count in counts.items() if named == part]
+        assert max(within) - min(within) <= 1
+
+
+@pytest.mark.parametrize("protocol", sorted(KEYS))
+def test_labels_are_given_by_chance(protocol: str) -> None:
+    study = make(protocol, catch={**KEYS[protocol].get("catch", {}), "trials": 0})
+    (arm, *_) = study.arms
+    first = [
+        trial.conditions[0] == arm.conditions[0]
+        for number in range(100)
+        for trial in study.plan(arm, number, SEGMENTS)
+        if arm.conditions[0] in trial.conditions and len(set(trial.conditions)) == 2
+    ]
+
+    if first:
+        assert 0.4 < np.mean(first) < 0.6
+
+
+@pytest.mark.parametrize("protocol", sorted(KEYS))
+def test_operation_is_no_part_of_the_design_and_everything_else_is(protocol: str) -> None:
+    def digest(**changes: Any) -> str:
+        return design_digest(make(protocol, **changes), SEGMENTS, {})
+
+    same = digest()
+    page = {"consent": "You agree.", "contact": "lab@example.org", "payment": "5 EUR"}
+    assert digest(open=False, lease_minutes=10, name="other", page=page) == same
+    assert digest(attention={"trials": 0}) == same
+    assert digest(watching={"megabytes_per_page": 5}) == same
+    changed = [
+        digest(seed=2),
+        digest(freeze=["face"]),
+        digest(attention={"trials": 1}),
+        digest(watching={"coverage": 0.5}),
+        digest(page={"consent": "You really agree."}),
+        design_digest(make(protocol), SEGMENTS[:-1], {}),
+    ]
+    assert same not in changed
+    assert len(set(changed)) == len(changed)
+
+
+def test_an_arm_is_the_same_whatever_other_comparisons_there_are() -> None:
+    few = {name: {} for name in ("ours", "theirs")}
+    before = make("pairwise", conditions=few, catch={"against": "ours"})
+    after = make("pairwise", catch={"against": "ours"})
+
+    arms = {arm.name: arm_digest(after, arm, SEGMENTS, {}) for arm in after.arms}
+
+    (arm,) = before.arms
+    assert arms[arm.name] == arm_digest(before, arm, SEGMENTS, {})
+    assert len(set(arms.values())) == 3
+
+
+@pytest.mark.parametrize(("alias", "protocol"), ALIASES.items())
+def test_a_papers_name_is_its_protocols(alias: str, protocol: str) -> None:
+    named = make(protocol)
+    keys = named.model_dump(exclude_unset=True) | {"protocol": alias}
+
+    study = parse_study(keys, where="test")
+
+    assert type(study) is PROTOCOLS[protocol]
+    assert design_digest(study, SEGMENTS, {}) == design_digest(named, SEGMENTS, {})
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 2**32 - 1))
+def test_two_places_of_one_arm_start_differently_in_most_studies(seed: int) -> None:
+    for protocol in KEYS:
+        study = make(protocol, seed=seed)
+        plans = {study.plan(study.arms[0], number, SEGMENTS) for number in range(4)}
+        assert len(plans) == 4

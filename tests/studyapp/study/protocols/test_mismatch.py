@@ -1,0 +1,106 @@
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.errors import InputError
+from motion.segment import EMOTIONS, Segment
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.protocols.mismatch import MismatchStudy
+from tests.studyapp.made_study import make_segments
+from tests.studyapp.study.protocols.made_protocols import make, question
+
+SEGMENTS = make_segments(EMOTIONS)
+
+
+def lasting(*seconds: float) -> list[Segment]:
+    return [
+        Segment(name=f"s{index}", wav="a.wav", start=0.0, end=end, speaker="", emotion="neutral")
+        for index, end in enumerate(seconds)
+    ]
+
+
+def test_the_template_has_both_tasks_and_reasons(tmp_path: Any) -> None:
+    study = new_study(tmp_path / "study.toml", template="mismatch", name="s")
+
+    assert isinstance(study, MismatchStudy)
+    assert study.parts == ("fit", "realism")
+    plan = study.plan(study.arms[0], 0, SEGMENTS)
+    (ask,) = study.asks(next(trial for trial in plan if trial.part == "fit"))
+    assert (list(ask.values), ask.reasons) == ([-1, 0, 1], ("timing", "strength", "meaning"))
+
+
+@given(st.integers(0, 40), st.integers(0, 2**32 - 1))
+def test_a_motion_is_shown_with_its_own_and_with_another_speech(number: int, seed: int) -> None:
+    study = make("mismatch", seed=seed)
+
+    fit = [t for t in study.plan(study.arms[0], number, SEGMENTS) if t.part == "fit"]
+
+    assert len(fit) == study.model_dump()["fit"]
+    for trial in fit:
+        assert len(trial.videos) == 2
+        assert len(set(trial.conditions)) == 1
+        assert {shown.segment for shown in trial.stimuli} == {trial.segment.name}
+        own, other = sorted(trial.stimuli, key=lambda s: s.speech != s.segment)
+        assert own.speech == own.segment
+        assert other.speech not in (None, other.segment)
+    left = sum(trial.stimuli[0].speech == trial.segment.name for trial in fit)
+    assert abs(2 * left - len(fit)) <= 1
+
+
+@given(st.integers(0, 40))
+def test_realism_is_judged_between_two_conditions_without_sound(number: int) -> None:
+    study = make("mismatch")
+
+    real = [t for t in study.plan(study.arms[0], number, SEGMENTS) if t.part == "realism"]
+
+    assert len(real) == 5
+    for trial in real:
+        assert len(set(trial.conditions)) == 2
+        assert {shown.speech for shown in trial.stimuli} == {None}
+
+
+def test_each_motion_needs_two_videos_whoever_takes_part() -> None:
+    study = make("mismatch", realism=0, questions=[question("fit")])
+
+    contents = list(study.contents(SEGMENTS))
+
+    per_motion = Counter((c[0].condition, c[0].segment) for c in contents)
+    assert set(per_motion.values()) == {2}
+    assert len(per_motion) == len(study.conditions) * len(SEGMENTS)
+
+
+@given(st.lists(st.sampled_from([2.0, 5.0, 9.0]), min_size=2, max_size=8))
+def test_another_speech_is_as_long_as_the_motion_where_there_is_one(seconds: list[float]) -> None:
+    study = make("mismatch", realism=0, questions=[question("fit")])
+    segments = lasting(*seconds)
+    length = {segment.name: segment.duration for segment in segments}
+    short = []
+
+    for (shown,) in study.contents(segments):
+        others = [length[s.name] for s in segments if s.name != shown.segment]
+        assert shown.speech is not None
+        if length[shown.speech] < length[shown.segment]:
+            assert max(others) == length[shown.speech]
+            short.append(shown.segment)
+
+    assert bool(study.notes(segments)) == bool(short)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"fit": 0, "realism": 0, "questions": [question("q")]}, "there is no task"),
+        ({"conditions": {"ours": {}}}, "there is only one"),
+        ({"realism": 0, "questions": [question("q")], "catch": {"trials": 1}}, "realism"),
+        ({"questions": [question("q", parts=["fit"])]}, "no question is asked in 'realism'"),
+        ({"questions": [question("q", levels=4)]}, "levels"),
+    ],
+)
+def test_what_does_not_fit_is_named(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        make("mismatch", **changes)

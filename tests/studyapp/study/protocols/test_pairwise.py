@@ -1,0 +1,203 @@
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from motion.segment import EMOTIONS
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from tests.studyapp.made_study import make_segments, make_study, pair_plan
+
+
+@st.composite
+def designs(draw: st.DrawFn) -> tuple[PairwiseStudy, tuple[PlannedTrial, ...], int]:
+    """Return a study, the trials of one participant, and how many segments there are."""
+    trials = draw(st.integers(1, 30))
+    study = make_study(
+        trials=trials,
+        practice=draw(st.integers(0, min(5, trials))),
+        seed=draw(st.integers(0, 2**32 - 1)),
+        catch={"trials": draw(st.integers(0, 6))},
+    )
+    emotions = draw(st.lists(st.sampled_from(EMOTIONS), min_size=1, max_size=30))
+    plan = pair_plan(
+        study, make_segments(emotions), other="static", number=draw(st.integers(0, 30))
+    )
+    return study, plan, len(emotions)
+
+
+def of_kind(plan: tuple[PlannedTrial, ...], *kinds: str) -> list[PlannedTrial]:
+    return [trial for trial in plan if trial.kind in kinds]
+
+
+@given(designs())
+def test_every_analysed_segment_comes_once(
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, segments = design
+
+    names = [trial.segment.name for trial in of_kind(plan, "main", "repeat")]
+
+    assert len(names) == len(set(names)) == min(study.trials, segments)
+
+
+@given(designs())
+def test_practice_comes_first_and_is_repeated_at_the_end_in_its_order(
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, segments = design
+    practice, repeats = of_kind(plan, "practice"), of_kind(plan, "repeat")
+
+    assert list(plan[: len(practice)]) == practice
+    assert len(practice) == min(study.practice, study.trials, segments)
+    assert [trial.segment for trial in repeats] == [trial.segment for trial in practice]
+    assert [trial.repeats for trial in repeats] == [trial.position for trial in practice]
+    last_main = max((trial.position for trial in of_kind(plan, "main")), default=0)
+    assert all(trial.position > last_main for trial in repeats)
+
+
+@given(designs())
+def test_sides_are_balanced_among_the_analysed_the_practice_and_the_catch_trials(
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, _ = design
+
+    for kinds in (("main", "repeat"), ("practice",), ("catch",)):
+        trials = of_kind(plan, *kinds)
+        left = sum(trial.conditions[0] == study.reference for trial in trials)
+        assert abs(2 * left - len(trials)) <= 1
+
+
+@given(designs())
+def test_catch_trials_are_never_first_nor_among_the_practice_ones(
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, _ = design
+    catch = of_kind(plan, "catch")
+    practice = len(of_kind(plan, "practice"))
+
+    assert len(catch) == study.catch.trials
+    assert all(trial.position > max(1, practice) for trial in catch)
+
+
+@given(designs())
+def test_a_catch_trial_expects_the_side_without_the_flaw(
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
+) -> None:
+    study, plan, _ = design
+
+    for trial in plan:
+        if trial.kind == "catch":
+            assert trial.expected is not None
+            assert trial.conditions[trial.expected - 1] == study.catch_against
+            assert set(trial.conditions) == {study.catch_against, study.catch.condition}
+        else:
+            assert trial.expected is None
+            assert set(trial.conditions) == {study.reference, "static"}
+
+
+@given(designs())
+def test_positions_count_from_one(
+    design: tuple[PairwiseStudy, tuple[PlannedTrial, ...], int],
+) -> None:
+    _, plan, _ = design
+
+    assert [trial.position for trial in plan] == list(range(1, len(plan) + 1))
+
+
+def test_catch_trials_do_not_follow_each_other_in_a_study_of_amuses_size() -> None:
+    segments = make_segments(EMOTIONS * 3)
+
+    for number in range(50):
+        plan = pair_plan(make_study(), segments, other="static", number=number)
+        positions = [trial.position for trial in of_kind(plan, "catch")]
+        assert all(b - a > 1 for a, b in itertools.pairwise(positions))
+
+
+def test_the_same_place_always_has_the_same_trials() -> None:
+    segments = make_segments(EMOTIONS)
+    plans = [pair_plan(make_study(), segments, other="static", number=4) for _ in "ab"]
+
+    assert plans[0] == plans[1]
+
+
+@pytest.mark.parametrize("difference", [{"number": 5}, {"other": "mismatched"}])
+def test_other_places_have_other_trials(difference: dict[str, object]) -> None:
+    segments = make_segments(EMOTIONS)
+    here: dict[str, object] = {"other": "static", "number": 4}
+
+    def order(place: dict[str, object]) -> list[tuple[str, bool]]:
+        plan = pair_plan(make_study(), segments, **place)  # type: ignore[arg-type]
+        return [(trial.segment.name, trial.conditions[0] == "rule_based") for trial in plan]
+
+    assert order(here) != order(here | difference)
+
+
+def test_over_participants_sides_and_catch_positions_are_spread() -> None:
+    segments = make_segments(EMOTIONS * 3)
+    plans = [
+        pair_plan(make_study(), segments, other="static", number=number) for number in range(200)
+    ]
+
+    first_left = Counter(plan[0].conditions[0] == "rule_based" for plan in plans)
+    catch_positions = {trial.position for plan in plans for trial in of_kind(plan, "catch")}
+    assert 70 <= first_left[True] <= 130
+    assert catch_positions == set(range(4, 31))
+
+
+def tournament(count: int, trials: int) -> PairwiseStudy:
+    """Return a study of all pairs of `count` conditions."""
+    names = {f"c{index}": {} for index in range(count)}
+    return make_study(comparisons="all_pairs", reference="c0", conditions=names, trials=trials)
+
+
+def test_all_pairs_come_before_any_comes_again() -> None:
+    study = tournament(5, trials=10)
+
+    plan = study.plan(study.arms[0], 0, make_segments(EMOTIONS * 2))
+
+    pairs = Counter(frozenset(trial.conditions) for trial in of_kind(plan, "main", "repeat"))
+    assert len(pairs) == 10
+    assert set(pairs.values()) == {1}
+
+
+def test_few_segments_come_again_with_other_pairs_but_not_before_all_have_come() -> None:
+    study = tournament(5, trials=40)
+
+    plan = study.plan(study.arms[0], 0, make_segments(EMOTIONS))
+
+    heard = Counter(trial.segment.name for trial in of_kind(plan, "main", "repeat"))
+    assert set(heard.values()) == {4}
+    assert len(heard) == 8
+    assert "shows each of them 4 times" in " ".join(study.notes(make_segments(EMOTIONS)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"comparisons": "all_pairs", "participants_per_comparison": 5}, "has no meaning"),
+        ({"participants": 5}, "participants has no meaning"),
+        ({"conditions": {"rule_based": {"videos": True}, "b": {}}}, "cannot be composed"),
+    ],
+)
+def test_what_does_not_fit_is_named(changes: dict[str, object], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        make_study(**changes)
+
+
+@pytest.mark.parametrize("reference", ["rule_based", "static"])
+def test_a_repeat_shows_the_pair_of_its_practice_trial(reference: str) -> None:
+    study = make_study(comparisons="all_pairs", reference=reference)
+
+    plan = study.plan(study.arms[0], 3, make_segments(EMOTIONS))
+
+    for repeat in of_kind(plan, "repeat"):
+        shown = plan[(repeat.repeats or 0) - 1]
+        assert shown.kind == "practice"
+        assert shown.segment == repeat.segment
+        assert set(shown.conditions) == set(repeat.conditions)

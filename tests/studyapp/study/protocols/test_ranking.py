@@ -1,0 +1,142 @@
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.errors import InputError
+from motion.segment import Segment
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.design.asking import AnswerKey
+from studyapp.study.design.planned_trial import PlannedTrial
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.protocols.ranking import RankingStudy
+from tests.studyapp.made_study import make_segments
+from tests.studyapp.study.protocols.made_protocols import make
+
+BLOCKS = [
+    {"name": "long", "conditions": ["ours", "theirs", "static"], "trials": 8, "shortest": 30},
+    {"name": "short", "conditions": ["ours", "theirs"], "trials": 12, "longest": 30},
+]
+
+
+def lasting(seconds: float, count: int) -> list[Segment]:
+    return [
+        Segment(
+            name=f"s{seconds:g}-{index}",
+            wav="a.wav",
+            start=0.0,
+            end=seconds,
+            speaker="",
+            emotion="neutral",
+        )
+        for index in range(count)
+    ]
+
+
+def first_trial(**changes: Any) -> tuple[RankingStudy, PlannedTrial]:
+    study = make("ranking", **changes)
+    assert isinstance(study, RankingStudy)
+    return study, study.plan(study.arms[0], 0, make_segments(["anger"] * 8))[0]
+
+
+def ranks(*values: int) -> dict[AnswerKey, int]:
+    """Return the same ranks for both questions."""
+    return {
+        (question, number): value
+        for question, (number, value) in product(("realism", "diversity"), enumerate(values, 1))
+    }
+
+
+def test_the_template_asks_the_four_questions(tmp_path: Any) -> None:
+    study = new_study(tmp_path / "study.toml", template="ranking", name="s")
+
+    assert isinstance(study, RankingStudy)
+    assert [block.trials for block in study.blocks] == [8, 12]
+    assert [len(block.conditions) for block in study.blocks] == [5, 3]
+    assert (study.participants, len(study.questions), study.ties) == (22, 4, False)
+
+
+def test_a_block_has_the_segments_of_its_length() -> None:
+    study = make("ranking", blocks=BLOCKS)
+    segments = [*lasting(60, 9), *lasting(10, 13)]
+
+    plan = study.plan(study.arms[0], 0, segments)
+
+    assert [trial.part for trial in plan] == ["long"] * 8 + ["short"] * 12
+    assert {(trial.part, trial.segment.duration) for trial in plan} == {
+        ("long", 60.0),
+        ("short", 10.0),
+    }
+    assert len({trial.segment for trial in plan}) == 20
+
+
+@given(st.integers(0, 40))
+def test_the_reference_is_shown_apart_and_never_ranked(number: int) -> None:
+    study = make("ranking")
+
+    for trial in study.plan(study.arms[0], number, make_segments(["anger"] * 8)):
+        assert trial.reference == Stimulus.own("real", trial.segment.name)
+        assert "real" not in trial.conditions
+
+
+def test_a_study_may_do_without_a_reference() -> None:
+    _, trial = first_trial(reference=None)
+
+    assert trial.reference is None
+
+
+@given(st.permutations([1, 2, 3]))
+def test_every_whole_order_is_accepted(order: list[int]) -> None:
+    study, trial = first_trial()
+
+    assert study.problem(trial, ranks(*order)) is None
+
+
+@pytest.mark.parametrize(
+    ("given_ranks", "strict", "with_ties"),
+    [
+        ((1, 1, 2), "question 1, two videos have the same rank", ""),
+        ((1, 1, 1), "two videos have the same rank", ""),
+        ((1, 1, 3), "two videos have the same rank", "a rank is left out"),
+        ((2, 2, 3), "two videos have the same rank", "a rank is left out"),
+    ],
+)
+def test_ties_are_accepted_only_where_the_study_says_so(
+    given_ranks: tuple[int, ...], strict: str, with_ties: str
+) -> None:
+    study, trial = first_trial()
+    tolerant, _ = first_trial(ties=True)
+
+    assert strict in str(study.problem(trial, ranks(*given_ranks)))
+    said = tolerant.problem(trial, ranks(*given_ranks))
+    assert with_ties in str(said)
+    assert (said is not None) == bool(with_ties)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"reference": "ours"}, "the reference is not ranked"),
+        ({"reference": "nobody"}, "'nobody' is no condition"),
+        ({"blocks": [{**BLOCKS[0], "longest": 3}]}, "shortest is above longest"),
+        ({"blocks": [{**BLOCKS[0], "conditions": ["ours"]}]}, "conditions"),
+        ({"catch": {"trials": 1, "against": "real"}}, "the reference is shown apart"),
+    ],
+)
+def test_what_does_not_fit_is_named(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        make("ranking", **changes)
+
+
+def test_a_block_with_too_few_segments_is_told() -> None:
+    study = make("ranking", blocks=BLOCKS)
+
+    assert study.notes([*lasting(60, 8), *lasting(10, 11)]) == (
+        "block short has 11 segments for its 12 trials, and shows each of them once",
+    )
+    (note,) = make("ranking", reference=None).notes(lasting(60, 8))
+    assert "no reference is shown" in note

@@ -1,0 +1,183 @@
+"""The exclusion rules of a study file: read, settled, refused where they contradict themselves."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from motion.errors import InputError
+from motion.segment import Segment
+from studyapp.study.creation.study_file import TEMPLATES, new_study
+from studyapp.study.creation.written_exclusion import read_exclusion
+from studyapp.study.settings.exclusions import SECTIONS
+from studyapp.study.settings.reading import parse_study, read_study
+from studyapp.study.settings.study import Study
+from studyapp.study.versioning import design_digest, operation_changes, operation_part
+
+Read = Callable[..., Study]
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Read:
+    """Return a function that reads the template with other catch trials, checks and rules."""
+    path = tmp_path / "study.toml"
+    new_study(path, name="study")
+    template = tomllib.loads(path.read_text("utf-8"))
+
+    def changed(
+        rules: list[dict[str, Any]] | None = None,
+        catch: dict[str, Any] | None = None,
+        attention: dict[str, Any] | None = None,
+    ) -> Study:
+        data = template | {"catch": catch or {}, "attention": attention or {}}
+        return parse_study(data if rules is None else data | {"exclusions": rules}, where=path)
+
+    return changed
+
+
+def written(study: Study) -> list[str]:
+    return [each.written() for each in study.settled_exclusions]
+
+
+def test_without_a_list_the_unfinished_and_the_inattentive_are_left_out(read: Read) -> None:
+    assert written(read()) == ["incomplete", "catch>1"]
+    assert written(read(catch={"trials": 0})) == ["incomplete"]
+    both = read(catch={"max_failed": 0}, attention={"trials": 3, "max_failed": 2})
+    assert written(both) == ["incomplete", "catch>0", "attention>2"]
+
+
+def test_a_list_holds_alone_and_in_its_order(read: Read) -> None:
+    rules = [{"rule": "coverage", "below": 0.9}, {"rule": "catch"}, {"rule": "time", "below": 8}]
+    assert written(read(rules)) == ["coverage<0.9", "catch>1", "time<8,share=0.5"]
+
+
+def test_an_empty_list_leaves_nobody_out(read: Read) -> None:
+    assert written(read([])) == []
+
+
+@pytest.mark.parametrize(("more_than", "rule"), [(0, "failed a catch trial"), (1, "failed more")])
+def test_both_of_amuses_rules_can_be_stated(read: Read, more_than: int, rule: str) -> None:
+    stated = read([{"rule": "catch", "more_than": more_than}])
+    assert stated.settled_exclusions[0].made().description.startswith(rule)
+
+
+def test_the_number_of_a_catch_rule_may_stand_in_either_place(read: Read) -> None:
+    assert written(read([{"rule": "catch"}], catch={"max_failed": 0})) == ["catch>0"]
+    assert written(read([{"rule": "catch", "more_than": 0}])) == ["catch>0"]
+    same = read([{"rule": "catch", "more_than": 0}], catch={"max_failed": 0})
+    assert written(same) == ["catch>0"]
+
+
+@pytest.mark.parametrize(
+    ("rules", "catch", "said"),
+    [
+        ([{"rule": "catch", "more_than": 0}], {"max_failed": 1}, "keep one of them"),
+        ([{"rule": "incomplete"}], {"max_failed": 1}, "catch.max_failed excludes nobody"),
+        ([{"rule": "catch"}], {"trials": 0}, "nothing to look at, as catch.trials is 0"),
+        ([{"rule": "attention"}], {}, "nothing to look at, as attention.trials is 0"),
+        (
+            [{"rule": "incomplete"}, {"rule": "incomplete"}],
+            {},
+            "the rule incomplete is stated twice",
+        ),
+        ([{"rule": "speed"}], {}, "exclusions.0: unknown rule 'speed' (use one of 'incomplete'"),
+        ([{"below": 0.9}], {}, "exclusions.0: 'rule' is missing"),
+        (["catch"], {}, "exclusions.0: must be a table of keys and values"),
+        ([{"rule": "coverage"}], {}, "exclusions.0.coverage.below: is missing"),
+        ([{"rule": "coverage", "below": 90}], {}, "exclusions.0.coverage.below: Input should be"),
+        ([{"rule": "coverage", "below": "0.9"}], {}, "below: must be a number"),
+        ([{"rule": "coverage", "over": 1}], {}, "exclusions.0.coverage.over: unknown key"),
+        ([{"rule": "time", "below": 0}], {}, "exclusions.0.time.below"),
+        ([{"rule": "straight_lining", "at_least": 0.5}], {}, "at_least: Input should be greater"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_its_place(
+    read: Read, rules: list[Any], catch: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(said)):
+        read(rules, catch)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("incomplete", "catch>0", "attention>2", "coverage<0.95", "time<2.5,share=0.25"),
+        "straight_lining>=0.9,trials=12",
+    ],
+)
+def test_what_is_written_in_one_word_is_read_back(text: str) -> None:
+    assert read_exclusion(text, where="--exclude").written() == text
+
+
+def test_every_rule_can_be_written_in_one_word() -> None:
+    with pytest.raises(InputError) as caught:
+        read_exclusion("nothing", where="--exclude")
+    assert all(section.model_fields["rule"].default in str(caught.value) for section in SECTIONS)
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        (" coverage < 0.9 ", "coverage<0.9"),
+        ("straight-lining>=1", "straight_lining>=1,trials=10"),
+        ("time<3, share=1", "time<3,share=1"),
+    ],
+)
+def test_blanks_and_hyphens_do_not_matter(text: str, meant: str) -> None:
+    assert read_exclusion(text, where="--exclude").written() == meant
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "'' is no exclusion rule"),
+        ("coverage", "Write coverage<NUMBER"),
+        ("coverage>0.9", "Write coverage<NUMBER"),
+        ("catch>=1", "Write catch>NUMBER"),
+        ("incomplete>1", "Write incomplete"),
+        ("coverage<90%", "below: must be a number"),
+        ("coverage<2", "below: Input should be less than or equal to 1"),
+        ("catch>1.5", "more_than: must be a whole number"),
+        ("catch>nan", "more_than: must be a whole number"),
+        ("coverage<nan", "below"),
+        ("time<3,speed=2", "speed: unknown key"),
+        ("time<3,share", "'share' in 'time<3,share' is not KEY=NUMBER"),
+    ],
+)
+def test_a_word_that_is_no_rule_is_refused_with_the_right_one(text: str, said: str) -> None:
+    with pytest.raises(InputError, match=re.escape(said)):
+        read_exclusion(text, where="--exclude")
+
+
+def test_rules_are_no_part_of_the_design_and_their_changes_are_noted(read: Read) -> None:
+    segments = (Segment(name="a", wav="a.wav", start=0, end=5, speaker="a", emotion="happiness"),)
+    plain, stricter = read(), read([{"rule": "catch", "more_than": 0}])
+    assert design_digest(plain, segments, {}) == design_digest(stricter, segments, {})
+    assert operation_changes(operation_part(plain), operation_part(stricter)) == (
+        "exclusions: ['incomplete', 'catch>1'] -> ['catch>0']",
+    )
+
+
+def test_a_key_that_only_one_release_knows_is_no_change(read: Read) -> None:
+    present = operation_part(read())
+    earlier = {key: value for key, value in present.items() if key != "exclusions"}
+    assert operation_changes(earlier, present) == ()
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_the_rules_in_each_templates_comments_can_be_stated(tmp_path: Path, template: str) -> None:
+    path = tmp_path / "study.toml"
+    plain = new_study(path, template=template, name="study")
+    text = path.read_text("utf-8")
+    start = text.index("# [[exclusions]]")
+    end = text.index("\n\n", start)
+    stated = re.sub("^# ", "", text[start:end], flags=re.MULTILINE)
+    path.write_text(text[:start] + stated + text[end:], "utf-8")
+    study = read_study(path)
+    assert written(plain) == written(study)[: len(written(plain))]
+    assert len(study.settled_exclusions) > len(plain.settled_exclusions)

@@ -1,0 +1,203 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+import tomlkit
+
+from motion.errors import InputError
+from renderer.avatars import AVATARS
+from studyapp.study.creation.study_file import new_study
+from studyapp.study.protocols.pairwise import PairwiseStudy
+from studyapp.study.settings.reading import read_study
+from studyapp.study.settings.study import Video
+from studyapp.study.versioning import design_digest
+
+
+@pytest.fixture
+def study_file(tmp_path: Path) -> Path:
+    path = tmp_path / "study.toml"
+    new_study(path, name="study")
+    return path
+
+
+def changed(path: Path, **changes: Any) -> Path:
+    document = tomlkit.parse(path.read_text())
+    for dotted, value in changes.items():
+        *tables, key = dotted.split("__")
+        table: Any = document
+        for name in tables:
+            table = table.setdefault(name, tomlkit.table())
+        table[key] = value
+    path.write_text(tomlkit.dumps(document))
+    return path
+
+
+def test_the_template_follows_the_published_design(study_file: Path) -> None:
+    study = read_study(study_file)
+    assert (study.trials, study.practice, study.catch.trials) == (24, 3, 3)
+    assert study.participants_per_comparison == 25
+    assert study.catch.max_failed == 1
+    assert [question.name for question in study.questions] == ["synchronisation", "emotion"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"referenze": "x"}, "referenze: unknown key"),
+        ({"video__colour": "red"}, "video.colour: unknown key"),
+        ({"reference": "amuse"}, "reference 'amuse' is no condition"),
+        ({"trials": 0}, "trials: Input should be greater"),
+        ({"trials": "6"}, "trials: must be a whole number"),
+        ({"practice": 20, "trials": 10}, "practice 20 is more than trials 10"),
+        ({"freeze": ["nose"]}, "freeze: unknown nose"),
+        ({"conditions__rule_based__generator": "magic"}, "unknown generator 'magic'"),
+        ({"conditions__mismatched__source": "nobody"}, "source 'nobody' is no other condition"),
+        ({"conditions__mismatched__source": "mismatched"}, "is no other condition"),
+        ({"conditions__rule_based__source": "mismatched"}, "nothing there uses it"),
+        ({"conditions__a b__generator": "static"}, "conditions.a b"),
+        ({"conditions__broken__generator": "static"}, "must not be one of the conditions"),
+        ({"conditions__rule_based__generator": "diffsheg"}, "'diffsheg' needs a checkpoint"),
+        ({"conditions__rule_based__checkpoint": "a.pt"}, "checkpoint is given, but nothing"),
+        ({"conditions__mismatched__speaker": 2}, "speaker is given, but nothing there uses it"),
+        ({"catch__generator": "diffsheg"}, "generator 'diffsheg' is a network"),
+        ({"catch__against": "nobody"}, "catch.against 'nobody'"),
+        ({"watching__coverage": 1.5}, "watching.coverage"),
+        ({"format": 2}, "format"),
+    ],
+)
+def test_a_wrong_key_is_named_with_its_file(
+    study_file: Path, changes: dict[str, Any], said: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        read_study(changed(study_file, **changes))
+    assert said in str(caught.value)
+    assert str(study_file) in str(caught.value)
+
+
+def test_all_wrong_keys_are_named_at_once(study_file: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        read_study(changed(study_file, trials=-1, colour="red"))
+    assert "trials" in str(caught.value)
+    assert "colour" in str(caught.value)
+
+
+def test_a_name_that_cannot_be_one_is_explained_without_jargon(study_file: Path) -> None:
+    document = tomlkit.parse(study_file.read_text())
+    for question in document["questions"]:
+        question["name"] = "two words"
+    study_file.write_text(tomlkit.dumps(document))
+
+    with pytest.raises(InputError) as caught:
+        read_study(study_file)
+
+    said = str(caught.value)
+    assert "questions.1.name: may hold only letters, digits" in said
+    assert "pattern" not in said
+    # The questions are not too few, they are wrong.
+    assert "at least 1" not in said
+
+
+def test_broken_toml_is_named_with_its_line(study_file: Path) -> None:
+    study_file.write_text('name = "a"\ntitle = \n')
+    with pytest.raises(InputError, match="line 2"):
+        read_study(study_file)
+
+
+def test_a_file_that_is_no_text_is_refused(study_file: Path) -> None:
+    study_file.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="UTF-8"):
+        read_study(study_file)
+
+
+def test_a_missing_file_says_how_to_make_one(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="motionjury init"):
+        read_study(tmp_path / "study.toml")
+
+
+def test_a_question_may_name_the_emotion_and_nothing_else(study_file: Path) -> None:
+    text = study_file.read_text().replace("{emotion}", "{condition}")
+    study_file.write_text(text)
+    with pytest.raises(InputError, match=r"may hold \{emotion\}"):
+        read_study(study_file)
+
+
+def with_ground_truth(path: Path) -> PairwiseStudy:
+    study = read_study(changed(path, conditions__ground_truth=tomlkit.table()))
+    assert isinstance(study, PairwiseStudy)
+    return study
+
+
+def test_catch_trials_show_the_ground_truth_where_there_is_one(study_file: Path) -> None:
+    assert read_study(study_file).catch_against == "rule_based"
+    study = with_ground_truth(study_file)
+    assert study.catch_against == "ground_truth"
+    assert ("ground_truth", "broken") in study.pairs
+    assert ("broken", "ground_truth") in study.pairs
+
+
+def test_every_comparison_is_shown_in_both_orders(study_file: Path) -> None:
+    study = with_ground_truth(study_file)
+    assert set(study.others) == {"mismatched", "ground_truth"}
+    assert all((right, left) in study.pairs for left, right in study.pairs)
+    assert len(study.pairs) == 6
+
+
+def test_sources_are_made_before_what_starts_from_them(study_file: Path) -> None:
+    path = changed(study_file, reference="mismatched")
+    assert list(read_study(path).generated()) == ["rule_based", "mismatched", "broken"]
+
+
+def test_sources_in_a_circle_are_refused(study_file: Path) -> None:
+    changed(
+        study_file,
+        conditions__other__generator="mismatched",
+        conditions__other__source="mismatched",
+        conditions__mismatched__source="other",
+    )
+    with pytest.raises(InputError, match="circle"):
+        read_study(study_file)
+
+
+@pytest.mark.parametrize(
+    ("family", "said"),
+    [("by question", ""), ("against=nobody", "names nobody"), ("the main ones", "no family")],
+)
+def test_a_study_states_the_family_of_its_tests(family: str, said: str, study_file: Path) -> None:
+    changed(study_file, family=family)
+    if said:
+        with pytest.raises(InputError, match=said):
+            read_study(study_file)
+    else:
+        assert read_study(study_file).family == family
+
+
+def test_the_avatars_to_choose_from_are_those_the_renderer_has(study_file: Path) -> None:
+    choices = get_args(Video.model_fields["avatar"].annotation)
+    assert set(choices) == set(AVATARS)
+
+
+def test_a_question_cannot_have_the_name_of_the_pages_own_field(study_file: Path) -> None:
+    document = tomlkit.parse(study_file.read_text())
+    document["questions"][0]["name"] = "trial"
+    study_file.write_text(tomlkit.dumps(document))
+
+    with pytest.raises(InputError, match="no question can be named 'trial'"):
+        read_study(study_file)
+
+
+def test_one_published_evaluator_is_named_as_a_table_and_several_as_a_list(
+    study_file: Path,
+) -> None:
+    plain = read_study(study_file)
+    one = {"preset": "emage", "file": "AESKConv_240_100.bin"}
+    two = [one, {"preset": "beat", "file": "ae_300.bin", "statistics": "beat"}]
+    assert plain.evaluator == ()
+    for given, count in ((one, 1), (two, 2)):
+        study = read_study(changed(study_file, evaluator=given))
+        assert [each.preset for each in study.evaluator] == ["emage", "beat"][:count]
+        # What is measured is no part of what participants see.
+        assert design_digest(study, (), {}) == design_digest(plain, (), {})
+    with pytest.raises(InputError, match="preset"):
+        read_study(changed(study_file, evaluator={"preset": "genea", "file": "x"}))

@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from motion.errors import InputError
+from motion.segments_table import write_segments
+from studyapp.study.design.stimulus import Stimulus
+from studyapp.study.finished_videos import finished_video, seconds_of
+from studyapp.study.folder import StudyFolder
+from studyapp.study.media import Media
+from studyapp.study.stimuli import ClipVideo, Stimuli, VideoCopy, write_stimuli
+from tests.finished_study import PROTOCOLS, SEGMENTS, write_finished_study, write_short_video
+from tests.studyapp.made_study import make_study
+from tests.studyapp.takes import write_speech
+
+OTHER = Stimulus(condition="ours", segment="one", speech="two")
+MUTED = Stimulus(condition="ours", segment="one", speech=None)
+
+
+@pytest.fixture
+def finished(tmp_path: Path) -> StudyFolder:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, "mismatch", tmp_path / "short.mp4")
+    return StudyFolder(tmp_path)
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_of_finished_videos_copies_are_shown_and_no_speech_is_needed(
+    tmp_path: Path, protocol: str
+) -> None:
+    write_short_video(tmp_path / "short.mp4")
+    write_finished_study(tmp_path, protocol, tmp_path / "short.mp4")
+    folder = StudyFolder(tmp_path)
+    study = folder.study()
+    segments = folder.segments_of(study)
+    media = Media.of(folder, study)
+
+    assert [segment.name for segment in segments] == sorted(SEGMENTS)
+    for content in study.contents(segments):
+        found = media.find(content)
+        assert found is not None
+        assert found.file.is_file()
+        assert found.file.parent == folder.videos / "copies"
+        assert found.duration == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_finished_video_with_another_speech_lies_beside_its_own() -> None:
+    own = Stimulus.own("ours", "one")
+
+    assert finished_video(Path("v"), own) == Path("v/ours/one.mp4")
+    assert finished_video(Path("v"), OTHER) == Path("v/ours/one@two.mp4")
+    assert finished_video(Path("v"), MUTED) == Path("v/ours/one.mp4")
+
+
+def segment_names(folder: StudyFolder) -> list[str]:
+    return [segment.name for segment in folder.segments_of(folder.study())]
+
+
+def allow_gaps(folder: StudyFolder) -> None:
+    text = folder.definition.read_text("utf-8")
+    folder.definition.write_text(f"allow_gaps = true\n{text}", "utf-8")
+
+
+def test_a_segment_that_one_condition_lacks_vanishes_only_where_the_study_allows_it(
+    finished: StudyFolder,
+) -> None:
+    (finished.videos / "theirs" / "two.mp4").unlink()
+    assert segment_names(finished) == ["one", "three", "two"]
+
+    allow_gaps(finished)
+    assert segment_names(finished) == ["one", "three"]
+
+
+def test_a_study_with_speech_files_leaves_out_gaps_where_it_allows_them(
+    finished: StudyFolder,
+) -> None:
+    table = [replace(each, wav="a.wav") for each in finished.segments_of(finished.study())]
+    write_speech(finished.speech / "a.wav", 2.0)
+    write_segments(finished.speech, table)
+    (finished.videos / "theirs" / "two.mp4").unlink()
+    assert segment_names(finished) == ["one", "three", "two"]
+
+    allow_gaps(finished)
+    assert segment_names(finished) == ["one", "three"]
+
+
+def test_a_misspelt_video_makes_no_segment_of_its_own(finished: StudyFolder) -> None:
+    videos = finished.videos / "theirs"
+    (videos / "three.mp4").rename(videos / "Three.mp4")
+
+    assert segment_names(finished) == ["one", "three", "two"]
+
+
+def test_conditions_that_share_no_name_lack_each_video_that_another_one_has(
+    finished: StudyFolder,
+) -> None:
+    for video in (finished.videos / "theirs").glob("*.mp4"):
+        video.rename(video.with_name(f"other-{video.name}"))
+
+    assert {"one", "other-one"} <= set(segment_names(finished))
+    allow_gaps(finished)
+    with pytest.raises(InputError, match="no segment has a finished video of every condition"):
+        segment_names(finished)
+
+
+def test_a_video_whose_name_is_no_segments_is_named(finished: StudyFolder) -> None:
+    videos = finished.videos / "theirs"
+    (videos / "two.mp4").rename(videos / "two (1).mp4")
+
+    with pytest.raises(InputError, match=r"theirs/two \(1\)\.mp4"):
+        segment_names(finished)
+
+
+def test_a_finished_video_that_is_none_is_named(finished: StudyFolder) -> None:
+    path = finished.videos / "ours" / "one.mp4"
+    path.write_bytes(b"no video")
+
+    with pytest.raises(InputError, match=r"no video that can be played"):
+        seconds_of(path)
+
+
+def test_rendered_clips_are_found_by_what_is_seen_and_heard(tmp_path: Path) -> None:
+    clip = ClipVideo(segment="one", condition="ours", file="videos/a.mp4", duration=2.0, key="k")
+    other = clip.model_copy(update={"speech": "two", "file": "videos/b.mp4"})
+    silent = VideoCopy(
+        segment="one",
+        condition="ours",
+        heard=None,
+        file="videos/c.mp4",
+        duration=2.0,
+        key="k",
+        original="k",
+    )
+    write_stimuli(tmp_path / "stimuli.json", Stimuli(clips=(clip, other), copies=(silent,)))
+    conditions = {"ours": {}, "theirs": {}}
+    study = make_study(reference="ours", conditions=conditions)
+    media = Media.of(StudyFolder(tmp_path), study)
+
+    def name(stimulus: Stimulus) -> str | None:
+        found = media.find((stimulus,))
+        return None if found is None else found.file.name
+
+    assert name(Stimulus.own("ours", "one")) == "a.mp4"
+    assert name(OTHER) == "b.mp4"
+    assert name(MUTED) == "c.mp4"
+    assert name(Stimulus.own("theirs", "one")) is None
