@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -14,12 +13,10 @@ from analysis.measurement.conditions import ConditionScore, whole_condition
 from analysis.measurement.measured_clips import Bench
 from analysis.measurement.segment_scores import SegmentScores
 from analysis.metrics.diversity import mean_pair_distance, motion_features
-from analysis.metrics.result import Better, MetricResult
+from analysis.metrics.result import Metric, MetricResult
 from analysis.metrics.speed_histogram import speed_distance
 
 EXPRESSIONS: Final = "mean distance between clips (expressions)"
-
-_BETTER: Final[Better] = "near the reference"
 
 _FACES: Final = {52: "ARKit weights", 100: "SMPL-X expression coefficients"}
 
@@ -68,24 +65,14 @@ def _of_faces(clips: Sequence[NDArray[np.float32]], bench: Bench) -> MetricResul
     elif len(kinds) > 1:
         reason = "some clips have ARKit weights and others SMPL-X coefficients"
     if reason:
-        return MetricResult(
-            name=EXPRESSIONS, value=math.nan, unit="", n=0, reason=reason, better=_BETTER
-        )
-    found = mean_pair_distance(
+        return Metric(EXPRESSIONS, better="near the reference").missing(reason)
+    return mean_pair_distance(
         motion_features([clip[..., None].astype(np.float64) for clip in clips]),
+        name=EXPRESSIONS,
         unit="",
         settings={
             "face": _FACES[kinds.pop()],
             "frame rate": f"{bench.face_rate:g} fps",
             "distance": "root mean square over frames and weights, clips cut to the shortest",
         },
-    )
-    return MetricResult(
-        name=EXPRESSIONS,
-        value=found.value,
-        unit="",
-        n=found.n,
-        settings=found.settings,
-        reason=found.reason,
-        better=_BETTER,
     )

@@ -21,10 +21,9 @@ from analysis.metrics.emotion_accuracy import (
     emotion_accuracy,
     emotion_confusion,
 )
-from analysis.metrics.frechet import frechet
-from analysis.metrics.frechet_extrapolated import frechet_extrapolated
+from analysis.metrics.frechet import frechet, frechet_extrapolated
 from analysis.metrics.kernel_distance import kernel_distance
-from analysis.metrics.result import Better, MetricResult
+from analysis.metrics.result import Better, Metric, MetricResult
 from analysis.metrics.samples import Embeddings, drawn, embeddings
 
 ENOUGH: Final = 0.5
@@ -90,7 +89,13 @@ def feature_scores(
         results: list[MetricResult] = []
         if condition in compared:
             results += _distances(network, compared[condition], reference, shared)
-        results.append(_variance(network, samples[condition]))
+        results.append(
+            feature_variance(
+                samples[condition].values,
+                name=f"variance of features ({network.name})",
+                settings=network.settings,
+            )
+        )
         if network.labels:
             own, confusion = _emotions(network, condition, clips, emotions or {})
             by_clip += own
@@ -226,38 +231,19 @@ def _by_published_rule(
             "root of a singular product, whose value depends on library versions and threads, and "
             f"which may end as {FAILED:.0e}"
         )
-    return MetricResult(
-        name=name,
-        value=published_distance(generated.values, reference.values, rule),
-        unit="",
-        n=fewest,
-        settings=settings,
-        remark=remark,
-        better="lower",
-    )
-
-
-def _variance(network: Network, sample: Embeddings) -> MetricResult:
-    result = feature_variance(sample.values, settings=network.settings)
-    return replace(result, name=f"{result.name} ({network.name})")
+    value = published_distance(generated.values, reference.values, rule)
+    return Metric(name, better="lower").score(value, fewest, settings, remark=remark)
 
 
 def _missing(name: str, reason: str, network: Network) -> MetricResult:
-    return MetricResult(
-        name=name,
-        value=math.nan,
-        unit="",
-        n=0,
-        settings=network.settings,
-        reason=reason,
-        better="lower",
-    )
+    return Metric(name, better="lower").missing(reason, network.settings)
 
 
 def _emotions(
     network: Network, condition: str, clips: Clips, emotions: Mapping[str, str]
 ) -> tuple[list[ClipScore], EmotionConfusion]:
     """Return whether each clip's emotion was named, and the confusion of all clips."""
+    metric = Metric(f"spoken emotion named ({network.name})", better="higher")
     spoken, named, scores = [], [], []
     for segment in sorted(clips):
         place, emotion = clips[segment].named, emotions.get(segment, "")
@@ -266,21 +252,13 @@ def _emotions(
         answer = network.labels[place]
         spoken.append(emotion)
         named.append(answer)
-        scores.append(
-            ClipScore(
-                condition=condition,
-                segment=segment,
-                result=MetricResult(
-                    name=f"spoken emotion named ({network.name})",
-                    value=float(answer == emotion),
-                    unit="",
-                    n=len(clips[segment].emotions),
-                    settings=network.settings,
-                    remark=f"spoken: {emotion}, named: {answer}",
-                    better="higher",
-                ),
-            )
+        result = metric.score(
+            float(answer == emotion),
+            len(clips[segment].emotions),
+            network.settings,
+            remark=f"spoken: {emotion}, named: {answer}",
         )
+        scores.append(ClipScore(condition=condition, segment=segment, result=result))
     confusion = emotion_confusion(
         spoken, named, network.labels, condition=condition, network=network.sha256
     )

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+
+from analysis.metrics.point_errors import box_scale
 
 FloatArray = NDArray[np.float64]
 
@@ -26,19 +28,17 @@ class ClipExtent:
         Frames of the clip.
     total, squares : ndarray, shape (J, 3)
         Sums of rotations, and of their squares, over frames.
-    low, high : ndarray, shape (3,)
+    box : ndarray, shape (2, 3)
         Opposite corners of the box in which all joints stay, in metres.
-    face_low, face_high : ndarray, shape (3,), or None
+    face_box : ndarray, shape (2, 3), or None
         The same of face landmarks; None for a recording without a face.
     """
 
     frames: int
     total: FloatArray
     squares: FloatArray
-    low: FloatArray
-    high: FloatArray
-    face_low: FloatArray | None = None
-    face_high: FloatArray | None = None
+    box: FloatArray
+    face_box: FloatArray | None = None
 
     @classmethod
     def of(
@@ -55,10 +55,8 @@ class ClipExtent:
             frames=len(rotations),
             total=rotations.sum(axis=0),
             squares=(rotations**2).sum(axis=0),
-            low=positions.min(axis=(0, 1)),
-            high=positions.max(axis=(0, 1)),
-            face_low=None if landmarks is None else landmarks.min(axis=(0, 1)),
-            face_high=None if landmarks is None else landmarks.max(axis=(0, 1)),
+            box=_box(positions),
+            face_box=None if landmarks is None else _box(landmarks),
         )
 
 
@@ -105,7 +103,7 @@ def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
     # Rotations are near 1, so that squares lose nothing that `_STILL` would see.
     deviation = np.sqrt(np.maximum(0, squares - mean**2))
     moves = deviation > _STILL
-    scale = _box_scale([extent.low for extent in found], [extent.high for extent in found])
+    scale = box_scale(extent.box for extent in found)
     if math.isnan(scale):
         return None
     return RecordedSpread(
@@ -113,17 +111,10 @@ def recorded_spread(extents: Iterable[ClipExtent]) -> RecordedSpread | None:
         deviation=np.where(moves, deviation, 1.0),
         moving=np.asarray(moves.any(axis=1)),
         scale=scale,
-        face_scale=_box_scale(
-            [extent.face_low for extent in found if extent.face_low is not None],
-            [extent.face_high for extent in found if extent.face_high is not None],
-        ),
+        face_scale=box_scale(extent.face_box for extent in found if extent.face_box is not None),
         recordings=len(found),
     )
 
 
-def _box_scale(low: Sequence[FloatArray], high: Sequence[FloatArray]) -> float:
-    """Return the factor that puts all boxes into one of a metre's diagonal; NaN for a point."""
-    if not low:
-        return math.nan
-    diagonal = float(np.linalg.norm(np.max(high, axis=0) - np.min(low, axis=0)))
-    return 1 / diagonal if diagonal > 0 else math.nan
+def _box(points: FloatArray) -> FloatArray:
+    return np.stack([points.min(axis=(0, 1)), points.max(axis=(0, 1))])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from analysis.measurement.joint_motion import joint_motion
 from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, WRISTS, select
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import Metric, MetricResult
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats import read_clip
@@ -107,30 +107,21 @@ def seam_acceleration(values: FloatArray, windows: Windows, *, of: str) -> Metri
     counted = np.stack([at_seam, at_seam * sizes, ~at_seam, ~at_seam * sizes])
     sums = np.stack([np.bincount(window, weights=row) for row in counted])
     seams = int(np.count_nonzero(sums[0]))
-    reason = ""
+    metric = Metric(f"acceleration at seams over elsewhere ({of})", better="near the reference")
+    settings = {
+        "windows": f"{windows.frames} frames at {windows.frame_rate:g} fps, "
+        f"{windows.overlap} shared",
+        "interval": f"bootstrap over windows, {_RESAMPLES} samples",
+    }
     if seams < 2:
-        reason = f"the clip has {seams} seams, and two are needed"
-    elif not sums[3].sum():
-        reason = "nothing moves between the seams"
+        return metric.missing(f"the clip has {seams} seams, and two are needed", settings)
+    if not sums[3].sum():
+        return metric.missing("nothing moves between the seams", settings)
     chance = np.random.default_rng(_SEED)
     drawn = chance.integers(0, sums.shape[1], (_RESAMPLES, sums.shape[1]))
-    ratios = _ratio(sums[:, drawn].sum(axis=2)) if not reason else np.zeros(1)
-    return MetricResult(
-        name=f"acceleration at seams over elsewhere ({of})",
-        value=math.nan if reason else float(_ratio(sums.sum(axis=1))),
-        unit="",
-        n=0 if reason else seams,
-        settings={
-            "windows": f"{windows.frames} frames at {windows.frame_rate:g} fps, "
-            f"{windows.overlap} shared",
-            "interval": f"bootstrap over windows, {_RESAMPLES} samples",
-        },
-        reason=reason,
-        interval=None
-        if reason
-        else (float(np.quantile(ratios, 0.025)), float(np.quantile(ratios, 0.975))),
-        better="near the reference",
-    )
+    low, high = np.quantile(_ratio(sums[:, drawn].sum(axis=2)), (0.025, 0.975))
+    value = float(_ratio(sums.sum(axis=1)))
+    return metric.score(value, seams, settings, interval=(float(low), float(high)))
 
 
 def seams_of_clip(clip: MotionClip) -> Iterator[MetricResult]:

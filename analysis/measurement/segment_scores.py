@@ -102,7 +102,7 @@ def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
     reader = Reader(bench)
     onsets = _onsets(files.speech, reader) if bench.preset.beats and files.speech else None
     recorded = reader.clip(files.recorded) if files.recorded is not None else None
-    semantics = _semantics(files.semantics, reader) if bench.preset.recalls else None
+    semantics = _semantics(files.semantics, reader) if bench.preset.correct else None
     readable: list[str] = []
     scores: list[ClipScore] = []
     upper_bodies: dict[str, NDArray[np.float32]] = {}
@@ -115,11 +115,9 @@ def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
         readable.append(condition)
         results = clip_metrics(
             clip,
-            frame_rate=bench.frame_rate,
-            preset=bench.preset,
+            bench,
             onsets=onsets,
             recorded=None if path == files.recorded else recorded,
-            spread=bench.spread,
             semantics=semantics,
         )
         scores += [

@@ -8,7 +8,6 @@ score comes with its chance level, and the difference is what to compare.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -18,7 +17,7 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import find_peaks
 
 from analysis.metrics.joint_positions import ARM_JOINTS
-from analysis.metrics.result import Better, MetricResult
+from analysis.metrics.result import Better, Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 Direction = Literal["motion to audio", "audio to motion"]
@@ -277,46 +276,43 @@ def beat_alignment(
     described = settings.described(frame_rate, detector)
     reason = "" if moving else "the motion has no beat"
     reason = reason if len(onsets) else "the speech has no onset"
-    score = opposite = chance = math.nan
+    score = back = chance = math.nan
     to_audio = settings.direction == "motion to audio"
     if not reason:
         sigma, direction = settings.sigma, settings.direction
-        there = float(np.mean([alignment_score(beats, onsets, sigma) for beats in moving]))
+        score = float(np.mean([alignment_score(beats, onsets, sigma) for beats in moving]))
         back = float(np.mean([alignment_score(onsets, beats, sigma) for beats in moving]))
-        score, opposite = (there, back) if to_audio else (back, there)
+        score, back = (score, back) if to_audio else (back, score)
         chance = float(
             np.mean([chance_score(b, onsets, duration, sigma, direction) for b in moving])
         )
-    rate = sum(len(beats) for beats in series) / len(series) / duration
-    queries = sum(len(beats) for beats in moving), len(onsets) * len(moving)
-    scored, scored_back = queries if to_audio else queries[::-1]
+    n = sum(len(beats) for beats in moving), len(onsets) * len(moving)
+    scored, scored_back = n if to_audio else n[::-1]
     other = "audio to motion" if to_audio else "motion to audio"
 
-    def result(
-        name: str, value: float, better: Better = "unsaid", preset: str = settings.name
-    ) -> MetricResult:
-        return MetricResult(
-            name=f"{name} ({preset})",
-            value=value,
-            unit="",
-            n=0 if reason else scored,
-            settings=described,
-            reason=reason,
-            better=better,
-        )
+    def result(name: str, value: float, better: Better = "higher") -> MetricResult:
+        metric = Metric(f"{name} ({settings.name})", better=better)
+        if reason:
+            return metric.missing(reason, described)
+        return metric.score(value, scored, described)
 
+    opposite = result("beat alignment", back)
+    rate = sum(len(beats) for beats in series) / len(series) / duration
     return BeatAlignment(
-        score=result("beat alignment", score, "higher"),
-        chance=result("beat alignment by chance", chance),
-        above_chance=result("beat alignment above chance", score - chance, "higher"),
+        score=result("beat alignment", score),
+        chance=result("beat alignment by chance", chance, "unsaid"),
+        above_chance=result("beat alignment above chance", score - chance),
         opposite=replace(
-            result("beat alignment", opposite, "higher", f"{settings.name}, {other}"),
+            opposite,
+            name=f"beat alignment ({settings.name}, {other})",
             n=0 if reason else scored_back,
             settings=described | {"direction": other},
         ),
-        motion_beats=_rate(f"motion beat rate ({settings.name})", rate, len(series), described),
-        audio_beats=_rate(
-            "speech onset rate", len(onsets) / duration, len(onsets), {"onsets": detector}
+        motion_beats=Metric(f"motion beat rate ({settings.name})", "1/s").score(
+            rate, len(series), described
+        ),
+        audio_beats=Metric("speech onset rate", "1/s").score(
+            len(onsets) / duration, len(onsets), {"onsets": detector}
         ),
     )
 
@@ -331,7 +327,3 @@ def _speeds(positions: FloatArray, settings: BeatSettings) -> FloatArray:
     # The angle from its chord: the arc cosine of nearly 1 would be rounding alone.
     chord = np.linalg.norm(np.diff(along, axis=0), axis=2).T
     return np.asarray(2 * np.arcsin(np.minimum(1, chord / 2)))
-
-
-def _rate(name: str, value: float, n: int, settings: Mapping[str, str]) -> MetricResult:
-    return MetricResult(name=name, value=value, unit="1/s", n=n, settings=settings)

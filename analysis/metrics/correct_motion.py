@@ -3,11 +3,14 @@
 One name stands for different thresholds in different units (Chen et al. 2024, DiffSHEG, on
 normalised rotations; Liu et al. 2022, BEAT, on Euler angles; Liu et al. 2024, EMAGE, on positions),
 so each preset fixes both.
+
+Semantic-relevant gesture recall (SRGR) counts the same where gestures carry meaning. Published code
+multiplies by a constant (1 / 0.165) in place of the mean weight, so that its values depend on the
+excerpt and may exceed 1. Here the weighted mean is divided by the sum of the weights.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -15,8 +18,8 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.pairing import paired
-from analysis.metrics.result import MetricResult
+from analysis.metrics.point_errors import paired
+from analysis.metrics.result import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 Representation = Literal["positions", "normalised rotations", "euler angles"]
@@ -127,15 +130,65 @@ def percent_correct_motion(
     MetricResult
         In [0, 1], 1 for the recording itself. NaN where the clips do not pair, and for no joint.
     """
+    return _correct_share("percent of correct motion", generated, recorded, None, settings)
+
+
+def semantic_recall(
+    generated: FloatArray,
+    recorded: FloatArray,
+    weights: FloatArray,
+    *,
+    settings: CorrectSettings,
+) -> MetricResult:
+    """Return the share of correct joints, weighted by how much each frame's gesture means.
+
+    Parameters
+    ----------
+    generated, recorded : ndarray, shape (T, J, 3)
+        In the representation of `settings`, at one frame rate.
+    weights : ndarray, shape (T,)
+        Semantic score of each frame, at least 0; of the longer clip where they differ.
+    settings : CorrectSettings
+        Usually one of the presets.
+
+    Returns
+    -------
+    MetricResult
+        In [0, 1]. NaN where the clips do not pair or no frame has a weight.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer weights than frames, or one is negative or not finite.
+    """
+    if len(weights) < min(len(generated), len(recorded)):
+        raise ValueError(f"{len(weights)} weights for {min(len(generated), len(recorded))} frames")
+    if not (np.isfinite(weights) & (weights >= 0)).all():
+        raise ValueError("a weight is negative or not finite")
+    return _correct_share(
+        "semantic-relevant gesture recall", generated, recorded, weights, settings
+    )
+
+
+def _correct_share(
+    name: str,
+    generated: FloatArray,
+    recorded: FloatArray,
+    weights: FloatArray | None,
+    settings: CorrectSettings,
+) -> MetricResult:
+    metric = Metric(f"{name} ({settings.name})", better="higher")
+    described = settings.described()
     one, other, reason = paired(generated, recorded)
+    used = np.ones(len(one)) if weights is None else weights[: len(one)]
+    if weights is not None:
+        described["weights"] = "semantic scores, divided by their sum"
     if not reason and not one.shape[1]:
         reason = "no joint moves in the recordings"
-    return MetricResult(
-        name=f"percent of correct motion ({settings.name})",
-        value=math.nan if reason else float(correct_joints(one, other, settings).mean()),
-        unit="",
-        n=0 if reason else one.shape[0] * one.shape[1],
-        settings=settings.described(),
-        reason=reason,
-        better="higher",
-    )
+    if not reason and not used.sum() > 0:
+        reason = "no frame has a semantic score above 0"
+    if reason:
+        return metric.missing(reason, described)
+    wrong = 1 - correct_joints(one, other, settings).mean(axis=1)
+    value = max(0.0, 1 - float(wrong @ used / used.sum()))  # rounding never leaves [0, 1]
+    return metric.score(value, int(np.count_nonzero(used)) * one.shape[1], described)

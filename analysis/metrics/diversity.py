@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import pdist
 
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 
@@ -48,18 +48,16 @@ def l1_deviation(
     """
     flat = values.reshape(len(values), -1)
     deviation = np.abs(flat - flat.mean(axis=0)).sum(axis=1)
-    return MetricResult(
-        name="deviation from the mean pose (L1div)",
-        value=float(deviation.mean()),
-        unit=unit,
-        n=len(flat),
-        settings=settings or {},
-        better="near the reference",
-    )
+    metric = Metric("deviation from the mean pose (L1div)", unit, "near the reference")
+    return metric.score(float(deviation.mean()), len(flat), settings)
 
 
 def mean_pair_distance(
-    features: FloatArray, *, unit: str = "m", settings: Mapping[str, str] | None = None
+    features: FloatArray,
+    *,
+    name: str = "mean distance between clips",
+    unit: str = "m",
+    settings: Mapping[str, str] | None = None,
 ) -> MetricResult:
     """Return the mean Euclidean distance over all pairs of clips.
 
@@ -67,6 +65,8 @@ def mean_pair_distance(
     ----------
     features : ndarray, shape (N, D)
         One vector per clip.
+    name : str
+        Names the metric.
     unit : str
         Unit of `features`.
     settings : mapping, optional
@@ -77,32 +77,19 @@ def mean_pair_distance(
     MetricResult
         NaN for fewer than two clips.
     """
-    name = "mean distance between clips"
-    described = settings or {}
-    if len(features) < 2:
-        return MetricResult(
-            name=name,
-            value=math.nan,
-            unit=unit,
-            n=0,
-            settings=described,
-            reason="a distance needs two clips",
-            better="near the reference",
-        )
+    metric = Metric(name, unit, "near the reference")
     count = len(features)
+    if count < 2:
+        return metric.missing("a distance needs two clips", settings)
     mean = pdist(features).mean() if count <= _FEW else _mean_distance(features)
-    return MetricResult(
-        name=name,
-        value=float(mean),
-        unit=unit,
-        n=count * (count - 1) // 2,
-        settings=described,
-        better="near the reference",
-    )
+    return metric.score(float(mean), count * (count - 1) // 2, settings)
 
 
 def feature_variance(
-    features: FloatArray, *, settings: Mapping[str, str] | None = None
+    features: FloatArray,
+    *,
+    name: str = "variance of features",
+    settings: Mapping[str, str] | None = None,
 ) -> MetricResult:
     """Return how much the embeddings of clips vary, as AMUSE's diversity.
 
@@ -110,6 +97,8 @@ def feature_variance(
     ----------
     features : ndarray, shape (N, D)
         One embedding per clip.
+    name : str
+        Names the metric.
     settings : mapping, optional
         The feature network and its hash.
 
@@ -120,16 +109,11 @@ def feature_variance(
         leaves open whether it is their mean or sum), in squared units of the embeddings. NaN for
         fewer than two clips.
     """
-    few = len(features) < 2
-    return MetricResult(
-        name="variance of features",
-        value=math.nan if few else float(features.var(axis=0, ddof=1).mean()),
-        unit="",
-        n=len(features),
-        settings=dict(settings or {}) | {"mean over": f"{features.shape[1]} dimensions"},
-        reason="a variance needs two clips" if few else "",
-        better="near the reference",
-    )
+    metric = Metric(name, better="near the reference")
+    described = dict(settings or {}) | {"mean over": f"{features.shape[1]} dimensions"}
+    if len(features) < 2:
+        return metric.missing("a variance needs two clips", described)
+    return metric.score(float(features.var(axis=0, ddof=1).mean()), len(features), described)
 
 
 def _mean_distance(features: FloatArray) -> float:

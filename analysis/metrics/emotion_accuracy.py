@@ -7,20 +7,16 @@ classified without error either, so that their accuracy stands beside it as one 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.stats import binomtest
 
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import Metric, MetricResult
 
 NAME: Final = "gesture emotion accuracy"
-
-_Z: Final = float(norm.ppf(0.975))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,6 +102,7 @@ def emotion_accuracy(
     """
     counts = np.array(confusion.counts, float).reshape(len(confusion.spoken), len(confusion.named))
     clips = counts.sum(axis=1)
+    metric = Metric(name, better="higher")
     described = dict(settings or {}) | {
         "mean over": ", ".join(
             f"{emotion} ({int(count)})"
@@ -114,37 +111,18 @@ def emotion_accuracy(
         "chance": f"1 / {len(confusion.named)}",
     }
     if not len(clips):
-        return MetricResult(
-            name=name,
-            value=math.nan,
-            unit="",
-            n=0,
-            settings=described,
-            reason="no clip has speech of an emotion that the network knows",
-            better="higher",
-        )
+        reason = "no clip has speech of an emotion that the network knows"
+        return metric.missing(reason, described)
     right = counts[np.arange(len(clips)), [confusion.named.index(e) for e in confusion.spoken]]
     shares = right / clips
     value = float(shares.mean())
-    low, high = _wilson(shares, clips)
-    reach = [float(np.linalg.norm(shares - side)) / len(clips) for side in (low, high)]
-    described["interval"] = "Wilson's of each emotion, combined (MOVER), clips independent"
-    return MetricResult(
-        name=name,
-        value=value,
-        unit="",
-        n=int(clips.sum()),
-        settings=described,
-        interval=(max(0.0, value - reach[0]), min(1.0, value + reach[1])),
-        better="higher",
+    limits = np.array(
+        [
+            binomtest(int(hits), int(count)).proportion_ci(method="wilson")
+            for hits, count in zip(right, clips, strict=True)
+        ]
     )
-
-
-def _wilson(
-    shares: NDArray[np.float64], clips: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return Wilson's 95 % limits of shares of so many clips."""
-    centre = (shares + _Z**2 / (2 * clips)) / (1 + _Z**2 / clips)
-    spread = np.sqrt(shares * (1 - shares) / clips + (_Z / (2 * clips)) ** 2)
-    reach = _Z * spread / (1 + _Z**2 / clips)
-    return centre - reach, centre + reach
+    reach = np.linalg.norm(shares[:, None] - limits, axis=0) / len(clips)
+    described["interval"] = "Wilson's of each emotion, combined (MOVER), clips independent"
+    interval = (max(0.0, value - float(reach[0])), min(1.0, value + float(reach[1])))
+    return metric.score(value, int(clips.sum()), described, interval=interval)

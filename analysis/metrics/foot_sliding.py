@@ -6,13 +6,12 @@ The speed of each foot counts in full on the ground and fades to nothing at a sm
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import Metric, MetricResult
 
 FloatArray = NDArray[np.float64]
 
@@ -50,26 +49,15 @@ def foot_sliding(positions: FloatArray, *, frame_rate: float) -> MetricResult:
         "contact": f"within {100 * CONTACT_HEIGHT:g} cm above the ground, weighted 2 - 2^(h/H)",
         "positions": "in the world, default body, metres",
     }
-    reason = "" if len(positions) > 1 else "a speed needs two frames"
-    value, count = math.nan, 0
-    if not reason:
-        heights = positions[..., 1] - np.quantile(positions[..., 1], _GROUND)
-        height = np.maximum(0, np.maximum(heights[1:], heights[:-1]))
-        moved = np.diff(positions[..., [0, 2]], axis=0)
-        speed = np.linalg.norm(moved, axis=2) * frame_rate
-        standing = height < CONTACT_HEIGHT
-        count = int(standing.sum())
-        if count:
-            weight = 2 - 2 ** (height[standing] / CONTACT_HEIGHT)
-            value = float((speed[standing] * weight).mean())
-        else:
-            reason = "no foot stays on the ground from one frame to the next"
-    return MetricResult(
-        name="foot sliding",
-        value=value,
-        unit="m/s",
-        n=count,
-        settings=described,
-        reason=reason,
-        better="lower",
-    )
+    metric = Metric("foot sliding", "m/s", "lower")
+    if len(positions) < 2:
+        return metric.missing("a speed needs two frames", described)
+    heights = positions[..., 1] - np.quantile(positions[..., 1], _GROUND)
+    height = np.maximum(0, np.maximum(heights[1:], heights[:-1]))
+    speed = np.linalg.norm(np.diff(positions[..., [0, 2]], axis=0), axis=2) * frame_rate
+    standing = height < CONTACT_HEIGHT
+    if not standing.any():
+        reason = "no foot stays on the ground from one frame to the next"
+        return metric.missing(reason, described)
+    weight = 2 - 2 ** (height[standing] / CONTACT_HEIGHT)
+    return metric.score(float((speed[standing] * weight).mean()), int(standing.sum()), described)

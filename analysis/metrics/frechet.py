@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import Metric, MetricResult
 from analysis.metrics.samples import (
+    FEWEST_CLIPS,
     SEED,
     Embeddings,
     check_dimensions,
@@ -39,8 +40,11 @@ RESAMPLES_OF_MANY: Final = 60
 
 MANY: Final = 2000
 
-_FEWEST_CLIPS: Final = 5
-"""Fewer clips than this say nothing about how scores differ between samples of clips."""
+SIZES: Final = 15
+"""Sizes at which the distance is extrapolated from, evenly spaced in 1 / n from n / 2 on."""
+
+DRAWS: Final = 4
+"""Draws per size, whose mean enters the line."""
 
 
 def frechet_of_normals(
@@ -115,39 +119,93 @@ def frechet(
     check_dimensions(generated, reference)
     one, other = of_equal_size(generated, reference)
     count, dimensions = one.values.shape
-    described = dict(settings or {}) | {
-        "samples": f"{count} of each ({len(generated)} generated, {len(reference)} recorded)",
-        "dimensions": f"{dimensions}",
-        "covariance": "unbiased, not regularised",
+    metric = Metric(name, better="lower")
+    described = _described(generated, reference, settings) | {
+        "covariance": "unbiased, not regularised"
     }
     if count < 2:
-        return MetricResult(
-            name=name,
-            value=math.nan,
-            unit="",
-            n=count,
-            settings=described,
-            reason="a covariance needs two samples",
-            better="lower",
-        )
+        return metric.missing("a covariance needs two samples", described)
     value = frechet_of_samples(one.values, other.values)
     interval = None
     if resamples is None:
         resamples = RESAMPLES if count <= MANY else RESAMPLES_OF_MANY
-    if resamples and min(_clip_count(one), _clip_count(other)) >= _FEWEST_CLIPS:
+    if resamples and min(_clip_count(one), _clip_count(other)) >= FEWEST_CLIPS:
         described["interval"] = f"± 1.96 SD over {resamples} bootstrap samples of clips"
         reach = 1.96 * _spread(one, other, resamples)
         interval = (max(0.0, value - reach), value + reach)
-    return MetricResult(
-        name=name,
-        value=value,
-        unit="",
-        n=count,
-        settings=described,
-        interval=interval,
-        remark=_remark(count, dimensions),
-        better="lower",
+    return metric.score(
+        value, count, described, interval=interval, remark=_remark(count, dimensions)
     )
+
+
+def frechet_extrapolated(
+    generated: Embeddings,
+    reference: Embeddings,
+    *,
+    name: str = "Fréchet distance, extrapolated",
+    settings: Mapping[str, str] | None = None,
+) -> MetricResult:
+    """Return FGD∞, the Fréchet distance that infinitely many samples would have.
+
+    The bias falls as 1 / n, so that the distances of smaller and smaller parts of the samples lie
+    on a line over 1 / n whose value at 0 is free of it (Chong & Forsyth 2020, "Effectively Unbiased
+    FID"). Below twice as many samples as dimensions there is no such line.
+
+    Parameters
+    ----------
+    generated, reference : Embeddings
+        Of the same feature network.
+    name : str
+        What the embeddings are of.
+    settings : mapping, optional
+        As for `frechet`.
+
+    Returns
+    -------
+    MetricResult
+        May be below 0 by chance, and is not cut off there. NaN for fewer samples than four times
+        the dimensions: half of them must still be twice the dimensions.
+    """
+    check_dimensions(generated, reference)
+    one, other = of_equal_size(generated, reference)
+    count, dimensions = one.values.shape
+    metric = Metric(name, better="lower")
+    described = _described(generated, reference, settings) | {
+        "extrapolation": f"straight line over 1/n through {SIZES} sizes from n/2 to n, "
+        f"{DRAWS} draws each",
+    }
+    if count < 2 * FEWEST_PER_DIMENSION * dimensions:
+        reason = f"{count} samples are fewer than 4 x {dimensions} dimensions: no line to extend"
+        return metric.missing(reason, described)
+    return metric.score(_at_infinity(one, other), count, described)
+
+
+def _at_infinity(one: Embeddings, other: Embeddings) -> float:
+    chance = np.random.default_rng(SEED)
+    count = len(one)
+    sizes = np.round(1 / np.linspace(1 / count, 2 / count, SIZES)).astype(int)
+    distances = []
+    for size in sizes:
+        drawn = [
+            frechet_of_samples(
+                one.values[chance.choice(count, size, replace=False)],
+                other.values[chance.choice(count, size, replace=False)],
+            )
+            for _ in range(1 if size == count else DRAWS)
+        ]
+        distances.append(np.mean(drawn))
+    line = np.polynomial.Polynomial.fit(1 / sizes, distances, deg=1)
+    return float(line(0.0))
+
+
+def _described(
+    generated: Embeddings, reference: Embeddings, settings: Mapping[str, str] | None
+) -> dict[str, str]:
+    count = min(len(generated), len(reference))
+    return dict(settings or {}) | {
+        "samples": f"{count} of each ({len(generated)} generated, {len(reference)} recorded)",
+        "dimensions": f"{reference.values.shape[1]}",
+    }
 
 
 def _remark(count: int, dimensions: int) -> str:

@@ -66,6 +66,48 @@ class MetricResult:
         vars(self).update(state, settings=_shared(state["settings"]))
 
 
+@dataclass(frozen=True)
+class Metric:
+    """What a score is called, its unit, and which scores speak for a motion."""
+
+    name: str
+    unit: str = ""
+    better: Better = "unsaid"
+
+    def score(
+        self,
+        value: float,
+        n: int,
+        settings: Mapping[str, str] | None = None,
+        *,
+        interval: tuple[float, float] | None = None,
+        remark: str = "",
+    ) -> MetricResult:
+        """Return a score; `MetricResult` says what each part is."""
+        return MetricResult(
+            name=self.name,
+            value=value,
+            unit=self.unit,
+            n=n,
+            settings=settings or {},
+            interval=interval,
+            remark=remark,
+            better=self.better,
+        )
+
+    def missing(self, reason: str, settings: Mapping[str, str] | None = None) -> MetricResult:
+        """Return that there is no score, and why."""
+        return MetricResult(
+            name=self.name,
+            value=math.nan,
+            unit=self.unit,
+            n=0,
+            settings=settings or {},
+            reason=reason,
+            better=self.better,
+        )
+
+
 @lru_cache(maxsize=1024)
 def _shared(settings: tuple[tuple[str, str], ...]) -> Mapping[str, str]:
     """Return one read-only mapping for all scores of equal settings: there are a great many."""

@@ -17,6 +17,9 @@ Clips = NDArray[np.int64]
 SEED: Final = 0
 """Seed of every draw, so that two runs give equal numbers."""
 
+FEWEST_CLIPS: Final = 5
+"""Fewer clips than this say nothing about how scores differ between samples of clips."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Embeddings:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
-from analysis.metrics.result import MetricResult
+from analysis.metrics.result import Metric, MetricResult
 from motion.body import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS, joint_index
@@ -212,21 +212,15 @@ def self_penetration(depths: NDArray[np.float32], *, body: str) -> Iterator[Metr
         "frames": f"{SAMPLES_PER_SECOND:g} per second",
         "body": body,
     }
-    yield MetricResult(
-        name="self-penetration, depth",
-        value=1000 * float(values.mean()),
-        unit="mm",
-        n=len(values),
-        settings=settings | {"depth": "of the deepest vertex, from the surface"},
-        better="lower",
+    yield Metric("self-penetration, depth", "mm", "lower").score(
+        1000 * float(values.mean()),
+        len(values),
+        settings | {"depth": "of the deepest vertex, from the surface"},
     )
-    yield MetricResult(
-        name="self-penetration, share of frames",
-        value=float((values > TOLERANCE).mean()),
-        unit="",
-        n=len(values),
-        settings=settings | {"counted": f"frames deeper than {1000 * TOLERANCE:g} mm"},
-        better="lower",
+    yield Metric("self-penetration, share of frames", better="lower").score(
+        float((values > TOLERANCE).mean()),
+        len(values),
+        settings | {"counted": f"frames deeper than {1000 * TOLERANCE:g} mm"},
     )
 
 

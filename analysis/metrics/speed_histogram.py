@@ -6,15 +6,14 @@ by the Hellinger distance, which is 0 for equal histograms and 1 for ones withou
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.metrics.joint_positions import UPPER_BODY_JOINTS
-from analysis.metrics.result import MetricResult
-from analysis.metrics.samples import SEED
+from analysis.metrics.result import Metric, MetricResult
+from analysis.metrics.samples import FEWEST_CLIPS, SEED
 
 FloatArray = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -24,7 +23,6 @@ BIN: Final = 0.05
 
 _BINS: Final = 80
 _RESAMPLES: Final = 200
-_FEWEST_CLIPS: Final = 5
 
 
 def speed_counts(positions: FloatArray, frame_rate: float) -> Counts:
@@ -72,25 +70,17 @@ def speed_distance(generated: Counts, recorded: Counts, *, frame_rate: float) ->
         "bins": f"{BIN:g} m/s, {_BINS} of them, the last open",
         "clips": f"{len(generated)} generated, {len(recorded)} recorded",
     }
-    value, interval, reason = math.nan, None, ""
+    metric = Metric("distance of speed histograms (genea)", better="lower")
     if not (generated.any() and recorded.any()):
         reason = "a speed needs two frames of generated and of recorded motion"
-    else:
-        value = float(_hellinger(generated.sum(axis=0), recorded.sum(axis=0)))
-        if min(len(generated), len(recorded)) >= _FEWEST_CLIPS:
-            described["interval"] = f"± 1.96 SD over {_RESAMPLES} bootstrap samples of clips"
-            reach = 1.96 * _spread(generated, recorded)
-            interval = (max(0.0, value - reach), min(1.0, value + reach))
-    return MetricResult(
-        name="distance of speed histograms (genea)",
-        value=value,
-        unit="",
-        n=0 if reason else int(generated[:, 0].sum()),
-        settings=described,
-        reason=reason,
-        interval=interval,
-        better="lower",
-    )
+        return metric.missing(reason, described)
+    value = float(_hellinger(generated.sum(axis=0), recorded.sum(axis=0)))
+    interval = None
+    if min(len(generated), len(recorded)) >= FEWEST_CLIPS:
+        described["interval"] = f"± 1.96 SD over {_RESAMPLES} bootstrap samples of clips"
+        reach = 1.96 * _spread(generated, recorded)
+        interval = (max(0.0, value - reach), min(1.0, value + reach))
+    return metric.score(value, int(generated[:, 0].sum()), described, interval=interval)
 
 
 def _hellinger(one: FloatArray | Counts, other: FloatArray | Counts) -> FloatArray:

@@ -11,9 +11,15 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
-from analysis.metrics.absolute_error import MAJE, MALE, absolute_error, box_scale
-from analysis.metrics.acceleration_error import MACE_LANDMARKS, MACE_POSES, acceleration_error
 from analysis.metrics.frechet import frechet_of_samples
+from analysis.metrics.point_errors import (
+    MACE_LANDMARKS,
+    MACE_POSES,
+    MAJE,
+    MALE,
+    box_scale,
+    point_error,
+)
 from benchmarks.s2ue.synchrony import FaceBodySynchrony
 from motion.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
@@ -53,19 +59,23 @@ class Measure:
         if face:
             found["MALE"], found["MAcE-LM"] = (
                 mean(
-                    error(one, two, frame_rate=RATE, settings=how, scale=self._scales[1]).value
+                    point_error(
+                        one, two, frame_rate=RATE, settings=how, scale=self._scales[1]
+                    ).value
                     for one, two in landmarks
                 )
-                for error, how in ((absolute_error, MALE), (acceleration_error, MACE_LANDMARKS))
+                for how in (MALE, MACE_LANDMARKS)
             )
             found["FLD"] = self._distance(values, "face", slice(BONE_VALUES, None))
         if pose:
             found["MAJE"], found["MAcE-P"] = (
                 mean(
-                    error(one, two, frame_rate=RATE, settings=how, scale=self._scales[0]).value
+                    point_error(
+                        one, two, frame_rate=RATE, settings=how, scale=self._scales[0]
+                    ).value
                     for one, two in joints
                 )
-                for error, how in ((absolute_error, MAJE), (acceleration_error, MACE_POSES))
+                for how in (MAJE, MACE_POSES)
             )
             found["FGD"] = self._distance(values, "pose", slice(BONE_VALUES))
         if face and pose:

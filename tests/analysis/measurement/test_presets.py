@@ -27,7 +27,7 @@ def test_an_unknown_preset_is_refused_with_those_there_are():
 def test_without_recordings_nothing_is_left_that_needs_them():
     alone = combined(PRESETS).without_recordings()
     assert alone.beats
-    assert alone.jerks
-    assert not (alone.correct or alone.absolute_errors or alone.velocity_errors)
+    assert alone.derivatives
+    assert not (alone.correct or alone.joint_errors or alone.velocity_errors)
     assert not alone.needs_rotations
     assert combined(["s2ue"]).needs_recorded_spread

@@ -8,8 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.metrics.correct_motion import AMUSE, BEAT, DIFFSHEG, percent_correct_motion
-from analysis.metrics.semantic_recall import semantic_recall
+from analysis.metrics.correct_motion import (
+    AMUSE,
+    BEAT,
+    DIFFSHEG,
+    percent_correct_motion,
+    semantic_recall,
+)
 
 SHAPE = (12, 4, 3)
 

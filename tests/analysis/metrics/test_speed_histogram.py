@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from analysis.metrics.acceleration import acceleration
 from analysis.metrics.speed_histogram import speed_counts, speed_distance
 
 
@@ -42,13 +41,3 @@ def test_single_frames_have_no_speed():
     found = speed_distance(none, none, frame_rate=30.0)
     assert math.isnan(found.value)
     assert "two frames" in found.reason
-
-
-def test_a_steady_acceleration_is_found():
-    time = np.arange(20) / 25
-    positions = np.zeros((20, 8, 3))
-    positions[:, :, 1] = 0.5 * 3.0 * time[:, None] ** 2
-    found = acceleration(positions, frame_rate=25.0)
-    assert found.value == pytest.approx(3.0)
-    assert found.unit == "m/s²"
-    assert acceleration(positions[:2], frame_rate=25.0).reason.startswith("the clip has fewer")

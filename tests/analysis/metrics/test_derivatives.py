@@ -6,7 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.metrics.jerk import HANDS, HANDS_UNFILTERED, jerk
+from analysis.metrics.derivatives import (
+    GENEA_ACCELERATION,
+    HANDS,
+    HANDS_UNFILTERED,
+    mean_derivative,
+)
 
 
 def along_x(curve):
@@ -19,7 +24,9 @@ def along_x(curve):
 def test_a_cubic_has_the_same_jerk_at_every_frame_rate(closed_form, frame_rate):
     expected = closed_form["jerk"]
     time = np.arange(2 * frame_rate) / frame_rate
-    found = jerk(along_x(expected["c"] * time**3), frame_rate=frame_rate, settings=HANDS_UNFILTERED)
+    found = mean_derivative(
+        along_x(expected["c"] * time**3), frame_rate=frame_rate, settings=HANDS_UNFILTERED
+    )
     assert found.value == pytest.approx(expected["value"], rel=1e-6)
 
 
@@ -27,14 +34,14 @@ def test_a_sinusoid_agrees_with_its_closed_form(closed_form):
     expected = closed_form["jerk"]
     time = np.arange(600) / expected["fps"]
     curve = expected["A"] * np.sin(2 * np.pi * expected["f"] * time)
-    found = jerk(along_x(curve), frame_rate=expected["fps"], settings=HANDS_UNFILTERED)
+    found = mean_derivative(along_x(curve), frame_rate=expected["fps"], settings=HANDS_UNFILTERED)
     # The mean of |sin| is 2 / pi of the amplitude that the closed form gives.
     assert found.value == pytest.approx(expected["value_sin"] * 2 / math.pi, rel=1e-2)
 
 
 def test_white_noise_is_amplified_as_its_binomial_sum_says():
     noise = np.random.default_rng(0).normal(0, 0.001, (4000, 1, 3))
-    found = jerk(noise, frame_rate=30.0, settings=HANDS_UNFILTERED)
+    found = mean_derivative(noise, frame_rate=30.0, settings=HANDS_UNFILTERED)
     one_axis = 0.001 * math.sqrt(20) * 30**3
     assert found.value == pytest.approx(one_axis * 2 * math.sqrt(2 / math.pi), rel=0.03)
 
@@ -43,34 +50,47 @@ def test_the_filter_keeps_gestures_and_removes_jitter():
     time = np.arange(600) / 30
     gesture = along_x(0.2 * np.sin(2 * np.pi * 1.0 * time))
     jitter = gesture + np.random.default_rng(0).normal(0, 0.002, gesture.shape)
-    clean = jerk(gesture, frame_rate=30.0, settings=HANDS).value
+    clean = mean_derivative(gesture, frame_rate=30.0, settings=HANDS).value
     assert clean == pytest.approx(
-        jerk(gesture, frame_rate=30.0, settings=HANDS_UNFILTERED).value, rel=0.05
+        mean_derivative(gesture, frame_rate=30.0, settings=HANDS_UNFILTERED).value, rel=0.05
     )
-    filtered = jerk(jitter, frame_rate=30.0, settings=HANDS).value
-    unfiltered = jerk(jitter, frame_rate=30.0, settings=HANDS_UNFILTERED).value
+    filtered = mean_derivative(jitter, frame_rate=30.0, settings=HANDS).value
+    unfiltered = mean_derivative(jitter, frame_rate=30.0, settings=HANDS_UNFILTERED).value
     assert filtered < 0.4 * unfiltered
 
 
 def test_stillness_has_no_jerk():
-    assert jerk(np.ones((40, 2, 3)), frame_rate=30.0, settings=HANDS).value == pytest.approx(
-        0, abs=1e-6
-    )
+    assert mean_derivative(
+        np.ones((40, 2, 3)), frame_rate=30.0, settings=HANDS
+    ).value == pytest.approx(0, abs=1e-6)
 
 
 def test_a_clip_too_short_or_too_slow_has_no_score_but_a_reason():
-    short = jerk(np.zeros((15, 2, 3)), frame_rate=30.0, settings=HANDS)
+    short = mean_derivative(np.zeros((15, 2, 3)), frame_rate=30.0, settings=HANDS)
     assert math.isnan(short.value)
     assert "fewer than 16 frames" in short.reason
-    slow = jerk(np.zeros((40, 2, 3)), frame_rate=10.0, settings=HANDS)
+    slow = mean_derivative(np.zeros((40, 2, 3)), frame_rate=10.0, settings=HANDS)
     assert math.isnan(slow.value)
     assert "10 fps is too slow" in slow.reason
 
 
 def test_settings_tell_joints_rate_and_filter():
-    settings = jerk(np.zeros((40, 2, 3)), frame_rate=25.0, settings=HANDS).settings
+    settings = mean_derivative(np.zeros((40, 2, 3)), frame_rate=25.0, settings=HANDS).settings
     assert settings["joints"] == "left_wrist, right_wrist"
     assert settings["frame rate"] == "25 fps"
     assert "6 Hz" in settings["filter"]
-    other = jerk(np.zeros((40, 2, 3)), frame_rate=25.0, settings=replace(HANDS, cutoff=None))
+    other = mean_derivative(
+        np.zeros((40, 2, 3)), frame_rate=25.0, settings=replace(HANDS, cutoff=None)
+    )
     assert other.settings["filter"] == "none"
+
+
+def test_a_steady_acceleration_is_found():
+    time = np.arange(20) / 25
+    positions = np.zeros((20, 8, 3))
+    positions[:, :, 1] = 0.5 * 3.0 * time[:, None] ** 2
+    found = mean_derivative(positions, frame_rate=25.0, settings=GENEA_ACCELERATION)
+    assert found.value == pytest.approx(3.0)
+    assert found.unit == "m/s²"
+    few = mean_derivative(positions[:2], frame_rate=25.0, settings=GENEA_ACCELERATION)
+    assert few.reason == "the clip has fewer than 3 frames"

@@ -1,0 +1,218 @@
+"""How far motion is from the recording of the same speech, point by point.
+
+Mean absolute error of joints (MAJE) and of face landmarks (MALE) and mean acceleration error
+(MAcE): Speech2UnifiedExpressions (Bhattacharya et al. 2024, section 6.2) after Yoon et al. 2020, in
+millimetres, after all motion is scaled by one constant into a box with a diagonal of one metre.
+Frames that seed the generator are left out. Code of its predecessor leaves the frame rate out of
+accelerations, which makes values of other frame rates incomparable; it is in here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.metrics.result import Metric, MetricResult
+
+FloatArray = NDArray[np.float64]
+Norm = Literal["L1", "L2"]
+
+LEAST_OVERLAP: Final = 0.9
+"""A clip shorter than this share of the other is not the same segment."""
+
+SEED_FRAMES: Final = 4
+"""Frames that S2UE and its predecessors give their generators to begin with, at 15 fps."""
+
+S2UE_FRAME_RATE: Final = 15.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointSettings:
+    """Which points are compared, and in what.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the metric.
+    points : str
+        What the points are.
+    order : int
+        Which derivative is compared: 0 for places, 2 for accelerations.
+    too_short : str
+        Why there is no error of a clip with too few frames.
+    """
+
+    name: str
+    points: str
+    unit: str = "mm"
+    order: int = 0
+    too_short: str = "the clip has no frame behind those that seed the generator"
+
+    def described(self, frame_rate: float, scale: float) -> dict[str, str]:
+        """Return the settings in words, for a footnote."""
+        known = math.isfinite(scale)
+        return {
+            "points": self.points,
+            "scale": f"{scale:.4g}, the same for all clips" if known else "none: no points",
+            "frame rate": f"{frame_rate:g} fps",
+            "left out": f"the first {SEED_FRAMES} frames",
+        }
+
+
+def _acceleration(name: str, points: str) -> PointSettings:
+    return PointSettings(
+        name=f"mean acceleration error ({name}, s2ue)",
+        points=points,
+        unit="mm/s²",
+        order=2,
+        too_short="the clip has fewer than 3 frames behind those that seed",
+    )
+
+
+_JOINTS: Final = "joints of the default body"
+_LANDMARKS: Final = "face landmarks"
+MAJE: Final = PointSettings(name="mean absolute error (MAJE, s2ue)", points=_JOINTS)
+MALE: Final = PointSettings(name="mean absolute error (MALE, s2ue)", points=_LANDMARKS)
+MACE_POSES: Final = _acceleration("MAcE-P", _JOINTS)
+MACE_LANDMARKS: Final = _acceleration("MAcE-LM", _LANDMARKS)
+
+
+def paired(generated: FloatArray, recorded: FloatArray) -> tuple[FloatArray, FloatArray, str]:
+    """Return two clips cut to the shorter one, and why they do not pair, if they do not.
+
+    Parameters
+    ----------
+    generated, recorded : ndarray, shape (T, ...), (U, ...)
+        Of one frame rate and one representation.
+
+    Returns
+    -------
+    generated, recorded : ndarray
+        Cut to equally many frames.
+    reason : str
+        Empty where they pair.
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ in more than the number of frames.
+    """
+    if generated.shape[1:] != recorded.shape[1:]:
+        raise ValueError(f"frames of shapes {generated.shape[1:]} and {recorded.shape[1:]}")
+    lengths = len(generated), len(recorded)
+    frames = min(lengths)
+    reason = ""
+    if not frames:
+        reason = "a clip has no frame"
+    elif frames < LEAST_OVERLAP * max(lengths):
+        reason = f"the clip has {lengths[0]} frames and the recording {lengths[1]}"
+    return generated[:frames], recorded[:frames], reason
+
+
+def box_scale(clips: Iterable[FloatArray]) -> float:
+    """Return the factor that puts all points of all clips into a box of one metre diagonal.
+
+    Parameters
+    ----------
+    clips : iterable of ndarray, shape (..., 3)
+        Points in metres.
+
+    Returns
+    -------
+    float
+        NaN if there is no clip, or all points are one.
+    """
+    corners = [
+        corner
+        for points in (clip.reshape(-1, 3) for clip in clips)
+        for corner in (points.min(axis=0), points.max(axis=0))
+    ]
+    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0))) if corners else 0.0
+    return 1 / diagonal if diagonal > 0 else math.nan
+
+
+def point_error(
+    generated: FloatArray,
+    recorded: FloatArray,
+    *,
+    frame_rate: float,
+    settings: PointSettings,
+    scale: float = 1.0,
+    missing: str = "",
+) -> MetricResult:
+    """Return the mean absolute difference of coordinates, or of their accelerations.
+
+    Parameters
+    ----------
+    generated, recorded : ndarray, shape (T, P, 3)
+        Points in metres.
+    frame_rate : float
+        Frames per second of both.
+    settings : PointSettings
+        `MAJE`, `MALE`, `MACE_POSES` or `MACE_LANDMARKS`.
+    scale : float
+        Factor that all points are multiplied by; see `box_scale`.
+    missing : str
+        Why there are no points, where there are none.
+
+    Returns
+    -------
+    MetricResult
+        In mm, or in mm/s² (second differences times the frame rate squared); 0 for the recording
+        itself. NaN where the clips do not pair or too few frames are left.
+    """
+    metric = Metric(settings.name, settings.unit, "lower")
+    described = settings.described(frame_rate, scale)
+    one, other, reason = paired(generated, recorded)
+    apart = np.diff((one - other)[SEED_FRAMES:], n=settings.order, axis=0)
+    reason = missing or reason or ("" if apart.size else settings.too_short)
+    if reason:
+        return metric.missing(reason, described)
+    value = 1000 * scale * frame_rate**settings.order * float(np.abs(apart).mean())
+    return metric.score(value, apart.shape[0] * apart.shape[1], described)
+
+
+def velocity_error(
+    generated: FloatArray,
+    recorded: FloatArray,
+    *,
+    frame_rate: float,
+    norm: Norm,
+    settings: Mapping[str, str] | None = None,
+) -> MetricResult:
+    """Return the mean distance between the velocities of two motions.
+
+    Parameters
+    ----------
+    generated, recorded : ndarray, shape (T, J, 3)
+        Positions in metres.
+    frame_rate : float
+        Frames per second of both.
+    norm : {'L1', 'L2'}
+        L1: mean absolute difference of velocity components. L2: mean length of the difference
+        of velocity vectors.
+    settings : mapping, optional
+        What the positions are.
+
+    Returns
+    -------
+    MetricResult
+        In m/s; 0 for the recording itself. NaN where the clips do not pair, and for one frame.
+    """
+    metric = Metric(f"velocity error ({norm})", "m/s", "lower")
+    averaged = "components" if norm == "L1" else "vectors"
+    described = dict(settings or {}) | {
+        "frame rate": f"{frame_rate:g} fps",
+        "mean over": f"frames, joints and {averaged}",
+    }
+    one, other, reason = paired(generated, recorded)
+    if reason or len(one) < 2:
+        return metric.missing(reason or "a velocity needs two frames", described)
+    apart = np.diff(one - other, axis=0) * frame_rate
+    size = np.abs(apart) if norm == "L1" else np.linalg.norm(apart, axis=2)
+    return metric.score(float(size.mean()), apart.shape[0] * apart.shape[1], described)
