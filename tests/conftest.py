@@ -22,6 +22,14 @@ settings.register_profile(
 settings.load_profile("patient")
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Begin with the files that last long where processes share files: short ones fill the end."""
+    if hasattr(config, "workerinput"):
+        marks = ("slow", "browser")
+        slow = {item.path for item in items if any(map(item.get_closest_marker, marks))}
+        items.sort(key=lambda item: item.path not in slow)
+
+
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """Return the folder of real recordings beside the repository, or skip the test."""

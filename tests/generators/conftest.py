@@ -19,7 +19,7 @@ from motion.segment import EMOTIONS, Segment
 from tests.generators.amuse.small_networks import written_networks
 from tests.generators.diffsheg.small_network import written_network
 from tests.generators.s2ue.small_network import written_network as small_s2ue
-from training.threads import torch_threads
+from tests.support.short_training import short_training
 
 RATE = 16000
 
@@ -61,9 +61,8 @@ class ClipsInMemory:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def one_thread() -> Iterator[None]:
-    """Leave torch one thread: tests run beside each other, and threads would wait for threads."""
-    with torch_threads(1):
+def _short_training() -> Iterator[None]:
+    with short_training():
         yield
 
 

@@ -12,7 +12,7 @@ from sqlalchemy import create_engine, text
 
 from motion.errors import InputError
 from tests.support import throwaway_postgresql as module
-from tests.support.throwaway_postgresql import throwaway_postgresql
+from tests.support.throwaway_postgresql import ThrowawayPostgresql, throwaway_postgresql
 
 pytestmark = pytest.mark.skipif(
     module.programs() is None, reason="PostgreSQL (Debian's package) is not installed"
@@ -30,8 +30,9 @@ def run(url: str, *statements: str) -> list[int]:
     return found
 
 
-def test_what_was_committed_survives_a_killed_server() -> None:
-    with throwaway_postgresql() as server:
+def test_committed_rows_survive_a_killed_server_and_nothing_is_left_after_a_failure() -> None:
+    with pytest.raises(ZeroDivisionError), throwaway_postgresql() as server:
+        folder = server.folder
         run(server.url, "CREATE TABLE kept (n int)", "INSERT INTO kept VALUES (7)")
 
         server.kill()
@@ -41,28 +42,22 @@ def test_what_was_committed_survives_a_killed_server() -> None:
         assert run(
             server.url, "SELECT count(*) FROM pg_settings WHERE name = 'fsync' AND setting = 'on'"
         ) == [1]
-
-
-def test_a_copied_database_holds_what_its_template_holds_and_goes_its_own_way() -> None:
-    with throwaway_postgresql(durable=False) as server:
-        run(server.url, "CREATE TABLE kept (n int)", "INSERT INTO kept VALUES (7)")
-        copy = server.create_database("copy", template="motionjury")
-
-        run(copy, "INSERT INTO kept VALUES (8)")
-
-        assert run(copy, "SELECT n FROM kept ORDER BY n") == [7, 8]
-        assert run(server.url, "SELECT n FROM kept") == [7]
-        server.drop_database("copy")
-        assert run(server.url, "SELECT count(*) FROM pg_database WHERE datname = 'copy'") == [0]
-
-
-def test_nothing_is_left_after_a_failure() -> None:
-    with pytest.raises(ZeroDivisionError), throwaway_postgresql(durable=False) as server:
-        folder = server.folder
+        copies_go_their_own_way(server)
         _ = 1 / 0
 
     assert server.process.poll() is not None
     assert not folder.exists()
+
+
+def copies_go_their_own_way(server: ThrowawayPostgresql) -> None:
+    copy = server.create_database("copy", template="motionjury")
+
+    run(copy, "INSERT INTO kept VALUES (8)")
+
+    assert run(copy, "SELECT n FROM kept ORDER BY n") == [7, 8]
+    assert run(server.url, "SELECT n FROM kept") == [7]
+    server.drop_database("copy")
+    assert run(server.url, "SELECT count(*) FROM pg_database WHERE datname = 'copy'") == [0]
 
 
 PROGRAM = """

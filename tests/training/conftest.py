@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from training.threads import torch_threads
+from tests.support.short_training import short_training
 
 
 @pytest.fixture(scope="module", autouse=True)
-def one_thread() -> Iterator[None]:
-    """Leave torch one thread: tests run beside each other, and threads would wait for threads."""
-    with torch_threads(1):
+def _short_training() -> Iterator[None]:
+    with short_training():
         yield

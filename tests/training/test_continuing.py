@@ -38,9 +38,7 @@ def run(config: TrainingConfig, *stops: int) -> dict[str, bytes]:
             asked.remove(done)
             os.kill(os.getpid(), signal.SIGINT)
 
-    with tempfile.TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
-        # Drawing takes longer than all the rest, and test_loop has it.
-        patch.setattr("training.loop.draw_curves", lambda lines, path, kept: None)
+    with tempfile.TemporaryDirectory() as name:
         folder = RunFolder(Path(name))
         for _ in stops:
             with pytest.raises(TrainingStopped):

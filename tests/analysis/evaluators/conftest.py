@@ -13,14 +13,13 @@ from motion.body import read_body
 from motion.face_landmarks import FaceLandmarks
 from renderer.avatars import default_body
 from tests.analysis.evaluators.swinging import sources
+from tests.support.short_training import short_training
 from training.run_folder import RunFolder
-from training.threads import torch_threads
 
 
 @pytest.fixture(scope="package", autouse=True)
-def one_thread() -> Iterator[None]:
-    """Leave torch one thread: tests run beside each other, and threads would wait for threads."""
-    with torch_threads(1):
+def _short_training() -> Iterator[None]:
+    with short_training():
         yield
 
 
@@ -31,8 +30,8 @@ def trained(folder: Path, kind: str, channels: str, *, steps: int, **options: ob
         kind=kind, size="tiny", channels=channels, training=training, **options
     )
     out = folder / f"{kind}-{channels}.safetensors"
-    # A session's first file is made before `one_thread` holds, and bytes are compared with it.
-    with torch_threads(1):
+    # A session's first file is made before `_short_training` holds; bytes are compared with it.
+    with short_training():
         train_evaluator(request, sources(), out, RunFolder(out.with_suffix(".run")))
     return out
 

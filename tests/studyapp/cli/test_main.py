@@ -2,25 +2,40 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import click
 import pytest
 
+from motion.errors import InputError
 from studyapp.cli import main as front
 from studyapp.cli.main import group, main
 
+Refused = Callable[..., tuple[int, str]]
 
-def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    program = "from studyapp.cli.main import main; main()"
-    return subprocess.run(
-        [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False
-    )
+
+@pytest.fixture(name="refused")
+def _refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Refused:
+    """Return how a command line is refused: its exit status and what it says."""
+
+    def run(*arguments: str) -> tuple[int, str]:
+        monkeypatch.setattr(sys, "argv", ["motionjury", *arguments])
+        with pytest.raises(SystemExit) as left:
+            main()
+        said, error = capsys.readouterr()
+        assert said == ""
+        assert isinstance(left.value.code, int)
+        return left.value.code, error
+
+    return run
 
 
 def test_help_lists_every_command_with_one_sentence() -> None:
-    shown = run("--help")
-    assert shown.returncode == 0
+    program = "from studyapp.cli.main import main; main()"
+    shown = subprocess.run(
+        [sys.executable, "-c", program, "--help"], capture_output=True, text=True, check=True
+    )
     assert shown.stderr == ""
     context = click.Context(group)
     for name in group.list_commands(context):
@@ -36,33 +51,34 @@ def test_every_listed_command_is_there_under_its_name() -> None:
         assert command.help
 
 
-def test_an_unknown_command_is_refused() -> None:
-    assert run("dance").returncode == 2
+def test_an_unknown_command_is_refused(refused: Refused) -> None:
+    assert refused("dance")[0] == 2
 
 
-def test_bad_input_is_one_sentence_without_a_traceback(tmp_path: Path) -> None:
-    shown = run("check", str(tmp_path))
-    assert shown.returncode == 1
-    assert shown.stdout == ""
-    assert "study.toml is missing" in shown.stderr
-    assert "motionjury init" in shown.stderr
-    assert "Traceback" not in shown.stderr
+def test_bad_input_is_one_sentence_without_a_traceback(refused: Refused, tmp_path: Path) -> None:
+    status, said = refused("check", str(tmp_path))
+    assert status == 1
+    assert "study.toml is missing" in said
+    assert "motionjury init" in said
+    assert "Traceback" not in said
 
 
-def test_a_folder_in_the_place_of_a_file_is_one_sentence_too(tmp_path: Path) -> None:
+def test_a_folder_in_the_place_of_a_file_is_one_sentence_too(
+    refused: Refused, tmp_path: Path
+) -> None:
     (tmp_path / "study.toml").mkdir()
 
-    shown = run("check", str(tmp_path))
+    status, said = refused("check", str(tmp_path))
 
-    assert shown.returncode == 1
-    assert shown.stderr.startswith(f"Error: {tmp_path / 'study.toml'}: Is a directory.")
-    assert "Traceback" not in shown.stderr
+    assert status == 1
+    assert said.startswith(f"Error: {tmp_path / 'study.toml'}: Is a directory.")
+    assert "Traceback" not in said
 
 
-def test_debug_shows_where_it_happened(tmp_path: Path) -> None:
-    shown = run("--debug", "check", str(tmp_path))
-    assert shown.returncode != 0
-    assert "Traceback" in shown.stderr
+def test_debug_shows_where_it_happened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(sys, "argv", ["motionjury", "--debug", "check", str(tmp_path)])
+    with pytest.raises(InputError, match=r"study\.toml is missing"):
+        main()
 
 
 def test_an_interruption_says_how_to_go_on(
@@ -78,12 +94,12 @@ def test_an_interruption_says_how_to_go_on(
     assert "goes on where it stopped" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["init", "check", "serve", "export"])
-def test_light_commands_load_neither_networks_nor_graphics(command: str) -> None:
+def test_light_commands_load_neither_networks_nor_graphics() -> None:
     program = (
         "import sys\n"
         "from studyapp.cli.main import group\n"
-        f"group.get_command(None, {command!r})\n"
+        "for name in ('init', 'check', 'serve', 'export'):\n"
+        "    group.get_command(None, name)\n"
         "heavy = {'torch', 'pyrender', 'OpenGL', 'anny', 'matplotlib', 'librosa'}\n"
         "print(sorted(heavy & set(sys.modules)))\n"
     )

@@ -48,7 +48,7 @@ SPEECH = speech(3.3)
 
 
 @pytest.fixture(scope="module")
-def at_once(one_thread: None) -> SpeechFrames:
+def at_once(_short_training: None) -> SpeechFrames:
     """Return what comes of all speech at once, by as many threads as in the tests."""
     return streamed([SPEECH])
 

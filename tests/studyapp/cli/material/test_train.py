@@ -13,6 +13,7 @@ from analysis.evaluators.evaluator import load_evaluator
 from motion.formats import write_clip
 from studyapp.cli.main import group
 from tests.analysis.evaluators.swinging import SWINGS, swinging
+from tests.support.short_training import short_training
 from training.threads import torch_threads
 
 
@@ -54,6 +55,7 @@ def test_a_network_is_trained_and_damaged_files_are_counted(recorded: Path, tmp_
     assert (tmp_path / "new" / "m.run" / "curves.png").stat().st_size > 1000
 
 
+@short_training()
 def test_an_interrupted_training_says_what_is_saved_and_goes_on(
     recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -79,6 +81,7 @@ def test_an_interrupted_training_says_what_is_saved_and_goes_on(
     assert parts.read_bytes() == whole.read_bytes()
 
 
+@short_training()
 def test_a_network_that_learned_nothing_says_so(recorded: Path, tmp_path: Path) -> None:
     given = ("motion", "--data", recorded, "--config", "tiny", "--steps", 1, "--seed", 3)
     shown = run(*given, "--out", tmp_path / "m.safetensors")

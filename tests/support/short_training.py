@@ -1,0 +1,28 @@
+"""Trainings of a few steps, beside other tests, whose curves nobody looks at."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from training.run_log import LogLine
+from training.threads import torch_threads
+
+
+@contextmanager
+def short_training() -> Iterator[None]:
+    """Leave torch one thread, since threads would wait for other tests, and draw no curves.
+
+    Drawing takes longer than a few steps; what would be drawn is written instead.
+    """
+    with torch_threads(1), pytest.MonkeyPatch.context() as patch:
+        patch.setattr("training.loop.draw_curves", _write_lines)
+        yield
+
+
+def _write_lines(lines: Sequence[LogLine], path: Path, *, kept: int | None) -> None:
+    path.write_text(json.dumps([list(lines), kept]), encoding="utf-8")
