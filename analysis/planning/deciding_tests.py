@@ -105,7 +105,7 @@ class DecidingTests:
                     if self._near.get(test) is None:
                         self._near[test] = self._expected(sided, self.pairs[test])
                     fitted = net_preference(sided, self._near[test])
-                    found.p_values[study, test] = fitted.p
+                    found.p_values[study, test] = fitted.p_value
                     found.signs[study, test] = np.sign(fitted.estimate)
         return found
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Final
 
-from analysis.stats.clustered_mean import ClusteredMean
+from analysis.stats.clustered_mean import Estimate
 
 NO_BREAK: Final = "\u00a0"
 """A space at which no line is broken."""
@@ -39,16 +39,16 @@ def share(value: float) -> str:
     return sign + (text[1:] if text.startswith("0") else text)
 
 
-def interval(mean: ClusteredMean) -> str:
+def interval(mean: Estimate) -> str:
     """Return an interval, '[.55, .71]', or why there is none."""
     if mean.reason:
         return f"no interval: {mean.reason}"
     return f"[{share(mean.low)},{NO_BREAK}{share(mean.high)}]"
 
 
-def estimate(mean: ClusteredMean) -> str:
+def estimate(mean: Estimate) -> str:
     """Return an estimate with its interval, '.63 [.55, .71]'."""
-    if not mean.answers:
+    if not mean.n:
         return "– (no answers)"
     if mean.reason:
         return f"{share(mean.estimate)} ({interval(mean)})"

@@ -11,12 +11,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import codes
 from analysis.results.place import ConditionPlace, PairPlace
 from analysis.stats.effect_cells import Cell, cells
-from analysis.stats.heterogeneity import Between, between_groups, between_segments
+from analysis.stats.heterogeneity import between_groups, between_segments
 from analysis.stats.holm import holm
+from analysis.stats.min_f import FTest
 
 Floats = NDArray[np.float64]
 By = Literal["emotion", "speaker", "segment"]
@@ -25,46 +25,10 @@ KINDS: Final[tuple[By, ...]] = ("emotion", "speaker", "segment")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Within(Estimate):
-    """The effect within one emotion, speaker or segment.
+class DifferenceTest(FTest):
+    """Whether the levels differ at all; `p_holm` is corrected over all such tests of the report."""
 
-    Attributes
-    ----------
-    level : str
-        Which one.
-    descriptive : bool
-        Whether it rests on so few segments that it is described and not tested: it says nothing
-        about others of its kind, and `p` is NaN.
-    p_holm : float
-        `p`, corrected over all such tests of the report.
-    """
-
-    level: str
-    descriptive: bool
     p_holm: float = math.nan
-
-
-@dataclass(frozen=True, kw_only=True)
-class DifferenceTest:
-    """Whether the levels differ at all.
-
-    Attributes
-    ----------
-    f, df, df_rest, p : float
-        F with its degrees of freedom.
-    p_holm : float
-        `p`, corrected over all such tests of the report.
-    method, reason : str
-        Which test; why there is none.
-    """
-
-    f: float
-    df: float
-    df_rest: float
-    p: float
-    p_holm: float = math.nan
-    method: str
-    reason: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +43,7 @@ class Heterogeneity:
         The effect: share of wins, difference of paired ratings in scores, or mean rank.
     null : float
         The effect of none.
-    levels : tuple of Within
+    levels : tuple of Cell
         In the order of their names; those without answers are left out.
     test : DifferenceTest
         Whether they differ.
@@ -88,7 +52,7 @@ class Heterogeneity:
     by: By
     measure: str
     null: float
-    levels: tuple[Within, ...]
+    levels: tuple[Cell, ...]
     test: DifferenceTest
 
 
@@ -149,16 +113,16 @@ def heterogeneity(
             by=by,
             measure=measure,
             null=null,
-            levels=tuple(map(_within, sorted(found, key=lambda cell: cell.level))),
-            test=_test(test),
+            levels=tuple(sorted(found, key=lambda cell: cell.level)),
+            test=DifferenceTest(**vars(test)),
         )
 
 
 def corrected_tests(found: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity, ...]:
     """Return the results of a report, with Holm's correction of both kinds of tests."""
-    tests = holm([one.test.p for one in found])
+    tests = holm([one.test.p_value for one in found])
     # A cell that is only described is no member of the family.
-    own = iter(holm([w.p for one in found for w in one.levels if not w.descriptive]))
+    own = iter(holm([w.p_value for one in found for w in one.levels if not w.descriptive]))
     return tuple(
         replace(
             one,
@@ -166,26 +130,4 @@ def corrected_tests(found: Sequence[AnyHeterogeneity]) -> tuple[AnyHeterogeneity
             test=replace(one.test, p_holm=p),
         )
         for one, p in zip(found, tests, strict=True)
-    )
-
-
-def _within(cell: Cell) -> Within:
-    count = cell.mean.segments
-    untested = f"{count} segment{'s' * (count > 1)}: described, not tested"
-    remark = "; ".join(filter(None, (untested * cell.descriptive, cell.mean.remark)))
-    return Within(
-        **vars(estimate_of(replace(cell.mean, remark=remark))),
-        level=cell.level,
-        descriptive=cell.descriptive,
-    )
-
-
-def _test(found: Between) -> DifferenceTest:
-    return DifferenceTest(
-        f=found.statistic,
-        df=found.freedom,
-        df_rest=found.freedom_rest,
-        p=found.p_value,
-        method=found.method,
-        reason=found.reason,
     )

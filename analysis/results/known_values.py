@@ -7,13 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from analysis.results.estimate import Estimate
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
-from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.clustered_mean import LEVEL, Estimate
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 Sign = Literal["right", "wrong", "undecided", "equal"]
@@ -268,18 +267,12 @@ def _estimates(report: TableReport) -> Iterator[tuple[tuple[str, str, str, str],
             for rating in rated:
                 yield (
                     ("mean_rating", rating.condition, rating.set or "", rating.question),
-                    Found(
-                        estimate=rating.mean,
-                        low=rating.low,
-                        high=rating.high,
-                        participants=rating.participants,
-                        reason=rating.reason,
-                    ),
+                    _of(rating),
                 )
         case RankingResults(conditions=ranked):
             for one in ranked:
                 key = "mean_rank", one.condition, one.set or "", one.question
-                yield key, _of(one.mean_rank_interval)
+                yield key, _of(one.mean_rank)
 
 
 def _of(found: Estimate) -> Found:

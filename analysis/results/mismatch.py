@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of
-from analysis.results.estimate import Estimate
 from analysis.results.family import EVERYTHING, Family, Member
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
 from analysis.results.heterogeneity import (
@@ -23,6 +22,7 @@ from analysis.results.place import ConditionPlace
 from analysis.results.preference import Preference, left_share, preference, with_holm
 from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
+from analysis.stats.clustered_mean import Estimate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +94,7 @@ def mismatch_results(
                     conditions=(one.condition,),
                     set=one.set,
                     question=one.question,
-                    p=one.decision.p,
+                    p=one.decision.p_value,
                 )
                 for one in found
             ],

@@ -35,13 +35,13 @@ class NetPreference:
 
     Attributes
     ----------
-    estimate, se : float
+    estimate, standard_error : float
         Above 0 in favour of what is asked about.
-    p : float
+    p_value : float
         By the likelihood ratio.
     wald_p : float
         By the standard error.
-    loglik : float
+    log_likelihood : float
         By Laplace's approximation.
     sd_participant, sd_segment : float
         How much the preference differs between participants and between segments.
@@ -58,10 +58,10 @@ class NetPreference:
     """
 
     estimate: float = math.nan
-    se: float = math.nan
-    p: float = math.nan
+    standard_error: float = math.nan
+    p_value: float = math.nan
     wald_p: float = math.nan
-    loglik: float = math.nan
+    log_likelihood: float = math.nan
     sd_participant: float = math.nan
     sd_segment: float = math.nan
     thresholds: tuple[float, ...] = ()
@@ -144,10 +144,10 @@ def net_preference(answers: SidedAnswers, near: Expected | None = None) -> NetPr
     return replace(
         unknown,
         estimate=full.estimates["preference"],
-        se=full.standard_errors["preference"],
-        p=likelihood_ratio(full, reduced)[2] if reduced.converged else math.nan,
+        standard_error=full.standard_errors["preference"],
+        p_value=likelihood_ratio(full, reduced)[2] if reduced.converged else math.nan,
         wald_p=full.wald_p("preference"),
-        loglik=full.log_likelihood,
+        log_likelihood=full.log_likelihood,
         sd_participant=full.deviations["participant"],
         sd_segment=full.deviations["segment"],
         thresholds=full.thresholds,

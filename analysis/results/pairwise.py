@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 from analysis.answers.table import AnswerTable
 from analysis.answers.trial_kinds import ANALYSED_KINDS
 from analysis.results.agreement import Agreement, agreement_of
-from analysis.results.estimate import Estimate
 from analysis.results.family import EVERYTHING, Family, Member
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
-from analysis.results.margin import Equivalent, equivalent
 from analysis.results.place import PairPlace
 from analysis.results.preference import Preference, left_share, preference, with_holm
 from analysis.results.retest import TestRetest, retest_of
@@ -29,6 +27,8 @@ from analysis.results.strengths import (
     corrected_contrasts,
     strengths_of,
 )
+from analysis.stats.clustered_mean import Estimate
+from analysis.stats.equivalence import Equivalence, equivalence_of
 
 MOST_PAIRED: Final = 3
 """Conditions up to which single comparisons decide; of more, the strengths of all of them."""
@@ -37,6 +37,11 @@ MOST_PAIRED: Final = 3
 @dataclass(frozen=True, kw_only=True)
 class Comparison(Preference, PairPlace):
     """What is preferred; `Preference`'s one is a, its other is b."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equivalent(Equivalence, PairPlace):
+    """Whether a's win share is as near to one half as the margin."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,7 +106,9 @@ def pairwise_results(
     analysed = left_out.analysed
     found = _comparisons(table, left_out.exclusions)
     members = [
-        Member(conditions=(one.a, one.b), set=one.set, question=one.question, p=one.decision.p)
+        Member(
+            conditions=(one.a, one.b), set=one.set, question=one.question, p=one.decision.p_value
+        )
         for one in found
     ]
     comparisons = with_holm(found, members, family)
@@ -189,15 +196,8 @@ def _order(table: AnswerTable, one: PairPlace) -> tuple[int, int, int, int]:
 
 
 def _equivalent(one: Comparison, margin: float) -> Equivalent:
-    share = one.win_share
-    return equivalent(
-        share.estimate - 0.5,
-        share.se,
-        margin,
-        freedom=share.df,
-        reason=share.reason,
-        of=PairPlace(set=one.set, a=one.a, b=one.b, question=one.question),
-    )
+    found = equivalence_of(one.win_share, margin, null=0.5)
+    return Equivalent(set=one.set, a=one.a, b=one.b, question=one.question, **vars(found))
 
 
 def _side_bias(answers: pd.DataFrame) -> SideBias:

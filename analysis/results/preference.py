@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.answers.trial_kinds import ANALYSED_KINDS
-from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.family import Family, Member
 from analysis.results.grouping import codes, people
 from analysis.results.net_preference import NetPreference, net_preference
 from analysis.results.sided import SidedAnswers, sided
-from analysis.stats.clustered_mean import clustered_mean
+from analysis.stats.clustered_mean import Estimate, clustered_mean
 from analysis.stats.min_f import min_f
 from analysis.stats.participant_means import group_means
 from analysis.stats.pooled import pooled_tests
@@ -100,7 +99,7 @@ class Decision:
     estimate, low, high : float
         Of what decides, for the one: log-odds, a win share, or the share of participants who
         prefer it among those who prefer either; with its 95 % interval.
-    p, p_holm : float
+    p_value, p_holm : float
         Its test; corrected over the report's family, NaN outside of it.
     why : str
         Why the mixed model does not decide; empty where it does.
@@ -112,7 +111,7 @@ class Decision:
     estimate: float
     low: float
     high: float
-    p: float
+    p_value: float
     p_holm: float = math.nan
     why: str = ""
     reason: str = ""
@@ -225,31 +224,31 @@ def preference(
 
 def _decision(answers: SidedAnswers, net: NetPreference, share: Estimate) -> Decision:
     """Return the first of model, win share and sign test that there is."""
-    why = net.reason or (net.remark if math.isnan(net.p) else "")
+    why = net.reason or (net.remark if math.isnan(net.p_value) else "")
     if not why and min(share.participants, share.segments) < FEWEST:
         why = (
             f"with fewer than {FEWEST} participants or segments, the mixed model's likelihood "
             "ratio too often finds differences that are not there"
         )
     if not why:
-        reach = Z_95 * net.se
+        reach = Z_95 * net.standard_error
         return Decision(
             by="clmm",
             estimate=net.estimate,
             low=net.estimate - reach,
             high=net.estimate + reach,
-            p=net.p,
+            p_value=net.p_value,
         )
     of_share = Decision(
         by="win_share",
         estimate=share.estimate,
         low=share.low,
         high=share.high,
-        p=share.p,
+        p_value=share.p_value,
         why=why,
     )
     signs = sign_test(group_means(answers.towards.astype(np.float64), answers.participants))
-    if not math.isnan(share.p):
+    if not math.isnan(share.p_value):
         return of_share
     if share.participants < 2 or math.isnan(signs.p_value):
         return replace(of_share, reason=net.reason or share.reason)
@@ -258,22 +257,20 @@ def _decision(answers: SidedAnswers, net: NetPreference, share: Estimate) -> Dec
         estimate=signs.estimate,
         low=signs.low,
         high=signs.high,
-        p=signs.p_value,
+        p_value=signs.p_value,
         why=f"{why.rstrip('.')}; the win share has no interval: {share.reason}",
     )
 
 
 def win_share(answers: SidedAnswers) -> Estimate:
     """Return the share of wins, ties counting one half, tested against one half."""
-    return estimate_of(clustered_mean(answers.wins, answers.participants, answers.segments))
+    return clustered_mean(answers.wins, answers.participants, answers.segments)
 
 
 def left_share(answers: pd.DataFrame) -> Estimate:
     """Return the share of answers for the left side, ties counting one half."""
     left = (1 - np.sign(answers["value"].to_numpy() - 3)) / 2
-    return estimate_of(
-        clustered_mean(left, codes(answers, "participant"), codes(answers, "segment"))
-    )
+    return clustered_mean(left, codes(answers, "participant"), codes(answers, "segment"))
 
 
 def _robustness(answers: SidedAnswers) -> Robustness:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from analysis.answers.table import AnswerTable
-from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
     ByQuestion,
@@ -25,15 +23,7 @@ from analysis.results.heterogeneity import (
     heterogeneity,
 )
 from analysis.results.left_out import LeftOut
-from analysis.results.place import ConditionPlace
-from analysis.results.rank_tests import (
-    Concordance,
-    Friedman,
-    RankContrast,
-    concordance_of,
-    friedman_of,
-    posthoc_of,
-)
+from analysis.results.place import ConditionPlace, PairPlace
 from analysis.results.strengths import (
     RANKING,
     StrengthContrast,
@@ -41,35 +31,33 @@ from analysis.results.strengths import (
     corrected_contrasts,
     worths_of,
 )
-from analysis.stats.rankings.placements import Placements, placements
-from analysis.stats.rankings.summary import RankSummary, rank_summaries
+from analysis.stats.rankings.friedman import (
+    Friedman,
+    PairwiseRanks,
+    blocks_of_rankings,
+    compare_pairs,
+    friedman,
+)
+from analysis.stats.rankings.kendall_w import Concordance, kendall_w
+from analysis.stats.rankings.placements import (
+    Placements,
+    RankSummary,
+    placements,
+    rank_summaries,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
-class RankedCondition(ConditionPlace):
-    """Where a condition is placed.
+class RankedCondition(RankSummary, ConditionPlace):
+    """Where a condition is placed."""
 
-    Attributes
-    ----------
-    n : int
-        Rankings that place it.
-    mean_rank, first_share : float
-        1 is best; the share of rankings in which it is best, ties sharing one.
-    rank_percent : mapping of int to float
-        How often it has each place, in percent, ties spread over their places.
-    mean_rank_interval, first_share_interval : Estimate
-        The same with intervals clustered by participant and segment; p against what chance gives.
-    remark : str
-        What limits the numbers.
+
+@dataclass(frozen=True, kw_only=True)
+class RankContrast(PairwiseRanks, PairPlace):
+    """Whether two conditions are placed otherwise, after Friedman's test; secondary.
+
+    It rests on participants' mean ranks and takes the segments as the only ones of interest.
     """
-
-    n: int
-    mean_rank: float
-    first_share: float
-    rank_percent: Mapping[int, float]
-    mean_rank_interval: Estimate
-    first_share_interval: Estimate
-    remark: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,7 +112,7 @@ def ranking_results(
     }
     return RankingResults(
         conditions=tuple(
-            _condition(set_name(table, name), question, one)
+            RankedCondition(set=set_name(table, name), question=question, **vars(one))
             for (name, question), given in placed.items()
             for one in rank_summaries(given)
         ),
@@ -132,12 +120,14 @@ def ranking_results(
         contrasts=corrected_contrasts(
             [one for _, contrasts in fitted.values() for one in contrasts], family
         ),
-        kendall_w=nested(table, {place: concordance_of(given) for place, given in placed.items()}),
-        friedman=nested(table, {place: friedman_of(given) for place, given in placed.items()}),
+        kendall_w=nested(table, {place: concordance(given) for place, given in placed.items()}),
+        friedman=nested(
+            table, {place: friedman(blocks_of_rankings(given)) for place, given in placed.items()}
+        ),
         posthoc=tuple(
-            one
+            RankContrast(set=set_name(table, name), question=question, **vars(pair))
             for (name, question), given in placed.items()
-            for one in posthoc_of(given, set_name(table, name), question)
+            for pair in compare_pairs(blocks_of_rankings(given))
         ),
         heterogeneity=corrected_tests(_heterogeneity(table, analysed)),
     )
@@ -173,16 +163,6 @@ def placements_of(answers: pd.DataFrame) -> Placements:
     return placements(answers.rename(columns={"value": "rank"}), shown_conditions(answers))
 
 
-def _condition(of: str | None, question: str, found: RankSummary) -> RankedCondition:
-    return RankedCondition(
-        set=of,
-        condition=found.condition,
-        question=question,
-        n=found.rankings,
-        mean_rank=found.mean_rank.estimate,
-        first_share=found.first_share.estimate,
-        rank_percent=dict(enumerate(found.rank_percent, start=1)),
-        mean_rank_interval=estimate_of(found.mean_rank),
-        first_share_interval=estimate_of(found.first_share),
-        remark=found.remark,
-    )
+def concordance(given: Placements) -> Concordance:
+    """Return how far participants agree, of several rankings of a segment by their mean."""
+    return kendall_w(given.averaged())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -16,7 +16,6 @@ from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
-from analysis.results.margin import RatedEquivalent, margin_test, within_margin
 from analysis.results.place import ConditionPlace, PairPlace
 from analysis.results.rating_contrasts import (
     RatingContrast,
@@ -26,41 +25,27 @@ from analysis.results.rating_contrasts import (
 )
 from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
 from analysis.results.retest import TestRetest, retest_of
-from analysis.stats.equivalence import equivalence_of_means
+from analysis.stats.equivalence import Equivalence, equivalence_of, equivalence_of_means
 from analysis.stats.rating_table import RatingSummary, rating_table
 
 
 @dataclass(frozen=True, kw_only=True)
-class RatedCondition(ConditionPlace):
-    """How a condition was rated.
+class RatedCondition(RatingSummary, ConditionPlace):
+    """How a condition was rated."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RatedEquivalent(Equivalence, PairPlace):
+    """Equivalence by participants' means, which takes the segments as the only ones.
 
     Attributes
     ----------
-    n : int
-        Ratings.
-    mean, sd : float
-        Of the single ratings.
-    low, high : float
-        95 % interval of the mean, clustered by participant and segment.
-    counts, at_least : mapping of int to number
-        How often each score was given; how many percent are that score or a higher one.
-    participants, segments : int
-        What it rests on.
-    method, reason : str
-        Which variance was used; why there is no interval.
+    two_way : Equivalence
+        Of the mean difference of paired ratings, for which segments are a sample too; the
+        headline.
     """
 
-    n: int
-    mean: float
-    sd: float
-    low: float
-    high: float
-    counts: Mapping[int, int]
-    at_least: Mapping[int, float]
-    participants: int
-    segments: int
-    method: str
-    reason: str
+    two_way: Equivalence
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +105,7 @@ def rating_results(
         of = set_name(table, name)
         models[name, question] = rating_model(answers, shown)
         conditions += [
-            _condition(of, question, one)
+            RatedCondition(set=of, question=question, **vars(one))
             for one in rating_table(answers, shown, scores_of(table), limits_of(table, question))
         ]
         differences += rating_contrasts(of, question, answers, shown, models[name, question])
@@ -160,25 +145,6 @@ def limits_of(table: AnswerTable, question: str) -> tuple[float, float]:
     return table.scales.get(question, (-math.inf, math.inf))
 
 
-def _condition(of: str | None, question: str, found: RatingSummary) -> RatedCondition:
-    return RatedCondition(
-        set=of,
-        condition=found.condition,
-        question=question,
-        n=found.mean.answers,
-        mean=found.mean.estimate,
-        sd=found.sd,
-        low=found.mean.low,
-        high=found.mean.high,
-        counts=found.counts,
-        at_least=found.at_least,
-        participants=found.mean.participants,
-        segments=found.mean.segments,
-        method=found.mean.method,
-        reason=found.mean.reason,
-    )
-
-
 def _equivalents(
     answers: pd.DataFrame, contrasts: Sequence[RatingContrast], margin: float
 ) -> list[RatedEquivalent]:
@@ -189,10 +155,15 @@ def _equivalents(
     found = []
     for one in contrasts:
         differences = (means[one.a] - means[one.b]).dropna().to_numpy(np.float64)
-        place = PairPlace(set=one.set, a=one.a, b=one.b, question=one.question)
-        by_person = within_margin(equivalence_of_means(differences, margin), place)
         found.append(
-            RatedEquivalent(**vars(by_person), two_way=margin_test(one.difference, margin))
+            RatedEquivalent(
+                set=one.set,
+                a=one.a,
+                b=one.b,
+                question=one.question,
+                **vars(equivalence_of_means(differences, margin)),
+                two_way=equivalence_of(one.difference, margin),
+            )
         )
     return found
 

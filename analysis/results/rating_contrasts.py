@@ -10,38 +10,13 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.family import Family, Member
 from analysis.results.grouping import codes
 from analysis.results.place import PairPlace
 from analysis.results.rating_model import RatingModel
 from analysis.stats.cliffs_delta import cliffs_delta
+from analysis.stats.clustered_mean import Estimate
 from analysis.stats.rating_differences import RatedCells, mean_differences, rated_cells
-
-
-@dataclass(frozen=True, kw_only=True)
-class Dominance:
-    """Cliff's delta: how often a is rated higher minus how often lower, in [-1, 1].
-
-    Attributes
-    ----------
-    estimate, low, high, se : float
-        With its clustered 95 % interval; NaN where there is none.
-    n, participants, segments : int
-        Ratings of both conditions, and who gave them about what.
-    method, reason : str
-        Which variance was used; why a number is missing.
-    """
-
-    estimate: float
-    low: float
-    high: float
-    se: float
-    n: int
-    participants: int
-    segments: int
-    method: str
-    reason: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +26,7 @@ class RatedDifference(Estimate):
     Attributes
     ----------
     p_holm : float
-        `p`, corrected over the report's family; NaN outside of it.
+        `p_value`, corrected over the report's family; NaN outside of it.
     """
 
     p_holm: float = math.nan
@@ -67,7 +42,7 @@ class RatingContrast(PairPlace):
         Mean difference of paired ratings; the headline.
     log_odds, odds_ratio : float
         Of a better rating for a than for b in the mixed model, which describes and does not test.
-    cliffs_delta : Dominance
+    cliffs_delta : Estimate
         How far the ratings lie apart.
     remark : str
         Why there are no log-odds, or what limits them.
@@ -76,7 +51,7 @@ class RatingContrast(PairPlace):
     difference: RatedDifference
     log_odds: float
     odds_ratio: float
-    cliffs_delta: Dominance
+    cliffs_delta: Estimate
     remark: str
 
 
@@ -120,7 +95,9 @@ def rating_contrasts(
 def with_holm(found: Sequence[RatingContrast], family: Family) -> tuple[RatingContrast, ...]:
     """Return the contrasts of a report, their tests corrected over its family."""
     members = [
-        Member(conditions=(one.a, one.b), set=one.set, question=one.question, p=one.difference.p)
+        Member(
+            conditions=(one.a, one.b), set=one.set, question=one.question, p=one.difference.p_value
+        )
         for one in found
     ]
     return tuple(
@@ -153,28 +130,17 @@ def _differences(
 ) -> dict[tuple[str, str], RatedDifference]:
     cells = rated_cells_of(answers, len(shown))
     return {
-        (shown[a], shown[b]): RatedDifference(**vars(estimate_of(found)))
+        (shown[a], shown[b]): RatedDifference(**vars(found))
         for (a, b), found in mean_differences(cells).items()
     }
 
 
-def _dominance(answers: pd.DataFrame, a: str, b: str) -> Dominance:
+def _dominance(answers: pd.DataFrame, a: str, b: str) -> Estimate:
     names = answers["condition"].to_numpy(object)
     two = answers[(names == a) | (names == b)]
-    found = cliffs_delta(
+    return cliffs_delta(
         two["value"].to_numpy(np.float64),
         two["condition"].to_numpy(object) == a,
         codes(two, "participant"),
         codes(two, "segment"),
-    )
-    return Dominance(
-        estimate=found.estimate,
-        low=found.low,
-        high=found.high,
-        se=found.standard_error,
-        n=found.first + found.second,
-        participants=found.participants,
-        segments=found.segments,
-        method=found.method,
-        reason=found.reason,
     )

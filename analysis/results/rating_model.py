@@ -31,7 +31,7 @@ class RatingModel:
         The condition whose effect is zero.
     estimates : mapping of condition to float
         Above zero where a condition is rated better than the reference.
-    loglik : float
+    log_likelihood : float
         By Laplace's approximation.
     sd_participant, sd_segment : float
         How much ratings differ between participants and between segments.
@@ -47,7 +47,7 @@ class RatingModel:
 
     reference: str = ""
     estimates: Mapping[str, float]
-    loglik: float = math.nan
+    log_likelihood: float = math.nan
     sd_participant: float = math.nan
     sd_segment: float = math.nan
     thresholds: tuple[float, ...] = ()
@@ -92,7 +92,7 @@ def rating_model(answers: pd.DataFrame, shown: tuple[str, ...]) -> RatingModel:
     return replace(
         unknown,
         estimates={shown[0]: 0.0, **found.estimates},
-        loglik=found.log_likelihood,
+        log_likelihood=found.log_likelihood,
         sd_participant=found.deviations["participant"],
         sd_segment=found.deviations["segment"],
         thresholds=found.thresholds,

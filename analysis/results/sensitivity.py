@@ -17,11 +17,10 @@ from analysis.results.grouping import codes, parts, set_name
 from analysis.results.left_out import LeftOut
 from analysis.results.rating import limits_of
 from analysis.results.sided import sided
-from analysis.stats.clustered_mean import ClusteredMean, clustered_mean
-from analysis.stats.rankings.placements import placements
-from analysis.stats.rankings.summary import rank_summaries
+from analysis.stats.clustered_mean import Estimate, clustered_mean
+from analysis.stats.rankings.placements import placements, rank_summaries
 
-Means = Iterator[tuple[tuple[str, ...], ClusteredMean]]
+Means = Iterator[tuple[tuple[str, ...], Estimate]]
 """Conditions, and their number."""
 
 Key = tuple[str, str, tuple[str, ...]]
@@ -186,7 +185,7 @@ def _by_condition(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[s
         yield table.conditions[place], answers[shown == place]
 
 
-def _wins(answers: pd.DataFrame, on_right: NDArray[np.bool_]) -> ClusteredMean:
+def _wins(answers: pd.DataFrame, on_right: NDArray[np.bool_]) -> Estimate:
     found = sided(answers, on_right)
     return clustered_mean(found.wins, found.participants, found.segments)
 
@@ -205,9 +204,9 @@ _NOBODY: Final = Number(
 )
 
 
-def _number(mean: ClusteredMean) -> Number:
+def _number(mean: Estimate) -> Number:
     return Number(
-        n=mean.answers,
+        n=mean.n,
         participants=mean.participants,
         estimate=mean.estimate,
         low=mean.low,

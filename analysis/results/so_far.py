@@ -17,18 +17,17 @@ import pandas as pd
 
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement
-from analysis.results.estimate import Estimate, estimate_of
 from analysis.results.grouping import codes, parts, set_name, shown_conditions
 from analysis.results.left_out import LeftOut
 from analysis.results.mismatch import mismatch_agreement, mismatch_retest, own_on_right
 from analysis.results.pairwise import pairwise_agreement, pairwise_retest
 from analysis.results.preference import win_share
-from analysis.results.rank_tests import concordance_of
-from analysis.results.ranking import placements_of
+from analysis.results.ranking import concordance, placements_of
 from analysis.results.rating import limits_of, rating_agreement, rating_retest, scores_of
 from analysis.results.retest import TestRetest
 from analysis.results.sided import sided
-from analysis.stats.rankings.summary import rank_summaries
+from analysis.stats.clustered_mean import Estimate
+from analysis.stats.rankings.placements import rank_summaries
 from analysis.stats.rating_table import rating_table
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
@@ -150,12 +149,12 @@ def _agreed(of: str | None, question: str, found: Agreement, retest: TestRetest)
 
 def _concordance(of: str | None, question: str, answers: pd.DataFrame) -> AgreedSoFar:
     given = placements_of(answers)
-    found = concordance_of(given)
+    found = concordance(given)
     return AgreedSoFar(
         set=of,
         question=question,
         measure="w",
-        estimate=found.mean,
+        estimate=found.estimate,
         low=found.low,
         high=found.high,
         answers=len(given.ranks),
@@ -203,7 +202,7 @@ def _rated(
 ) -> Iterator[EstimateSoFar]:
     scores, limits = scores_of(table), limits_of(table, question)
     for one in rating_table(answers, shown_conditions(answers), scores, limits):
-        yield _number(of, question, (one.condition, ""), "mean_rating", estimate_of(one.mean))
+        yield _number(of, question, (one.condition, ""), "mean_rating", one)
 
 
 def _ranked(
@@ -211,7 +210,7 @@ def _ranked(
 ) -> Iterator[EstimateSoFar]:
     del table
     for one in rank_summaries(placements_of(answers)):
-        yield _number(of, question, (one.condition, ""), "mean_rank", estimate_of(one.mean_rank))
+        yield _number(of, question, (one.condition, ""), "mean_rank", one.mean_rank)
 
 
 def _number(

@@ -17,10 +17,11 @@ from analysis.results.family import Family, Member
 from analysis.results.grouping import codes, shown_conditions
 from analysis.results.place import PairPlace
 from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.min_f import FTest
 from analysis.stats.participant_means import group_means
 from analysis.stats.sign_test import sign_test
 from analysis.stats.strengths.bradley_terry import BradleyTerry, bradley_terry
-from analysis.stats.strengths.contrasts import Omnibus, difference_tests, omnibus, rank_intervals
+from analysis.stats.strengths.contrasts import difference_tests, omnibus, rank_intervals
 from analysis.stats.strengths.plackett_luce import PlackettLuce, plackett_luce
 from analysis.stats.strengths.votes import Votes
 
@@ -67,9 +68,9 @@ class Standings:
         a condition is unbeaten.
     ranks : mapping of condition to RankInterval
         At 95 %, all together; empty where nothing is known.
-    omnibus : Omnibus
+    omnibus : FTest
         Whether conditions differ at all.
-    loglik : float
+    log_likelihood : float
         At the estimates.
     n, participants, segments : int
         What it rests on.
@@ -84,8 +85,8 @@ class Standings:
     low: Mapping[str, float]
     high: Mapping[str, float]
     ranks: Mapping[str, RankInterval]
-    omnibus: Omnibus
-    loglik: float
+    omnibus: FTest
+    log_likelihood: float
     n: int
     participants: int
     segments: int
@@ -137,9 +138,9 @@ class StrengthContrast(PairPlace):
 
     Attributes
     ----------
-    difference, low, high, se, df : float
+    estimate, low, high, standard_error, df : float
         In logits, with its two-way clustered 95 % interval.
-    p, p_holm : float
+    p_value, p_holm : float
         Of there being no difference; corrected over the report's family, NaN outside of it.
     by : {'wald', 'sign'}
         The difference by its error, or the sign test of participants where one never lost.
@@ -147,12 +148,12 @@ class StrengthContrast(PairPlace):
         What limits the result; why there is no test.
     """
 
-    difference: float
+    estimate: float
     low: float = math.nan
     high: float = math.nan
-    se: float = math.nan
+    standard_error: float = math.nan
     df: float = math.nan
-    p: float = math.nan
+    p_value: float = math.nan
     p_holm: float = math.nan
     by: Literal["wald", "sign"] = "wald"
     remark: str = ""
@@ -233,7 +234,7 @@ def corrected_contrasts(
 ) -> tuple[StrengthContrast, ...]:
     """Return the contrasts of a report, corrected over the family that it declares."""
     members = [
-        Member(conditions=(one.a, one.b), set=one.set, question=one.question, p=one.p)
+        Member(conditions=(one.a, one.b), set=one.set, question=one.question, p=one.p_value)
         for one in found
     ]
     return tuple(
@@ -309,7 +310,7 @@ def _standings(
             for name, (best, worst) in zip(names, ranks, strict=False)
         },
         omnibus=_omnibus(strengths, found),
-        loglik=math.nan if found.reason else found.log_likelihood,
+        log_likelihood=math.nan if found.reason else found.log_likelihood,
         n=answers,
         participants=found.participants,
         segments=segments,
@@ -319,11 +320,11 @@ def _standings(
     )
 
 
-def _omnibus(strengths: Floats, found: BradleyTerry | PlackettLuce) -> Omnibus:
+def _omnibus(strengths: Floats, found: BradleyTerry | PlackettLuce) -> FTest:
     if found.reason or found.two_way is None:
-        return Omnibus(reason=found.reason or found.remark)
+        return FTest(reason=found.reason or found.remark)
     if found.swept:
-        return Omnibus(reason=found.swept)
+        return FTest(reason=found.swept)
     return omnibus(strengths, found.two_way)
 
 
@@ -340,7 +341,7 @@ def _contrasts(
             a=found.conditions[a],
             b=found.conditions[b],
             question=question,
-            difference=math.nan if found.reason else float(strengths[a] - strengths[b]),
+            estimate=math.nan if found.reason else float(strengths[a] - strengths[b]),
             **_tested(float(strengths[a] - strengths[b]), found, float(p_values[a, b]), (a, b)),
         )
         for a, b in combinations(range(len(strengths)), 2)
@@ -355,7 +356,7 @@ def _tested(
         return {"reason": found.reason or found.remark}
     if found.tiers[pair[0]] != found.tiers[pair[1]]:
         reason = NEVER_MET if math.isnan(p) else ""
-        return {"p": p, "by": "sign", "remark": SWEPT, "reason": reason}
+        return {"p_value": p, "by": "sign", "remark": SWEPT, "reason": reason}
     error, freedom = found.two_way.differences[pair], found.two_way.difference_freedoms[pair]
     if math.isnan(error):
         return {"reason": LEANS_ON_ONE}
@@ -363,9 +364,9 @@ def _tested(
     return {
         "low": difference - reach,
         "high": difference + reach,
-        "se": float(error),
+        "standard_error": float(error),
         "df": float(freedom),
-        "p": p,
+        "p_value": p,
     }
 
 

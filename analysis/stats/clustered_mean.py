@@ -15,49 +15,75 @@ from analysis.stats.clustered_variance import clustered_variance, freedom_of
 LEVEL: Final = 0.95
 """Confidence level of every interval in the report."""
 
+UNTESTED: Final = "described, not tested"
+
 EVEN: Final = 0.5
 """Share of the degrees of freedom of equally busy participants below which the report warns."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ClusteredMean:
-    """A mean of answers, its interval and its test.
+class Estimate:
+    """An estimate, its interval and its test; what there is none of is NaN.
 
     Attributes
     ----------
     estimate : float
-        Mean of the values; NaN without any.
-    standard_error : float
-        Clustered standard error; NaN where it cannot be estimated.
+        A mean, a share or a difference.
     low, high : float
-        Ends of the interval at `LEVEL`, cut to where values can lie; NaN where there is none.
+        Ends of the interval at `LEVEL`, cut to where values can lie.
+    standard_error : float
+        Clustered by participant and segment.
     p_value : float
-        Two-sided p of the mean being `null`; NaN where there is no standard error.
-    answers, participants, segments : int
-        What the estimate rests on.
-    freedom : float
-        Degrees of freedom of the standard error; NaN where there is none.
+        Two-sided p of there being no effect.
+    n, participants, segments : int
+        Answers, and who gave them about what.
+    df : float
+        Degrees of freedom of the standard error.
     method : str
         Which variance was used; empty where there is none.
     remark : str
-        What limits the estimate: that one participant weighs much more than the others, and how
-        far it moves without any one of them.
+        What limits the estimate, such as one participant who weighs much more than the others.
     reason : str
         Why there is no interval; empty where there is one.
     """
 
-    estimate: float
-    standard_error: float
-    low: float
-    high: float
-    p_value: float
-    answers: int
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    standard_error: float = math.nan
+    p_value: float = math.nan
+    n: int
     participants: int
     segments: int
-    freedom: float = math.nan
+    df: float = math.nan
     method: str = ""
     remark: str = ""
     reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Clusters:
+    """Who gave each answer, and which segment it is about, as numbers from 0."""
+
+    participants: NDArray[np.intp]
+    segments: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, participants: NDArray[np.generic], segments: NDArray[np.generic]) -> Clusters:
+        """Return names of participants and segments as numbers, shape (N,)."""
+        return cls(
+            np.unique(participants, return_inverse=True)[1],
+            np.unique(segments, return_inverse=True)[1],
+        )
+
+    def unknown(self, reason: str = "") -> Estimate:
+        """Return an estimate that is not there."""
+        return Estimate(
+            n=len(self.participants),
+            participants=int(self.participants.max(initial=-1)) + 1,
+            segments=int(self.segments.max(initial=-1)) + 1,
+            reason=reason,
+        )
 
 
 def clustered_mean(
@@ -67,7 +93,7 @@ def clustered_mean(
     *,
     null: float = 0.5,
     limits: tuple[float, float] = (0.0, 1.0),
-) -> ClusteredMean:
+) -> Estimate:
     """Return the mean of `values` with an interval clustered by participant and segment.
 
     Variance and degrees of freedom are those of `clustered_variance`: of one segment, the
@@ -80,43 +106,58 @@ def clustered_mean(
     participants, segments : ndarray, shape (N,)
         Who gave the answer, and which segment it is about.
     null : float
-        Mean under the hypothesis that is tested.
+        Mean under the hypothesis that is tested; NaN for no test.
     limits : tuple of float
         The least and the greatest value that an answer can have.
 
     Returns
     -------
-    ClusteredMean
+    Estimate
         Without an interval, and with the reason, where there are no answers, one participant, or
         all answers alike.
     """
-    people = np.unique(participants, return_inverse=True)[1]
-    items = np.unique(segments, return_inverse=True)[1]
-    unknown = ClusteredMean(
-        estimate=float(np.mean(values)) if len(values) else math.nan,
-        standard_error=math.nan,
-        low=math.nan,
-        high=math.nan,
-        p_value=math.nan,
-        answers=len(values),
-        participants=int(people.max(initial=-1)) + 1,
-        segments=int(items.max(initial=-1)) + 1,
-    )
+    clusters = Clusters.of(participants, segments)
+    unknown = clusters.unknown()
+    if len(values):
+        unknown = replace(unknown, estimate=float(np.mean(values)))
     reason = _why_no_interval(values, unknown.participants)
     if reason:
         return replace(unknown, reason=reason)
-    found = clustered_variance((values - unknown.estimate) / len(values), people, items)
-    error, law = math.sqrt(found.variance), stats.t(found.freedom)
+    influences = (values - unknown.estimate) / len(values)
+    found = with_interval(unknown, influences, clusters, null=null)
+    return replace(
+        found,
+        low=max(limits[0], found.low),
+        high=min(limits[1], found.high),
+        remark="; ".join(
+            filter(None, (UNTESTED * math.isnan(null), _unequal(values, clusters.participants)))
+        ),
+    )
+
+
+def with_interval(
+    found: Estimate,
+    influences: NDArray[np.float64],
+    clusters: Clusters,
+    *,
+    weights: NDArray[np.float64] | None = None,
+    null: float = 0.0,
+) -> Estimate:
+    """Return an estimate with its clustered interval, and its test against `null`.
+
+    `influences` and `weights` are those of `clustered_variance`.
+    """
+    variance = clustered_variance(influences, clusters.participants, clusters.segments, weights)
+    error, law = math.sqrt(variance.variance), stats.t(variance.df)
     margin = float(law.ppf((1 + LEVEL) / 2)) * error
     return replace(
-        unknown,
+        found,
         standard_error=error,
-        low=max(limits[0], unknown.estimate - margin),
-        high=min(limits[1], unknown.estimate + margin),
-        p_value=float(2 * law.sf(abs(unknown.estimate - null) / error)),
-        freedom=found.freedom,
-        method=found.method,
-        remark=_unequal(values, people),
+        low=found.estimate - margin,
+        high=found.estimate + margin,
+        p_value=float(2 * law.sf(abs(found.estimate - null) / error)),
+        df=variance.df,
+        method=variance.method,
     )
 
 

@@ -26,7 +26,7 @@ class ClusteredVariance:
     ----------
     variance : float
         Of the estimate; NaN where one group bears all of it.
-    freedom : float
+    df : float
         Satterthwaite's degrees of freedom of the variance: of equal groups one less than there
         are, and fewer where some groups weigh more than others.
     method : str
@@ -34,7 +34,7 @@ class ClusteredVariance:
     """
 
     variance: float
-    freedom: float
+    df: float
     method: str
 
 
@@ -65,7 +65,7 @@ def clustered_variance(
     """
     by_participant, of_people = _way(influences, participants, weights)
     if not segments.any():
-        return ClusteredVariance(variance=by_participant, freedom=of_people, method=ONE_SEGMENT)
+        return ClusteredVariance(variance=by_participant, df=of_people, method=ONE_SEGMENT)
     by_segment, of_segments = _way(influences, segments, weights)
     cells = np.unique(participants * (int(segments.max()) + 1) + segments, return_inverse=True)[1]
     by_cell, _ = _way(influences, cells, weights)
@@ -76,7 +76,7 @@ def clustered_variance(
         float(influences @ influences),
         answers=len(influences),
     )
-    return ClusteredVariance(variance=variance, freedom=min(of_people, of_segments), method=method)
+    return ClusteredVariance(variance=variance, df=min(of_people, of_segments), method=method)
 
 
 def larger_variance(

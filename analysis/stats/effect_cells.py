@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.stats.clustered_mean import ClusteredMean, clustered_mean
+from analysis.stats.clustered_mean import UNTESTED, Estimate, clustered_mean
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
@@ -20,22 +20,23 @@ FEW: Final = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
+class Cell(Estimate):
     """The effect within one emotion, segment or speaker.
 
     Attributes
     ----------
     level : str
         Which one.
-    mean : ClusteredMean
-        The effect; its p is NaN where `descriptive`.
     descriptive : bool
-        Whether it rests on so few segments that it says nothing about others of its kind.
+        Whether it rests on so few segments that it is described and not tested: it says nothing
+        about others of its kind, and `p_value` is NaN.
+    p_holm : float
+        `p_value`, corrected over all such tests of a report.
     """
 
     level: str
-    mean: ClusteredMean
     descriptive: bool
+    p_holm: float = math.nan
 
 
 def cells(
@@ -86,8 +87,10 @@ def _cell(
     null: float,
     limits: tuple[float, float],
 ) -> Cell:
-    count = len(np.unique(segments))
     mean = clustered_mean(values, participants, segments, null=null, limits=limits)
-    if count <= FEW:
-        mean = replace(mean, p_value=math.nan)
-    return Cell(level=name, mean=mean, descriptive=count <= FEW)
+    count = mean.segments
+    if descriptive := count <= FEW:
+        untested = f"{count} segment{'s' * (count > 1)}: {UNTESTED}"
+        remark = "; ".join(filter(None, (untested, mean.remark)))
+        mean = replace(mean, p_value=math.nan, remark=remark)
+    return Cell(**vars(mean), level=name, descriptive=descriptive)

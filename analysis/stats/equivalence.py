@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.stats.clustered_mean import Estimate
 from analysis.stats.finite import finite
 from analysis.stats.tied_ranks import ROUNDING
 from motion.errors import InputError
@@ -30,14 +31,14 @@ class Equivalence:
 
     Attributes
     ----------
-    estimate, standard_error : float
-        The difference and its error; NaN where they are unknown.
-    freedom : float
-        Degrees of freedom of the error; infinite for a normal one.
-    lower_margin, upper_margin : float
-        Differences between them do not matter: stated before the data were seen.
+    margin : float
+        A difference up to it does not matter: stated before the data were seen.
+    estimate : float
+        The difference; NaN where it is unknown.
     low, high : float
-        90 % interval; the conditions are equivalent where it lies within the margins.
+        90 % interval; the conditions are equivalent where it lies within the margin.
+    standard_error, df : float
+        Of the difference; infinite degrees of freedom for a normal one.
     p_value : float
         Larger one of the two one-sided p values; NaN where there is no test.
     p_difference : float
@@ -54,28 +55,22 @@ class Equivalence:
         Why there is no test; empty where there is one.
     """
 
+    margin: float
     estimate: float
+    low: float = math.nan
+    high: float = math.nan
     standard_error: float
-    freedom: float
-    lower_margin: float
-    upper_margin: float
-    low: float
-    high: float
-    p_value: float
-    p_difference: float
-    verdict: Verdict
+    df: float
+    p_value: float = math.nan
+    p_difference: float = math.nan
+    verdict: Verdict = "unknown"
     n: int = 0
     method: str = ""
     reason: str = ""
 
 
 def equivalence(
-    estimate: float,
-    standard_error: float,
-    margin: float | tuple[float, float],
-    *,
-    freedom: float = math.inf,
-    n: int = 0,
+    estimate: float, standard_error: float, margin: float, *, df: float = math.inf, n: int = 0
 ) -> Equivalence:
     """Test whether a difference lies within a margin (Schuirmann 1987).
 
@@ -83,9 +78,9 @@ def equivalence(
     ----------
     estimate, standard_error : float
         A difference, 0 for none, and its error: of means, log-odds, a win share minus one half.
-    margin : float or (float, float)
-        Largest difference that does not matter, in the unit of `estimate`, or the two ends.
-    freedom : float
+    margin : float
+        Largest difference that does not matter, in the unit of `estimate`.
+    df : float
         Degrees of freedom of the error.
     n : int
         Independent units that the estimate rests on, for the result.
@@ -93,37 +88,20 @@ def equivalence(
     Raises
     ------
     InputError
-        If the margins do not lie on both sides of zero.
+        If the margin is not above zero, or infinite.
     """
-    lower, upper = (-margin, margin) if isinstance(margin, float | int) else margin
-    if not -math.inf < lower < 0 < upper < math.inf:
-        raise InputError(
-            f"the margin of equivalence from {lower:g} to {upper:g} does not enclose zero",
-            remedy="State the largest difference that does not matter, above zero",
-        )
-    found = Equivalence(
-        estimate=estimate,
-        standard_error=standard_error,
-        freedom=freedom,
-        lower_margin=lower,
-        upper_margin=upper,
-        low=math.nan,
-        high=math.nan,
-        p_value=math.nan,
-        p_difference=math.nan,
-        verdict="unknown",
-        n=n,
-    )
+    require_margin(margin)
+    found = Equivalence(margin=margin, estimate=estimate, standard_error=standard_error, df=df, n=n)
     if not math.isfinite(estimate):
         return replace(found, reason="the difference is unknown")
     if not (math.isfinite(standard_error) and standard_error > 0):
         return replace(found, reason="the difference has no standard error")
-    if not freedom > 0:
+    if not df > 0:
         return replace(found, reason="the error has no degrees of freedom")
-    law = stats.t(freedom)
+    law = stats.t(df)
     reach = float(law.ppf(1 - LEVEL)) * standard_error
-    above = float(law.sf((estimate - lower) / standard_error))
-    below = float(law.cdf((estimate - upper) / standard_error))
+    above = float(law.sf((estimate + margin) / standard_error))
+    below = float(law.cdf((estimate - margin) / standard_error))
     p_difference = float(2 * law.sf(abs(estimate) / standard_error))
     return replace(
         found,
@@ -132,18 +110,43 @@ def equivalence(
         p_value=max(above, below),
         p_difference=p_difference,
         verdict=_verdict(max(above, below) < LEVEL, p_difference < LEVEL),
-        method=NORMAL if math.isinf(freedom) else STUDENT,
+        method=NORMAL if math.isinf(df) else STUDENT,
     )
 
 
-def equivalence_of_means(differences: Floats, margin: float | tuple[float, float]) -> Equivalence:
+def require_margin(margin: float) -> None:
+    """Refuse a margin that is not above zero, or infinite.
+
+    Raises
+    ------
+    InputError
+        With what is wrong.
+    """
+    if not 0 < margin < math.inf:
+        raise InputError(
+            f"the margin of equivalence is {margin:g}",
+            remedy="State the largest difference that does not matter, above zero",
+        )
+
+
+def equivalence_of(found: Estimate, margin: float, *, null: float = 0.0) -> Equivalence:
+    """Test whether an estimate with a clustered interval is as near to `null` as the margin."""
+    test = equivalence(found.estimate - null, found.standard_error, margin, df=found.df, n=found.n)
+    return replace(
+        test,
+        method=f"{test.method}, {found.method}" if test.method else "",
+        reason=found.reason or test.reason,
+    )
+
+
+def equivalence_of_means(differences: Floats, margin: float) -> Equivalence:
     """Test whether the mean of independent differences lies within a margin.
 
     Parameters
     ----------
     differences : ndarray, shape (N,)
         One per participant: the mean of what they said of one condition minus that of the other.
-    margin : float or (float, float)
+    margin : float
         See `equivalence`.
     """
     differences = finite(differences)
@@ -151,12 +154,12 @@ def equivalence_of_means(differences: Floats, margin: float | tuple[float, float
     if count < 2:
         alone = float(differences[0]) if count else math.nan
         found = equivalence(alone, math.nan, margin, n=count)
-        return replace(found, freedom=math.nan, reason="fewer than two participants")
+        return replace(found, df=math.nan, reason="fewer than two participants")
     spread = float(differences.std(ddof=1))
     if spread <= ROUNDING * float(np.abs(differences).max()):
         spread = 0.0
     found = equivalence(
-        float(differences.mean()), spread / math.sqrt(count), margin, freedom=count - 1, n=count
+        float(differences.mean()), spread / math.sqrt(count), margin, df=count - 1, n=count
     )
     return found if spread else replace(found, reason="all participants differ alike")
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse, stats
 
+from analysis.stats.min_f import FTest, joined
 from analysis.stats.participant_means import group_means
 
 Floats = NDArray[np.float64]
@@ -28,34 +28,7 @@ NOTHING: Final = 1e-12
 """Share of a variance below which it is rounding."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Between:
-    """Whether groups of answers differ in their mean.
-
-    Attributes
-    ----------
-    statistic : float
-        F; NaN where there is none.
-    freedom, freedom_rest : float
-        Its degrees of freedom.
-    p_value : float
-        Of the groups being alike; NaN where there is no test.
-    groups : int
-        How many there are.
-    method, reason : str
-        Which test; why there is none.
-    """
-
-    statistic: float
-    freedom: float
-    freedom_rest: float
-    p_value: float
-    groups: int
-    method: str = ""
-    reason: str = ""
-
-
-def between_groups(values: Floats, groups: Codes, participants: Codes, segments: Codes) -> Between:
+def between_groups(values: Floats, groups: Codes, participants: Codes, segments: Codes) -> FTest:
     """Test whether emotions or speakers differ; each holds several segments (Clark 1973).
 
     One F compares the groups with how differently participants take them, over those who answered
@@ -71,42 +44,29 @@ def between_groups(values: Floats, groups: Codes, participants: Codes, segments:
     """
     group = np.unique(groups, return_inverse=True)[1]
     count = int(group.max(initial=-1)) + 1
-    unknown = _unknown(count)
     if count < 2:
-        return replace(unknown, reason="fewer than two groups")
+        return FTest(reason="fewer than two groups")
     by_person = _complete_means(values, group, participants, count)
     units = np.unique(segments * count + group, return_inverse=True)[1]
     by_segment = group_means(values, units)
     of_segment = group_means(group.astype(np.float64), units).astype(np.intp)
     rest = len(by_segment) - count
     if len(by_person) < 2:
-        return replace(unknown, reason="fewer than two participants answered about every group")
+        return FTest(reason="fewer than two participants answered about every group")
     if rest < 1:
-        return replace(unknown, reason="one segment in every group")
+        return FTest(reason="one segment in every group")
     people_f = _within_people(by_person)
     segments_f = _one_way(by_segment, of_segment, rest)
     if math.isnan(people_f) or math.isnan(segments_f):
-        return replace(unknown, reason="all answers alike")
-    freedom_people = (count - 1) * (len(by_person) - 1)
-    if not (people_f and segments_f):
-        statistic, freedom_rest = 0.0, float(min(rest, freedom_people))
-    else:
-        noise = 1 / people_f, 1 / segments_f
-        if not sum(noise):
-            return replace(unknown, reason="all answers of a group alike")
-        statistic = 1 / sum(noise)
-        freedom_rest = sum(noise) ** 2 / (noise[0] ** 2 / freedom_people + noise[1] ** 2 / rest)
-    return replace(
-        unknown,
-        statistic=statistic,
-        freedom=count - 1,
-        freedom_rest=freedom_rest,
-        p_value=float(stats.f.sf(statistic, count - 1, freedom_rest)),
-        method=MIN_F,
-    )
+        return FTest(reason="all answers alike")
+    noise = [1 / f if f else math.inf for f in (people_f, segments_f)]
+    if not sum(noise):
+        return FTest(reason="all answers of a group alike")
+    rests = (count - 1) * (len(by_person) - 1), rest
+    return joined(noise, count - 1, rests, df_of_zero=min(rests), method=MIN_F)
 
 
-def between_segments(values: Floats, participants: Codes, segments: Codes) -> Between:
+def between_segments(values: Floats, participants: Codes, segments: Codes) -> FTest:
     """Test whether segments differ beyond the differences of those who answered about them.
 
     The segments are those of the study; several answers of one participant about a segment count
@@ -122,9 +82,8 @@ def between_segments(values: Floats, participants: Codes, segments: Codes) -> Be
     who = np.unique(participants, return_inverse=True)[1]
     what = np.unique(segments, return_inverse=True)[1]
     count = int(what.max(initial=-1)) + 1
-    unknown = _unknown(count)
     if count < 2:
-        return replace(unknown, reason="one segment")
+        return FTest(reason="one segment")
     cells, cell = np.unique(who * count + what, return_inverse=True)
     y, who, what = group_means(values, cell), cells // count, cells % count
     y = y - y.mean()
@@ -140,28 +99,17 @@ def between_segments(values: Floats, participants: Codes, segments: Codes) -> Be
     explained = float(right @ np.linalg.lstsq(design, right, rcond=None)[0])
     rest = len(y) - len(by_person) - freedom
     if freedom < 1 or rest < 1:
-        return replace(unknown, reason="too few participants share segments to tell them apart")
+        return FTest(reason="too few participants share segments to tell them apart")
     noise = within - explained
     if noise <= NOTHING * float(y @ y):
-        return replace(unknown, reason="participants differ alike in every segment")
+        return FTest(reason="participants differ alike in every segment")
     statistic = max(0.0, explained) / freedom / (noise / rest)
-    return replace(
-        unknown,
+    return FTest(
         statistic=statistic,
-        freedom=freedom,
-        freedom_rest=rest,
+        df=freedom,
+        df_rest=rest,
         p_value=float(stats.f.sf(statistic, freedom, rest)),
         method=WITHIN,
-    )
-
-
-def _unknown(groups: int) -> Between:
-    return Between(
-        statistic=math.nan,
-        freedom=math.nan,
-        freedom_rest=math.nan,
-        p_value=math.nan,
-        groups=groups,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,42 +18,49 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class MinF:
+class FTest:
+    """An F test; what there is none of is NaN.
+
+    Attributes
+    ----------
+    statistic : float
+        F.
+    df, df_rest : float
+        Degrees of freedom of what is tested, and of what it is compared with.
+    p_value : float
+        Of there being no difference.
+    method, reason : str
+        Which test; why there is none.
+    """
+
+    statistic: float = math.nan
+    df: float = math.nan
+    df_rest: float = math.nan
+    p_value: float = math.nan
+    method: str = ""
+    reason: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MinF(FTest):
     """Whether a mean differs from zero over participants and items at once.
 
     Attributes
     ----------
     estimate : float
-        Mean of all answers; NaN without any.
+        Mean of all answers.
     low, high : float
-        Ends of its 95 % interval, conservative as the test is; NaN where there is none.
+        Ends of its 95 % interval, conservative as the test is.
     f_participants, f_items : float
         F of the test over participants' means and over items' means; infinite where those are
         all alike.
-    statistic : float
-        min F′, smaller than both: 1 / (1 / F1 + 1 / F2).
-    freedom : float
-        Its degrees of freedom in the denominator; 1 in the numerator.
-    p_value : float
-        Of min F′; NaN where there is no test.
-    participants, items, answers : int
-        What it rests on.
-    reason : str
-        Why there is no test; empty where there is one.
     """
 
-    estimate: float
-    low: float
-    high: float
-    f_participants: float
-    f_items: float
-    statistic: float
-    freedom: float
-    p_value: float
-    participants: int
-    items: int
-    answers: int
-    reason: str = ""
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    f_participants: float = math.nan
+    f_items: float = math.nan
 
 
 def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.generic]) -> MinF:
@@ -69,46 +77,52 @@ def min_f(values: Floats, participants: NDArray[np.generic], items: NDArray[np.g
         Who answered about what.
     """
     values = finite(values)
-    by_participant, by_item = group_means(values, participants), group_means(values, items)
-    unknown = MinF(
-        estimate=float(values.mean()) if len(values) else math.nan,
-        low=math.nan,
-        high=math.nan,
-        f_participants=math.nan,
-        f_items=math.nan,
-        statistic=math.nan,
-        freedom=math.nan,
-        p_value=math.nan,
-        participants=len(by_participant),
-        items=len(by_item),
-        answers=len(values),
-    )
-    for count, one in ((len(by_participant), "participant"), (len(by_item), "segment")):
-        if count < 2:
-            return replace(unknown, reason=f"one {one}" if count else "no answers")
+    means = group_means(values, participants), group_means(values, items)
+    unknown = MinF(estimate=float(values.mean()) if len(values) else math.nan)
+    for own, one in zip(means, ("participant", "segment"), strict=True):
+        if len(own) < 2:
+            return replace(unknown, reason=f"one {one}" if len(own) else "no answers")
     if not values.any():
         return replace(unknown, reason="all answers are zero")
-    of_participants, of_items = _variance(by_participant), _variance(by_item)
-    if not of_participants + of_items:
+    variances = [_variance(own) for own in means]
+    if not sum(variances):
         return replace(unknown, reason="all answers alike")
-    found = replace(
-        unknown,
-        f_participants=_f(by_participant, of_participants),
-        f_items=_f(by_item, of_items),
-    )
-    freedom = _freedom(of_participants, of_items, found)
-    reach = float(stats.t(freedom).ppf(0.975)) * math.sqrt(of_participants + of_items)
-    found = replace(found, low=found.estimate - reach, high=found.estimate + reach)
-    if not (found.f_participants and found.f_items):
-        return replace(found, statistic=0.0, freedom=freedom, p_value=1.0)
-    noise = 1 / found.f_participants, 1 / found.f_items
-    statistic, freedom = 1 / sum(noise), _freedom(*noise, found)
+    rests = len(means[0]) - 1, len(means[1]) - 1
+    reach = float(stats.t(_df(variances, rests)).ppf(0.975)) * math.sqrt(sum(variances))
+    of_participants, of_items = map(_f, means, variances)
+    noise = [1 / f if f else math.inf for f in (of_participants, of_items)]
+    test = joined(noise, 1, rests, df_of_zero=_df(variances, rests))
     return replace(
-        found,
-        statistic=statistic,
-        freedom=freedom,
-        p_value=float(stats.f.sf(statistic, 1, freedom)),
+        unknown,
+        **vars(test),
+        low=unknown.estimate - reach,
+        high=unknown.estimate + reach,
+        f_participants=of_participants,
+        f_items=of_items,
     )
+
+
+def joined(
+    noise: Sequence[float], df: int, rests: Sequence[float], *, df_of_zero: float, method: str = ""
+) -> FTest:
+    """Join two F tests of one difference into min F′ = 1 / (1 / F1 + 1 / F2).
+
+    Parameters
+    ----------
+    noise : sequence of float
+        1 / F1 and 1 / F2, of which one is above zero; infinite where there is no difference.
+    df : int
+        Degrees of freedom of the difference.
+    rests : sequence of float
+        Those of what each is compared with.
+    df_of_zero : float
+        Those of min F′ where it is zero.
+    """
+    if math.isinf(sum(noise)):
+        return FTest(statistic=0.0, df=df, df_rest=df_of_zero, p_value=1.0, method=method)
+    statistic, rest = 1 / sum(noise), _df(noise, rests)
+    p_value = float(stats.f.sf(statistic, df, rest))
+    return FTest(statistic=statistic, df=df, df_rest=rest, p_value=p_value, method=method)
 
 
 def _variance(means: Floats) -> float:
@@ -126,8 +140,7 @@ def _f(means: Floats, variance: float) -> float:
     return centre**2 / variance if variance else math.inf
 
 
-def _freedom(of_participants: float, of_items: float, found: MinF) -> float:
+def _df(variances: Sequence[float], rests: Sequence[float]) -> float:
     """Return the degrees of freedom of a sum of two variances (Satterthwaite 1946)."""
-    return (of_participants + of_items) ** 2 / (
-        of_participants**2 / (found.participants - 1) + of_items**2 / (found.items - 1)
-    )
+    squares = (one**2 / rest for one, rest in zip(variances, rests, strict=True))
+    return float(sum(variances) ** 2 / sum(squares))

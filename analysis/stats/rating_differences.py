@@ -15,10 +15,8 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
-from analysis.stats.clustered_mean import LEVEL, ClusteredMean, clustered_mean
-from analysis.stats.clustered_variance import clustered_variance
+from analysis.stats.clustered_mean import Clusters, Estimate, clustered_mean, with_interval
 from analysis.stats.finite import finite
 
 Floats = NDArray[np.float64]
@@ -90,21 +88,21 @@ def rated_cells(
     )
 
 
-def mean_differences(cells: RatedCells) -> dict[tuple[int, int], ClusteredMean]:
+def mean_differences(cells: RatedCells) -> dict[tuple[int, int], Estimate]:
     """Return how much better the first is rated than the second, for every two conditions."""
     count = cells.means.shape[1]
     return {(a, b): mean_difference(cells, a, b) for a, b in combinations(range(count), 2)}
 
 
-def mean_difference(cells: RatedCells, a: int, b: int) -> ClusteredMean:
+def mean_difference(cells: RatedCells, a: int, b: int) -> Estimate:
     """Return how much better condition `a` is rated than condition `b`, in scores.
 
     Where at least half of the ratings belong to pairs, it is the mean of the paired differences;
-    `answers` counts the pairs. Otherwise it is the difference of the two means.
+    `n` counts the pairs. Otherwise it is the difference of the two means.
 
     Returns
     -------
-    ClusteredMean
+    Estimate
         Tested against zero, clustered as `clustered_mean`. `method` says which ratings and which
         variance it rests on.
     """
@@ -125,41 +123,21 @@ def mean_difference(cells: RatedCells, a: int, b: int) -> ClusteredMean:
     return replace(found, method=f"{PAIRED}, {found.method}" if found.method else "")
 
 
-def _of_all(cells: RatedCells, pair: Sequence[int], there: NDArray[np.bool_]) -> ClusteredMean:
+def _of_all(cells: RatedCells, pair: Sequence[int], there: NDArray[np.bool_]) -> Estimate:
     """Return the difference of two means whose ratings do not belong together."""
     rows, column = np.nonzero(there)
     values = cells.means[rows, np.array(pair)[column]]
-    who = np.unique(cells.participants[rows], return_inverse=True)[1]
-    what = np.unique(cells.segments[rows], return_inverse=True)[1]
+    clusters = Clusters.of(cells.participants[rows], cells.segments[rows])
     counts = np.bincount(column, minlength=2)
-    unknown = ClusteredMean(
-        estimate=math.nan,
-        standard_error=math.nan,
-        low=math.nan,
-        high=math.nan,
-        p_value=math.nan,
-        answers=len(values),
-        participants=int(who.max(initial=-1)) + 1,
-        segments=int(what.max(initial=-1)) + 1,
-    )
     if not counts.all():
-        return replace(unknown, reason="one of the conditions has no ratings")
+        return clusters.unknown("one of the conditions has no ratings")
     means = np.bincount(column, weights=values) / counts
-    unknown = replace(unknown, estimate=float(means[0] - means[1]))
-    if unknown.participants < 2:
-        return replace(unknown, reason="one participant")
+    found = replace(clusters.unknown(), estimate=float(means[0] - means[1]))
+    if found.participants < 2:
+        return replace(found, reason="one participant")
     influences = np.array([1.0, -1.0])[column] * (values - means[column]) / counts[column]
     if not influences.any():
-        return replace(unknown, reason="all ratings of a condition alike")
-    found = clustered_variance(influences, who, what, counts[column].astype(np.float64) ** -2)
-    error, law = math.sqrt(found.variance), stats.t(found.freedom)
-    reach = float(law.ppf((1 + LEVEL) / 2)) * error
-    return replace(
-        unknown,
-        standard_error=error,
-        low=unknown.estimate - reach,
-        high=unknown.estimate + reach,
-        p_value=float(2 * law.sf(abs(unknown.estimate) / error)),
-        freedom=found.freedom,
-        method=f"{UNPAIRED}, {found.method}",
-    )
+        return replace(found, reason="all ratings of a condition alike")
+    weights = counts[column].astype(np.float64) ** -2
+    found = with_interval(found, influences, clusters, weights=weights)
+    return replace(found, method=f"{UNPAIRED}, {found.method}")

@@ -12,21 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.stats.clustered_mean import ClusteredMean, clustered_mean
+from analysis.stats.clustered_mean import Estimate, clustered_mean
 from motion.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
-class RatingSummary:
-    """The ratings of one condition.
+class RatingSummary(Estimate):
+    """The ratings of one condition: the estimate is their mean, tested against nothing.
 
     Attributes
     ----------
     condition : str
         Its name.
-    mean : ClusteredMean
-        Mean with its interval, clustered by participant and segment; tested against nothing, so
-        that its p value is NaN. `mean.answers` is n, `mean.reason` says why there is no interval.
     sd : float
         Standard deviation of the single ratings; NaN for fewer than two.
     counts : mapping of int to int
@@ -36,7 +33,6 @@ class RatingSummary:
     """
 
     condition: str
-    mean: ClusteredMean
     sd: float
     counts: Mapping[int, int]
     at_least: Mapping[int, float]
@@ -89,15 +85,16 @@ def _summary(
     values = ratings["value"].to_numpy(np.float64)
     counts = [int((values == score).sum()) for score in scores]
     above = np.cumsum(counts[::-1])[::-1]
+    mean = clustered_mean(
+        values,
+        pd.factorize(ratings["participant"])[0],
+        pd.factorize(ratings["segment"])[0],
+        null=math.nan,
+        limits=limits,
+    )
     return RatingSummary(
+        **vars(mean),
         condition=condition,
-        mean=clustered_mean(
-            values,
-            pd.factorize(ratings["participant"])[0],
-            pd.factorize(ratings["segment"])[0],
-            null=math.nan,
-            limits=limits,
-        ),
         sd=float(values.std(ddof=1)) if len(values) > 1 else math.nan,
         counts=dict(zip(scores, counts, strict=True)),
         at_least={

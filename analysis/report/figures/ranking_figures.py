@@ -82,7 +82,7 @@ def first_share_pictures(
         name=name,
         title="Share of first places",
         told={
-            question: _told(question, found, lambda c: share_words(c.first_share_interval))
+            question: _told(question, found, lambda c: share_words(c.first_share))
             for question, found in _by_question(conditions).items()
         },
         caption=f"{of_set(conditions[0].set)}"
@@ -97,7 +97,7 @@ def first_share_pictures(
 def best_first(conditions: Sequence[RankedCondition]) -> tuple[str, ...]:
     """Return the conditions by their mean rank on the first question."""
     first = conditions[0].question
-    ranks = {c.condition: c.mean_rank for c in conditions if c.question == first}
+    ranks = {c.condition: c.mean_rank.estimate for c in conditions if c.question == first}
     names = dict.fromkeys(c.condition for c in conditions)
     return tuple(sorted(names, key=lambda one: ranks.get(one, float("inf"))))
 
@@ -130,7 +130,7 @@ def _rows(names: Sequence[str], conditions: Sequence[RankedCondition]) -> tuple[
 def _bar(ranked: RankedCondition | None) -> Bar:
     if ranked is None or not ranked.n:
         return Bar(start=0, parts=())
-    mean = ranked.mean_rank_interval
+    mean = ranked.mean_rank
     return Bar(
         start=0,
         parts=tuple(
@@ -141,10 +141,10 @@ def _bar(ranked: RankedCondition | None) -> Bar:
             )
             for place, percent in ranked.rank_percent.items()
         ),
-        estimate=ranked.mean_rank,
+        estimate=ranked.mean_rank.estimate,
         low=mean.low,
         high=mean.high,
-        words=number(ranked.mean_rank),
+        words=number(ranked.mean_rank.estimate),
         below="no interval" if mean.reason else between(number(mean.low), number(mean.high)),
     )
 
@@ -152,12 +152,12 @@ def _bar(ranked: RankedCondition | None) -> Bar:
 def _first(ranked: RankedCondition | None) -> Dot:
     if ranked is None or not ranked.n:
         return Dot(estimate=float("nan"), words="no answers")
-    share = ranked.first_share_interval
+    share = ranked.first_share
     return Dot(
-        estimate=ranked.first_share,
+        estimate=ranked.first_share.estimate,
         low=share.low,
         high=share.high,
-        words=wording.share(ranked.first_share),
+        words=wording.share(ranked.first_share.estimate),
         below=interval(share) or "no interval",
         hint=f"{wording.name(ranked.condition)}: {share_words(share)}",
     )
@@ -172,4 +172,4 @@ def _told(
 
 def _placed(one: RankedCondition) -> str:
     places = [f"{percent:.0f} % {ordinal(place)}" for place, percent in one.rank_percent.items()]
-    return f"{', '.join(places)}, mean rank {number(one.mean_rank)}"
+    return f"{', '.join(places)}, mean rank {number(one.mean_rank.estimate)}"

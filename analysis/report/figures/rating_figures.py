@@ -230,10 +230,10 @@ def _bar(rated: RatedCondition | None) -> Bar:
             )
             for score, count in rated.counts.items()
         ),
-        estimate=rated.mean,
+        estimate=rated.estimate,
         low=rated.low,
         high=rated.high,
-        words=number(rated.mean),
+        words=number(rated.estimate),
         below="no interval" if rated.reason else between(number(rated.low), number(rated.high)),
     )
 
@@ -269,7 +269,7 @@ def _given(conditions: Sequence[RatedCondition], question: str) -> str:
         + ", ".join(
             f"{100 * count / c.n:.0f} % score {score}" for score, count in c.counts.items() if c.n
         )
-        + f", mean {number(c.mean)}"
+        + f", mean {number(c.estimate)}"
         for c in conditions
         if c.question == question
     ]

@@ -7,18 +7,18 @@ from dataclasses import dataclass, replace
 
 from analysis.report import wording
 from analysis.report.headline.preference_rows import complement, reference_of
-from analysis.results.estimate import Estimate
 from analysis.results.heterogeneity import (
     By,
     ConditionHeterogeneity,
     DifferenceTest,
     PairHeterogeneity,
-    Within,
 )
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
+from analysis.stats.clustered_mean import Estimate
+from analysis.stats.effect_cells import Cell
 
 Results = PairwiseResults | RatingResults | RankingResults | MismatchResults
 
@@ -39,7 +39,7 @@ class Apart:
         'win_share', 'difference' or 'mean_rank'.
     null : float
         The effect of none.
-    levels : tuple of Within
+    levels : tuple of Cell
         The effect within each.
     whole : Estimate or None
         The effect over all of them.
@@ -53,7 +53,7 @@ class Apart:
     by: By
     measure: str
     null: float
-    levels: tuple[Within, ...]
+    levels: tuple[Cell, ...]
     whole: Estimate | None
     test: DifferenceTest
 
@@ -86,9 +86,7 @@ def taken_apart(results: Results, reference: str | None) -> tuple[Apart, ...]:
                 for one in results.heterogeneity
             )
         case RankingResults():
-            means = {
-                (c.set, c.condition, c.question): c.mean_rank_interval for c in results.conditions
-            }
+            means = {(c.set, c.condition, c.question): c.mean_rank for c in results.conditions}
         case MismatchResults():
             means = {(c.set, c.condition, c.question): c.win_share for c in results.conditions}
     return tuple(

@@ -15,11 +15,10 @@ from analysis.report.figures.panels import RowName, Scale
 from analysis.report.headline.apart import Apart, taken_apart
 from analysis.report.headline.words import between, counted, number
 from analysis.report.subject import Subject
-from analysis.results.estimate import Estimate
-from analysis.results.heterogeneity import KINDS, By, Within
+from analysis.results.heterogeneity import KINDS, By
 from analysis.results.report import TableReport
-from analysis.stats.clustered_mean import LEVEL
-from analysis.stats.effect_cells import FEW
+from analysis.stats.clustered_mean import LEVEL, Estimate
+from analysis.stats.effect_cells import FEW, Cell
 
 MOST_PANELS: Final = 24
 """Effects up to which forest plots are drawn; more of them stand in the tables alone."""
@@ -166,7 +165,7 @@ def _dot(found: Estimate | None, name: str, measure: _Measure, *, whole: bool = 
         high=found.high,
         words=written,
         hint=f"{name}: {written} {inside}, {wording.count(found.segments, 'segment')}",
-        descriptive=isinstance(found, Within) and found.descriptive,
+        descriptive=isinstance(found, Cell) and found.descriptive,
         whole=whole,
     )
 
@@ -187,9 +186,9 @@ def _tests(found: Sequence[Apart]) -> Table:
             (
                 *cells(_question(one), one.about, one.by),
                 counted(len(one.levels), str(len(one.levels))),
-                counted(one.test.f, number(one.test.f)),
+                counted(one.test.statistic, number(one.test.statistic)),
                 counted(one.test.df, _freedom(one)),
-                counted(one.test.p, wording.p_value(one.test.p)),
+                counted(one.test.p_value, wording.p_value(one.test.p_value)),
                 counted(one.test.p_holm, wording.p_value(one.test.p_holm)),
             )
             for one in found

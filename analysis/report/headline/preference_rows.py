@@ -8,12 +8,12 @@ from itertools import groupby
 from typing import TypeVar
 
 from analysis.report import wording
-from analysis.results.estimate import Estimate
 from analysis.results.mismatch import MatchedCondition, MismatchResults
 from analysis.results.net_preference import NetPreference
 from analysis.results.pairwise import Comparison, PairwiseResults
 from analysis.results.preference import AsPublished, Decision, Preference, Robustness
 from analysis.results.sensitivity import Number
+from analysis.stats.clustered_mean import Estimate
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
 AnyEstimate = TypeVar("AnyEstimate", bound=Estimate | Number)

@@ -183,8 +183,8 @@ def _headline(row: PreferenceRow) -> tuple[Cell, ...]:
         counted(row.attentive, f"{row.attentive} of {row.recruited}"),
         counted(row.n, str(row.n)),
         counted(row.win_share.estimate, share_words(row.win_share, why=False)),
-        counted(net.estimate, plus_minus(net.estimate, net.se)),
-        counted(row.decision.p, wording.p_value(row.decision.p)),
+        counted(net.estimate, plus_minus(net.estimate, net.standard_error)),
+        counted(row.decision.p_value, wording.p_value(row.decision.p_value)),
         counted(row.decision.p_holm, wording.p_value(row.decision.p_holm)),
     )
 

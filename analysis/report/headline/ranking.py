@@ -36,7 +36,7 @@ def _section(results: RankingResults, name: str | None, mark: str, end: str) -> 
     worths = of(results.plackett_luce, name)
     reason = why_no_figure(
         answers=sum(c.n for c in conditions),
-        participants=max(c.mean_rank_interval.participants for c in conditions),
+        participants=max(c.mean_rank.participants for c in conditions),
         tied=_all_tied(conditions),
     )
     contrasts = [c for c in results.contrasts if c.set == name]
@@ -124,13 +124,11 @@ def _all_tied(conditions: Sequence[RankedCondition]) -> str:
     """Return a sentence where every ranking ties all conditions."""
     middle = (1 + len(conditions[0].rank_percent)) / 2
     alike = all(
-        c.mean_rank == middle and len({round(p, 9) for p in c.rank_percent.values()}) == 1
+        c.mean_rank.estimate == middle and len({round(p, 9) for p in c.rank_percent.values()}) == 1
         for c in conditions
         if c.n
     )
-    certain = all(
-        c.mean_rank_interval.se in {0.0} or c.mean_rank_interval.reason for c in conditions
-    )
+    certain = all(c.mean_rank.standard_error in {0.0} or c.mean_rank.reason for c in conditions)
     if alike and certain:
         return (
             "Every ranking ties all conditions: nobody put one before another, so there is nothing "

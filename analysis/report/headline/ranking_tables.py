@@ -17,9 +17,10 @@ from analysis.report.headline.words import (
     number,
     of_set,
 )
-from analysis.results.rank_tests import Concordance, Friedman, RankContrast
-from analysis.results.ranking import RankedCondition
+from analysis.results.ranking import RankContrast, RankedCondition
 from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.rankings.friedman import Friedman
+from analysis.stats.rankings.kendall_w import Concordance
 
 
 def place_table(conditions: Sequence[RankedCondition], *, name: str, data: str) -> Table:
@@ -75,19 +76,17 @@ def rank_table(
             (
                 *cells(wording.heading(c.question), wording.name(c.condition)),
                 counted(c.n, str(c.n)),
-                counted(c.mean_rank, number(c.mean_rank)),
+                counted(c.mean_rank.estimate, number(c.mean_rank.estimate)),
                 counted(
-                    c.mean_rank_interval.low,
+                    c.mean_rank.low,
                     "–"
-                    if c.mean_rank_interval.reason
-                    else between(
-                        number(c.mean_rank_interval.low), number(c.mean_rank_interval.high)
-                    ),
+                    if c.mean_rank.reason
+                    else between(number(c.mean_rank.low), number(c.mean_rank.high)),
                 ),
-                counted(c.mean_rank_interval.p, wording.p_value(c.mean_rank_interval.p)),
-                counted(c.first_share, wording.share(c.first_share)),
-                counted(c.first_share_interval.low, interval(c.first_share_interval) or "–"),
-                counted(c.first_share_interval.p, wording.p_value(c.first_share_interval.p)),
+                counted(c.mean_rank.p_value, wording.p_value(c.mean_rank.p_value)),
+                counted(c.first_share.estimate, wording.share(c.first_share.estimate)),
+                counted(c.first_share.low, interval(c.first_share) or "–"),
+                counted(c.first_share.p_value, wording.p_value(c.first_share.p_value)),
             )
             for c in conditions
         ),
@@ -98,10 +97,9 @@ def rank_table(
                 for c in conditions
                 for note in (
                     c.remark,
-                    c.mean_rank_interval.reason
-                    and f"no interval of the mean rank: {c.mean_rank_interval.reason}",
-                    c.first_share_interval.reason
-                    and f"no interval of the first places: {c.first_share_interval.reason}",
+                    c.mean_rank.reason and f"no interval of the mean rank: {c.mean_rank.reason}",
+                    c.first_share.reason
+                    and f"no interval of the first places: {c.first_share.reason}",
                 )
             ),
             *(
@@ -162,7 +160,7 @@ def _concordance(found: Concordance) -> str:
     low, high = wording.share(found.low), wording.share(found.high)
     inside = "" if math.isnan(found.low) else f" {between(low, high)}"
     return (
-        f"Kendall's W, the mean over segments, is {wording.share(found.mean)}{inside}; of "
+        f"Kendall's W, the mean over segments, is {wording.share(found.estimate)}{inside}; of "
         f"participants' mean ranks {wording.share(found.overall)}"
     )
 
@@ -170,5 +168,5 @@ def _concordance(found: Concordance) -> str:
 def _is(found: Friedman) -> str:
     if found.reason:
         return f"is missing, {found.reason}"
-    p = wording.p_value(found.p)
+    p = wording.p_value(found.p_value)
     return p if p.startswith("<") else f"= {p}"

@@ -31,7 +31,7 @@ def score_table(conditions: Sequence[RatedCondition], *, name: str, data: str) -
         conditions,
         ("mean", "SD", "n"),
         lambda c: (
-            counted(c.mean, number(c.mean), **marks.get((c.condition, c.question), {})),
+            counted(c.estimate, number(c.estimate), **marks.get((c.condition, c.question), {})),
             counted(c.sd, number(c.sd)),
             counted(c.n, str(c.n)),
         ),
@@ -58,7 +58,7 @@ def interval_table(conditions: Sequence[RatedCondition], *, name: str, data: str
             (
                 *cells(wording.heading(c.question), wording.name(c.condition)),
                 counted(c.n, str(c.n)),
-                counted(c.mean, number(c.mean)),
+                counted(c.estimate, number(c.estimate)),
                 counted(c.low, "–" if c.reason else between(number(c.low), number(c.high))),
                 *(
                     counted(c.at_least[score], wording.fixed(c.at_least[score], 1))
@@ -99,7 +99,7 @@ def contrast_table(contrasts: Sequence[RatingContrast], *, name: str, data: str)
                 counted(c.difference.n, str(c.difference.n)),
                 counted(c.difference.estimate, number(c.difference.estimate)),
                 counted(c.difference.low, _inside(c.difference.low, c.difference.high, number)),
-                counted(c.difference.p, wording.p_value(c.difference.p)),
+                counted(c.difference.p_value, wording.p_value(c.difference.p_value)),
                 counted(c.difference.p_holm, wording.p_value(c.difference.p_holm)),
                 counted(c.cliffs_delta.estimate, wording.share(c.cliffs_delta.estimate)),
                 counted(
@@ -229,13 +229,13 @@ def _marks(conditions: Sequence[RatedCondition]) -> dict[tuple[str, str], dict[s
     """Return which means are the best and the second best of their question, as they are shown."""
     found: dict[tuple[str, str], dict[str, bool]] = {}
     for question in dict.fromkeys(c.question for c in conditions):
-        asked = [c for c in conditions if c.question == question and not math.isnan(c.mean)]
-        shown = sorted({round(c.mean, 2) for c in asked}, reverse=True)
+        asked = [c for c in conditions if c.question == question and not math.isnan(c.estimate)]
+        shown = sorted({round(c.estimate, 2) for c in asked}, reverse=True)
         if len(shown) < 2:
             continue
         for c in asked:
-            if round(c.mean, 2) == shown[0]:
+            if round(c.estimate, 2) == shown[0]:
                 found[c.condition, question] = {"best": True}
-            elif round(c.mean, 2) == shown[1]:
+            elif round(c.estimate, 2) == shown[1]:
                 found[c.condition, question] = {"second": True}
     return found

@@ -226,12 +226,12 @@ def contrasts_table(
         rows=tuple(
             (
                 *cells(wording.heading(one.question), wording.name(one.a), wording.name(one.b)),
-                counted(one.difference, number(one.difference)),
+                counted(one.estimate, number(one.estimate)),
                 counted(
                     one.low,
                     "–" if math.isnan(one.low) else between(number(one.low), number(one.high)),
                 ),
-                counted(one.p, wording.p_value(one.p)),
+                counted(one.p_value, wording.p_value(one.p_value)),
                 counted(one.p_holm, wording.p_value(one.p_holm)),
             )
             for one in contrasts
@@ -243,7 +243,7 @@ def contrasts_table(
                 + (
                     test.reason
                     or f"F({test.df:.0f}, {wording.quantity(test.df_rest)}) = "
-                    f"{number(test.f)}, {wording.p_is(test.p)}; {test.method}"
+                    f"{number(test.statistic)}, {wording.p_is(test.p_value)}; {test.method}"
                 )
                 + "."
                 for question, model in fitted.items()

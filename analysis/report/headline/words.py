@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 from analysis.report import wording
 from analysis.report.content import Cell
-from analysis.results.estimate import Estimate
 from analysis.results.strengths import RankInterval
+from analysis.stats.clustered_mean import Estimate
 
 CLUSTERED = "CR2, t with Satterthwaite's degrees of freedom"
 """How intervals of means are computed, for captions."""

@@ -133,10 +133,10 @@ def _together(report: TableReport) -> str:
             return ""
     parts = [
         f"{about(question, of)} (F({test.df:.0f}, {wording.quantity(test.df_rest)}) = "
-        f"{wording.fixed(test.f, 2)}, {wording.p_is(test.p)})"
+        f"{wording.fixed(test.statistic, 2)}, {wording.p_is(test.p_value)})"
         for of, question, model in each_question(models, report.sets)
         for test in (model.omnibus,)
-        if not math.isnan(test.p)
+        if not math.isnan(test.p_value)
     ]
     more = f", and {len(parts) - MOST} more" if len(parts) > MOST else ""
     return f"One test of all conditions together: {listed(parts[:MOST])}{more}." if parts else ""
@@ -181,7 +181,7 @@ def _unequal(results: Results) -> str:
         case RatingResults(contrasts=rated):
             remarks = [(f"{one.a} against {one.b}", one.difference.remark) for one in rated]
         case RankingResults(conditions=ranked):
-            remarks = [(one.condition, one.mean_rank_interval.remark) for one in ranked]
+            remarks = [(one.condition, one.mean_rank.remark) for one in ranked]
     said = [f"{name}: {remark}" for name, remark in remarks if remark]
     more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
     return f"Participants answered very unequally often. {said[0]}{more}." if said else ""

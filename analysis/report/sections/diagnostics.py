@@ -11,10 +11,10 @@ from analysis.results.grouping import ByQuestion
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.quality import Quality
-from analysis.results.rank_tests import Concordance
 from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
 from analysis.results.retest import TestRetest
+from analysis.stats.rankings.kendall_w import Concordance
 
 DESCRIBED = (
     "Nothing here excludes anybody or decides anything; low agreement does not rule out a real "
@@ -59,7 +59,7 @@ def _sides(results: PairwiseResults | MismatchResults, sets: tuple[str, ...]) ->
             Cell(text=name),
             Cell(text=wording.share(left.estimate), value=left.estimate),
             Cell(text=_interval(left.low, left.high, left.reason)),
-            Cell(text=wording.p_value(left.p), value=left.p),
+            Cell(text=wording.p_value(left.p_value), value=left.p_value),
             Cell(text=wording.share(on_left), value=on_left),
         )
         for name, left, on_left in found
@@ -137,7 +137,7 @@ def _concordance(found: ByQuestion[Concordance], sets: tuple[str, ...]) -> Table
     rows = tuple(
         (
             Cell(text=question_name(of, question)),
-            Cell(text=wording.share(one.mean), value=one.mean),
+            Cell(text=wording.share(one.estimate), value=one.estimate),
             Cell(text=wording.share(one.overall), value=one.overall),
             *cells(str(one.n)),
         )

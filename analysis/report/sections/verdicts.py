@@ -110,7 +110,7 @@ def _preferred(one: Comparison | MatchedCondition, names: tuple[str, str]) -> Ve
     better, worse = names[::-1] if turned else names
     seen = found.turned() if turned else found
     return Verdict(
-        outcome=_outcome(found.p, found.p_holm),
+        outcome=_outcome(found.p_value, found.p_holm),
         better=better,
         worse=worse,
         question=one.question,
@@ -135,7 +135,7 @@ def _contrast(one: RatingContrast) -> Verdict:
         one,
         found.estimate,
         (found.low, found.high),
-        _outcome(found.p, found.p_holm),
+        _outcome(found.p_value, found.p_holm),
         measure="mean difference",
         reason=found.reason,
     )
@@ -144,9 +144,9 @@ def _contrast(one: RatingContrast) -> Verdict:
 def _stronger(one: StrengthContrast, what: str) -> Verdict:
     return _difference(
         one,
-        one.difference,
+        one.estimate,
         (one.low, one.high),
-        _outcome(one.p, one.p_holm),
+        _outcome(one.p_value, one.p_holm),
         measure=f"difference of {what} in logits",
         why=one.remark,
         reason=one.reason or (NO_END if one.by == "sign" else ""),

@@ -1,8 +1,9 @@
-"""Rankings as a table: one row for each ranking, one column for each condition."""
+"""Rankings as a table, and where each condition is placed (Figure 7 of DiffSHEG)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,6 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.stats.clustered_mean import Estimate, clustered_mean
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -129,3 +131,66 @@ def condition_columns(names: pd.Series[str], conditions: Sequence[str]) -> NDArr
     codes, kinds = pd.factorize(names)
     place = {condition: number for number, condition in enumerate(conditions)}
     return np.array([place.get(kind, -1) for kind in kinds], np.intp)[codes]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankSummary:
+    """Where one condition is placed.
+
+    Attributes
+    ----------
+    condition : str
+        Its name.
+    n : int
+        Rankings that place it.
+    mean_rank : Estimate
+        Mean rank, 1 is best, tied conditions sharing the mean of their places; tested against
+        the middle rank.
+    first_share : Estimate
+        Share of the rankings in which it is best, conditions tied for it sharing one ranking;
+        tested against what chance would give each.
+    rank_percent : mapping of int to float
+        Share of each place, in percent, ties spread evenly over their places; NaN without any.
+    remark : str
+        What limits the numbers; empty where nothing does.
+    """
+
+    condition: str
+    n: int
+    mean_rank: Estimate
+    first_share: Estimate
+    rank_percent: Mapping[int, float]
+    remark: str = ""
+
+
+def rank_summaries(rankings: Placements) -> tuple[RankSummary, ...]:
+    """Summarise the rankings of one question, one row per condition.
+
+    Intervals are clustered by participant and segment as those of a win share.
+    """
+    return tuple(
+        _summary(rankings, column, condition)
+        for column, condition in enumerate(rankings.conditions)
+    )
+
+
+def _summary(rankings: Placements, column: int, condition: str) -> RankSummary:
+    places = len(rankings.conditions)
+    there = ~np.isnan(rankings.given[:, column])
+    better, tied = rankings.better[there, column], rankings.tied[there, column]
+    who, what = rankings.participants[there], rankings.segments[there]
+    place = np.arange(1, places + 1)
+    held = ((better[:, None] < place) & (place <= (better + tied)[:, None])) / tied[:, None]
+    count = int(there.sum())
+    percent = (100 * held.mean(axis=0)).tolist() if count else [math.nan] * places
+    partial = int((there & ~rankings.complete).sum())
+    return RankSummary(
+        condition=condition,
+        n=count,
+        mean_rank=clustered_mean(
+            rankings.ranks[there, column], who, what, null=(places + 1) / 2, limits=(1, places)
+        ),
+        first_share=clustered_mean(held[:, 0], who, what, null=1 / places),
+        rank_percent=dict(enumerate(percent, start=1)),
+        remark=f"{partial} of {count} rankings leave conditions out" if partial else "",
+    )

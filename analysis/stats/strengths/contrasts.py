@@ -3,35 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from analysis.stats.min_f import FTest
 from analysis.stats.strengths.two_way import TwoWayErrors
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Omnibus:
-    """Whether strengths differ at all.
-
-    Attributes
-    ----------
-    f, df, df_rest, p : float
-        F with its degrees of freedom; NaN where there is no test.
-    method, reason : str
-        Which test; why there is none.
-    """
-
-    f: float = math.nan
-    df: float = math.nan
-    df_rest: float = math.nan
-    p: float = math.nan
-    method: str = ""
-    reason: str = ""
 
 
 def difference_tests(strengths: Floats, errors: TwoWayErrors) -> Floats:
@@ -41,7 +21,7 @@ def difference_tests(strengths: Floats, errors: TwoWayErrors) -> Floats:
     return np.asarray(2 * stats.t(errors.difference_freedoms).sf(distance), np.float64)
 
 
-def omnibus(strengths: Floats, errors: TwoWayErrors) -> Omnibus:
+def omnibus(strengths: Floats, errors: TwoWayErrors) -> FTest:
     """Test whether all strengths are equal, by a Wald test of their two-way covariance.
 
     Hotelling's T² takes the place of chi-square (Pustejovsky & Tipton 2018): with few participants
@@ -58,7 +38,7 @@ def omnibus(strengths: Floats, errors: TwoWayErrors) -> Omnibus:
     freedom, wanted = errors.freedom, count - 1
     rest = freedom - wanted + 1
     if not rest > 0:
-        return Omnibus(
+        return FTest(
             reason=f"{freedom + 1:.3g} participants or segments, counted by their weight, are too "
             f"few for one test of {count} conditions"
         )
@@ -67,11 +47,11 @@ def omnibus(strengths: Floats, errors: TwoWayErrors) -> Omnibus:
         _wald(differences, by_segment + _positive_part(by_participant - by_cell, by_cell)),
     )
     f = statistic * rest / (freedom * wanted) / _inflation(errors)
-    return Omnibus(
-        f=f,
+    return FTest(
+        statistic=f,
         df=wanted,
         df_rest=rest,
-        p=float(stats.f.sf(f, wanted, rest)),
+        p_value=float(stats.f.sf(f, wanted, rest)),
         method="Wald test, two-way clustered, Hotelling's T²",
     )
 

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from scipy import stats
 
-from analysis.stats.clustered_mean import ClusteredMean
+from analysis.stats.clustered_mean import Estimate
 from analysis.stats.strengths.contrasts import difference_tests, rank_intervals
 from analysis.stats.strengths.two_way import TwoWayErrors
 from benchmarks.validity.studies import Design
@@ -67,7 +67,7 @@ def no_truths(_: Design) -> Mapping[str, float]:
     return {}
 
 
-def of_mean(found: ClusteredMean) -> Conclusion:
+def of_mean(found: Estimate) -> Conclusion:
     """Return what a clustered mean says."""
     return Conclusion(p_value=found.p_value, low=found.low, high=found.high)
 

@@ -62,7 +62,7 @@ def _of(
     smallest = np.fmin.reduce([one.p_holm for one in held])
     return {
         any_one: Conclusion(p_value=float(smallest)),
-        together: Conclusion(p_value=fitted.omnibus.p),
+        together: Conclusion(p_value=fitted.omnibus.p_value),
     }
 
 

@@ -87,8 +87,8 @@ def conclude_equivalence(
     study = preferences(design, generator)
     share = clustered_mean(study.wins, study.participants, study.items)
     margin = true_win_share(replace(design, effect=EFFECT)) - 0.5
-    freedom = min(share.participants, share.segments) - 1
-    found = equivalence(share.estimate - 0.5, share.standard_error, margin, freedom=freedom)
+    df = min(share.participants, share.segments) - 1
+    found = equivalence(share.estimate - 0.5, share.standard_error, margin, df=df)
     return {EQUIVALENT: Conclusion(p_value=found.p_value)}
 
 

@@ -11,8 +11,7 @@ import pandas as pd
 
 from analysis.stats.participant_means import group_means
 from analysis.stats.rankings.friedman import Blocks, friedman
-from analysis.stats.rankings.placements import placements
-from analysis.stats.rankings.summary import rank_summaries
+from analysis.stats.rankings.placements import placements, rank_summaries
 from analysis.stats.strengths.plackett_luce import PlackettLuce, plackett_luce
 from benchmarks.validity.conclusions.conclusion import (
     RANKS_HOLD,

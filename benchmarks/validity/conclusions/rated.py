@@ -60,8 +60,8 @@ def conclude_equivalence(
     cells = _cells(judged, ratings(judged, design, generator))
     margin = true_rating_difference(replace(design, effect=EFFECT))
     found = mean_difference(cells, 0, 1)
-    freedom = min(found.participants, found.segments) - 1
-    two_way = equivalence(found.estimate, found.standard_error, margin, freedom=freedom)
+    df = min(found.participants, found.segments) - 1
+    two_way = equivalence(found.estimate, found.standard_error, margin, df=df)
     means = group_means(cells.means[:, 0] - cells.means[:, 1], cells.participants)
     return {
         EQUIVALENT: Conclusion(p_value=two_way.p_value),

@@ -116,7 +116,7 @@ def test_many_participants_are_judged_by_the_mixed_model() -> None:
                 segments=many.trials.items,
             )
         )
-        assert exact.p_values[study, 0] == pytest.approx(alone.p, abs=2e-4)
+        assert exact.p_values[study, 0] == pytest.approx(alone.p_value, abs=2e-4)
         assert exact.signs[study, 0] == np.sign(alone.estimate)
 
 

@@ -50,12 +50,14 @@ def test_every_protocol_is_taken_apart(protocol: str, measure: str, tmp_path: Pa
             assert all(described.values())
         for level in one.levels:
             assert bool(level.remark) == level.descriptive
-            assert np.isnan(level.p) == level.descriptive
+            assert np.isnan(level.p_value) == level.descriptive
     assert [one.test.p_holm for one in found] == pytest.approx(
-        holm([one.test.p for one in found]), nan_ok=True
+        holm([one.test.p_value for one in found]), nan_ok=True
     )
     tested = [w for one in found for w in one.levels if not w.descriptive]
-    assert [w.p_holm for w in tested] == pytest.approx(holm([w.p for w in tested]), nan_ok=True)
+    assert [w.p_holm for w in tested] == pytest.approx(
+        holm([w.p_value for w in tested]), nan_ok=True
+    )
 
 
 def test_levels_add_up_to_the_whole(tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ def test_own_speech_is_preferred_where_the_motion_tells_it(tmp_path: Path) -> No
     assert truth.counts["own_strong"] == (towards == 2).sum()
     assert truth.win_share.estimate == pytest.approx(((np.sign(towards) + 1) / 2).mean())
     assert truth.clmm.estimate > static.clmm.estimate
-    assert truth.decision.p_holm == pytest.approx(min(1, 2 * truth.decision.p))
+    assert truth.decision.p_holm == pytest.approx(min(1, 2 * truth.decision.p_value))
     assert set(truth.share) == {"own", "other", "equal"}
     bias = found.side_bias["fits"]
     assert bias.own_on_left == pytest.approx((table["left_speech"] == "own").mean())  # type: ignore[union-attr]

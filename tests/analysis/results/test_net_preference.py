@@ -35,10 +35,10 @@ def test_fits_that_begin_nearby_find_the_same() -> None:
     for seed in range(1, 9):
         alone, begun = net_preference(answers(seed)), net_preference(answers(seed), near)
 
-        assert begun.p == pytest.approx(alone.p, abs=2e-4)
-        assert begun.loglik == pytest.approx(alone.loglik, abs=1e-4)
+        assert begun.p_value == pytest.approx(alone.p_value, abs=2e-4)
+        assert begun.log_likelihood == pytest.approx(alone.log_likelihood, abs=1e-4)
         assert begun.estimate == pytest.approx(alone.estimate, abs=0.005)
-        assert np.isnan(begun.se)
+        assert np.isnan(begun.standard_error)
 
 
 def test_a_beginning_of_other_answers_does_not_count() -> None:
@@ -55,7 +55,7 @@ def test_a_beginning_of_other_answers_does_not_count() -> None:
 
     begun = net_preference(fewer, near)
 
-    assert begun.p == pytest.approx(net_preference(fewer).p, abs=2e-4)
+    assert begun.p_value == pytest.approx(net_preference(fewer).p_value, abs=2e-4)
 
 
 def test_a_beginning_needs_a_threshold_between_every_two_answers() -> None:

@@ -72,12 +72,12 @@ def test_a_comparison_agrees_with_its_parts(table: pd.DataFrame, found: Pairwise
         (share.estimate, share.low, share.high)
     )
     assert one.clmm.estimate == pytest.approx(full.estimates["s"], abs=1e-4)
-    assert one.clmm.se == pytest.approx(full.standard_errors["s"], rel=1e-3)
-    assert one.clmm.loglik == pytest.approx(full.log_likelihood, abs=1e-4)
-    assert one.clmm.p == pytest.approx(likelihood_ratio(full, reduced)[2], rel=1e-3)
-    assert one.as_published.binomial_p < one.clmm.p
+    assert one.clmm.standard_error == pytest.approx(full.standard_errors["s"], rel=1e-3)
+    assert one.clmm.log_likelihood == pytest.approx(full.log_likelihood, abs=1e-4)
+    assert one.clmm.p_value == pytest.approx(likelihood_ratio(full, reduced)[2], rel=1e-3)
+    assert one.as_published.binomial_p < one.clmm.p_value
     assert [c.decision.p_holm for c in found.comparisons] == pytest.approx(
-        holm([c.decision.p for c in found.comparisons])
+        holm([c.decision.p_value for c in found.comparisons])
     )
 
 
@@ -123,7 +123,7 @@ def test_sets_are_kept_apart_and_corrected_together(tmp_path: Path) -> None:
     assert first.clmm == alone.comparisons[0].clmm
     assert found.bradley_terry["one"]["emotion"] == alone.bradley_terry["emotion"]  # type: ignore[index]
     assert (first.decision.p_holm, second.decision.p_holm) == pytest.approx(
-        holm([first.decision.p, second.decision.p])
+        holm([first.decision.p_value, second.decision.p_value])
     )
 
 
@@ -147,17 +147,20 @@ def test_with_few_segments_the_win_share_decides_and_it_says_why(tmp_path: Path)
     few = results(tmp_path, pairwise_table(("x", "y"), effects=(0.6, 0.0), segments=6))
     [one] = few.comparisons
     assert one.decision.by == "win_share"
-    assert (one.decision.estimate, one.decision.low, one.decision.p) == (
+    assert (one.decision.estimate, one.decision.low, one.decision.p_value) == (
         one.win_share.estimate,
         one.win_share.low,
-        one.win_share.p,
+        one.win_share.p_value,
     )
     assert "fewer than 20 participants or segments" in one.decision.why
 
     many = pairwise_table(("x", "y"), effects=(0.6, 0.0), participants=20, segments=20)
     [other] = results(tmp_path, many).comparisons
     assert (other.decision.by, other.decision.why) == ("clmm", "")
-    assert (other.decision.estimate, other.decision.p) == (other.clmm.estimate, other.clmm.p)
+    assert (other.decision.estimate, other.decision.p_value) == (
+        other.clmm.estimate,
+        other.clmm.p_value,
+    )
 
 
 def test_one_correction_is_taken_over_what_decides_whichever_test_it_is(tmp_path: Path) -> None:
@@ -167,7 +170,7 @@ def test_one_correction_is_taken_over_what_decides_whichever_test_it_is(tmp_path
 
     assert (first.decision.by, second.decision.by) == ("clmm", "win_share")
     assert (first.decision.p_holm, second.decision.p_holm) == pytest.approx(
-        holm([first.clmm.p, second.win_share.p])
+        holm([first.clmm.p_value, second.win_share.p_value])
     )
 
 
@@ -177,7 +180,7 @@ def test_where_all_prefer_the_same_one_the_sign_test_decides_and_says_why(tmp_pa
     [one] = results(tmp_path, table).comparisons
 
     assert one.decision.by == "sign"
-    assert one.decision.p == pytest.approx(2 * 0.5**12)
+    assert one.decision.p_value == pytest.approx(2 * 0.5**12)
     assert one.decision.estimate == 1
     assert "all answers alike" in one.decision.why
 
@@ -188,9 +191,9 @@ def test_where_the_model_has_no_estimate_the_win_share_decides(tmp_path: Path) -
     table.loc[table.index % 80 == 3, "response"] = 3
     [one] = results(tmp_path, table).comparisons
 
-    assert math.isnan(one.clmm.p)
+    assert math.isnan(one.clmm.p_value)
     assert one.decision.by == "win_share"
-    assert one.decision.p < 1e-6
+    assert one.decision.p_value < 1e-6
     assert one.decision.why == one.clmm.reason
 
 
@@ -199,7 +202,7 @@ def test_one_segment_is_tested_over_participants_alone(tmp_path: Path) -> None:
     [one] = results(tmp_path, table[table["segment"] == "s2"]).comparisons
 
     assert one.decision.by == "win_share"
-    assert one.decision.p < 0.05
+    assert one.decision.p_value < 0.05
     assert one.win_share.method == ONE_SEGMENT
 
 
@@ -219,12 +222,12 @@ def test_of_more_than_three_conditions_strengths_decide(five: pd.DataFrame, tmp_
     assert found.decided_by == "strengths"
     assert len(found.contrasts) == 10
     assert [one.p_holm for one in found.contrasts] == pytest.approx(
-        holm([one.p for one in found.contrasts])
+        holm([one.p_value for one in found.contrasts])
     )
     fitted = found.bradley_terry["emotion"]
-    assert fitted.omnibus.p < 0.1  # type: ignore[union-attr]
+    assert fitted.omnibus.p_value < 0.1  # type: ignore[union-attr]
     one = found.contrasts[0]
-    assert one.difference == pytest.approx(
+    assert one.estimate == pytest.approx(
         fitted.strengths[one.a] - fitted.strengths[one.b]  # type: ignore[union-attr]
     )
 
@@ -250,7 +253,7 @@ def test_a_declared_family_alone_decides(
 
     members = [one for one in found.contrasts if not math.isnan(one.p_holm)]
     assert {tuple(sorted((one.a, one.b))) for one in members} == inside
-    assert [one.p_holm for one in members] == pytest.approx(holm([one.p for one in members]))
+    assert [one.p_holm for one in members] == pytest.approx(holm([one.p_value for one in members]))
 
 
 @pytest.mark.parametrize(
@@ -280,4 +283,4 @@ def test_an_unbeaten_condition_keeps_its_strength_and_is_decided_by_signs(
         assert one.by == ("sign" if swept else "wald")
         assert math.isnan(one.low) == swept
         if swept:
-            assert one.p == pytest.approx(2 * 0.5**10)
+            assert one.p_value == pytest.approx(2 * 0.5**10)

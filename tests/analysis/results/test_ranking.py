@@ -24,17 +24,17 @@ def test_ranks_are_summarised_and_worths_follow_the_truth(tmp_path: Path) -> Non
     by_name = {one.condition: one for one in found.conditions}
     expected = table.groupby("condition")["rank"]
     for name, one in by_name.items():
-        assert one.mean_rank == pytest.approx(expected.mean()[name])
-        assert one.first_share == pytest.approx((expected.get_group(name) == 1).mean())
-        assert one.rank_percent[1] == pytest.approx(100 * one.first_share)
+        assert one.mean_rank.estimate == pytest.approx(expected.mean()[name])
+        assert one.first_share.estimate == pytest.approx((expected.get_group(name) == 1).mean())
+        assert one.rank_percent[1] == pytest.approx(100 * one.first_share.estimate)
         assert sum(one.rank_percent.values()) == pytest.approx(100)
-        assert one.mean_rank_interval.low < one.mean_rank < one.mean_rank_interval.high
+        assert one.mean_rank.low < one.mean_rank.estimate < one.mean_rank.high
     fitted = found.plackett_luce["realism"]
     worths = fitted.worths  # type: ignore[union-attr]
     assert sum(worths.values()) == pytest.approx(0, abs=1e-9)
     assert worths["truth"] > worths["ours"] > worths["static"]
     agreed = found.kendall_w["realism"]
-    assert 0 < agreed.mean <= 1  # type: ignore[union-attr]
+    assert 0 < agreed.estimate <= 1  # type: ignore[union-attr]
     assert len(agreed.segments) == 6  # type: ignore[union-attr]
 
 
@@ -74,4 +74,4 @@ def test_the_segments_that_were_ranked_are_a_sample_too(tmp_path: Path) -> None:
         assert fitted.low[name] < fitted.worths[name] < fitted.high[name]  # type: ignore[union-attr]
     assert "4.96 degrees of freedom" in fitted.method  # type: ignore[union-attr]
     agreed = found.kendall_w["realism"]
-    assert agreed.low < agreed.mean < agreed.high  # type: ignore[union-attr]
+    assert agreed.low < agreed.estimate < agreed.high  # type: ignore[union-attr]

@@ -35,10 +35,10 @@ def test_it_agrees_with_r(tmp_path: Path) -> None:
 
     for one in found.conditions:
         row = expected["table2"][one.condition]
-        assert (one.n, one.mean, one.sd) == pytest.approx((row["n"], row["mean"], row["sd"]))
+        assert (one.n, one.estimate, one.sd) == pytest.approx((row["n"], row["mean"], row["sd"]))
         assert {str(score): n for score, n in one.counts.items()} == row["counts"]
     model, fitted = found.clmm["match"], expected["clmm"]
-    assert model.loglik == pytest.approx(fitted["loglik"], abs=1e-3)  # type: ignore[union-attr]
+    assert model.log_likelihood == pytest.approx(fitted["loglik"], abs=1e-3)  # type: ignore[union-attr]
     estimates = model.estimates  # type: ignore[union-attr]
     for name, effect in fitted["beta"].items():
         condition = name.removeprefix("method")
@@ -56,7 +56,9 @@ def test_one_family_of_tests_holds_all_questions(tmp_path: Path) -> None:
     first, second = results(tmp_path, table).contrasts
     assert (first.question, second.question) == ("match", "style")
     first_p, second_p = first.difference, second.difference
-    assert min(first_p.p_holm, second_p.p_holm) == pytest.approx(2 * min(first_p.p, second_p.p))
+    assert min(first_p.p_holm, second_p.p_holm) == pytest.approx(
+        2 * min(first_p.p_value, second_p.p_value)
+    )
 
 
 def test_the_model_of_ratings_describes_and_does_not_test(tmp_path: Path) -> None:
@@ -66,15 +68,15 @@ def test_the_model_of_ratings_describes_and_does_not_test(tmp_path: Path) -> Non
     written = plain(analyse_table(path, "rating").keys())
     assert isinstance(written, dict)
     [contrast] = written["contrasts"]  # type: ignore[misc]
-    assert not {"p", "p_holm", "z", "se", "low"} & set(contrast)  # type: ignore[arg-type]
-    assert not {"p", "wald_p", "se"} & set(written["clmm"]["match"])  # type: ignore[arg-type,call-overload,index]
+    assert not {"p_value", "p_holm", "z", "standard_error", "low"} & set(contrast)  # type: ignore[arg-type]
+    assert not {"p_value", "wald_p", "standard_error"} & set(written["clmm"]["match"])  # type: ignore[arg-type,call-overload,index]
 
 
 def test_a_slider_of_many_steps_has_means_but_no_ordinal_model(tmp_path: Path) -> None:
     table = rating_table(("x", "y"), participants=8, segments=4)
     steps = np.random.default_rng(1).integers(0, 20, len(table))
     found = results(tmp_path, table.assign(response=20 * (table["response"] - 1) + steps))
-    assert found.conditions[0].mean > 20
+    assert found.conditions[0].estimate > 20
     assert not found.conditions[0].reason
     assert "no ordered categories" in found.clmm["match"].reason  # type: ignore[union-attr]
     assert found.contrasts[0].cliffs_delta.estimate > 0
@@ -93,7 +95,7 @@ def test_paired_differences_lead_and_have_a_family_of_their_own(tmp_path: Path) 
     found = results(tmp_path, table).contrasts
 
     assert [one.difference.p_holm for one in found] == pytest.approx(
-        holm([one.difference.p for one in found])
+        holm([one.difference.p_value for one in found])
     )
     for one in found:
         own = table[table["question"] == one.question].pivot(

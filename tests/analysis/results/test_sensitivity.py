@@ -61,8 +61,8 @@ def test_as_planned_is_what_is_analysed_where_no_rule_is_exploratory(tmp_path: P
     [
         ("pairwise", lambda results: [one.win_share.estimate for one in results.comparisons]),
         ("mismatch", lambda results: [one.win_share.estimate for one in results.conditions]),
-        ("rating", lambda results: [one.mean for one in results.conditions]),
-        ("ranking", lambda results: [one.mean_rank for one in results.conditions]),
+        ("rating", lambda results: [one.estimate for one in results.conditions]),
+        ("ranking", lambda results: [one.mean_rank.estimate for one in results.conditions]),
     ],
 )
 def test_they_are_the_numbers_of_reports_with_and_without_the_rule(

@@ -69,7 +69,7 @@ def test_an_unbalanced_sample_agrees_with_the_formula():
     variance, freedom = by_matrices(values, people, items)
     assert found.method == TWO_WAY
     assert found.standard_error**2 == pytest.approx(variance)
-    assert found.freedom == pytest.approx(freedom)
+    assert found.df == pytest.approx(freedom)
     margin = stats.t(freedom).ppf(0.975) * found.standard_error
     assert found.low == pytest.approx(found.estimate - margin)
     assert found.high == pytest.approx(found.estimate + margin)
@@ -139,7 +139,7 @@ def test_one_busy_participant_costs_degrees_of_freedom_and_is_named_with_what_ha
     found = clustered_mean(values.astype(float), people, generator.integers(0, 17, 510))
 
     without = [values[people != one].mean() for one in np.unique(people)]
-    assert found.freedom < 4
+    assert found.df < 4
     assert found.remark == (
         "one participant gave 300 of 510 answers; without any one participant the estimate lies "
         f"between {min(without):.3g} and {max(without):.3g}"
@@ -161,7 +161,7 @@ def test_no_answers_give_no_number_at_all():
     found = clustered_mean(np.zeros(0), np.zeros(0, str), np.zeros(0, str))
     assert found.reason == "no answers"
     assert math.isnan(found.estimate)
-    assert (found.answers, found.participants, found.segments) == (0, 0, 0)
+    assert (found.n, found.participants, found.segments) == (0, 0, 0)
 
 
 tables = st.integers(2, 6).flatmap(

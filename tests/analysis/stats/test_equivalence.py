@@ -23,7 +23,7 @@ def test_it_agrees_with_r_on_participant_means():
 
     assert found.estimate == pytest.approx(expected["mean_diff"], abs=1e-9)
     assert found.standard_error == pytest.approx(expected["se"], abs=1e-9)
-    assert found.freedom == expected["df"]
+    assert found.df == expected["df"]
     assert found.p_value == pytest.approx(expected["p"], rel=1e-6)
     assert (found.low, found.high) == pytest.approx(expected["ci90"], abs=1e-9)
     assert found.p_difference == pytest.approx(expected["p_difference"], rel=1e-6)
@@ -32,8 +32,8 @@ def test_it_agrees_with_r_on_participant_means():
 
 def test_it_agrees_with_another_implementation():
     differences = np.random.default_rng(3).normal(0.1, 0.5, 40)
-    expected = DescrStatsW(differences).ttost_mean(-0.2, 0.4)[0]
-    assert equivalence_of_means(differences, (-0.2, 0.4)).p_value == pytest.approx(expected)
+    expected = DescrStatsW(differences).ttost_mean(-0.3, 0.3)[0]
+    assert equivalence_of_means(differences, 0.3).p_value == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(
@@ -51,20 +51,20 @@ def test_it_tells_four_cases_apart(estimate, error, verdict):
 
 @given(st.floats(-2, 2), st.floats(0.01, 2), st.floats(0.01, 2), st.floats(1, 200))
 def test_it_is_equivalent_where_the_interval_lies_within_the_margins(estimate, error, margin, df):
-    found = equivalence(estimate, error, margin, freedom=df)
+    found = equivalence(estimate, error, margin, df=df)
     within = -margin < found.low and found.high < margin
     if abs(found.p_value - 0.05) > 1e-9:
         assert within == (found.p_value < 0.05) == found.verdict.startswith("equivalent")
 
 
-@pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf, (0.1, 0.2), (-0.1, -0.2)])
-def test_a_margin_that_does_not_enclose_zero_is_refused(margin):
-    with pytest.raises(InputError, match="does not enclose zero"):
+@pytest.mark.parametrize("margin", [0, -0.1, math.nan, math.inf])
+def test_a_margin_that_is_not_above_zero_is_refused(margin):
+    with pytest.raises(InputError, match="the margin of equivalence is"):
         equivalence(0.0, 0.1, margin)
 
 
 @pytest.mark.parametrize(
-    ("estimate", "error", "freedom", "reason"),
+    ("estimate", "error", "df", "reason"),
     [
         (math.nan, 0.1, 5, "the difference is unknown"),
         (0.1, math.nan, 5, "the difference has no standard error"),
@@ -72,8 +72,8 @@ def test_a_margin_that_does_not_enclose_zero_is_refused(margin):
         (0.1, 0.1, 0, "the error has no degrees of freedom"),
     ],
 )
-def test_no_test_comes_with_its_reason(estimate, error, freedom, reason):
-    found = equivalence(estimate, error, 0.3, freedom=freedom)
+def test_no_test_comes_with_its_reason(estimate, error, df, reason):
+    found = equivalence(estimate, error, 0.3, df=df)
     assert (found.reason, found.verdict) == (reason, "unknown")
     assert math.isnan(found.p_value)
 

@@ -34,8 +34,8 @@ def test_it_joins_the_two_analyses_of_variance() -> None:
     found = between_groups(values, group, who, what)
 
     assert found.statistic == pytest.approx(f_people * f_items / (f_people + f_items))
-    assert found.freedom == 3
-    assert found.freedom_rest == pytest.approx(
+    assert found.df == 3
+    assert found.df_rest == pytest.approx(
         (f_people + f_items) ** 2 / (f_people**2 / 8 + f_items**2 / 39)
     )
 
@@ -50,7 +50,7 @@ def test_segments_are_compared_within_participants() -> None:
 
     assert found.statistic == pytest.approx(table["F"].loc["C(what)"])
     assert found.p_value == pytest.approx(table["PR(>F)"].loc["C(what)"])
-    assert (found.freedom, found.freedom_rest) == (11, table["df"].loc["Residual"])
+    assert (found.df, found.df_rest) == (11, table["df"].loc["Residual"])
 
 
 def test_segments_and_tastes_that_differ_are_no_difference_between_groups() -> None:

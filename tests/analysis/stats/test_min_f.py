@@ -24,8 +24,8 @@ def test_it_is_made_of_the_two_t_tests():
     assert found.f_participants == pytest.approx(f1)
     assert found.f_items == pytest.approx(f2)
     assert found.statistic == pytest.approx(f1 * f2 / (f1 + f2))
-    assert found.freedom == pytest.approx((f1 + f2) ** 2 / (f1**2 / 11 + f2**2 / 19))
-    assert found.p_value == pytest.approx(stats.f.sf(found.statistic, 1, found.freedom))
+    assert found.df_rest == pytest.approx((f1 + f2) ** 2 / (f1**2 / 11 + f2**2 / 19))
+    assert found.p_value == pytest.approx(stats.f.sf(found.statistic, 1, found.df_rest))
     assert found.statistic < min(f1, f2)
 
 
@@ -41,7 +41,7 @@ def test_participants_all_alike_leave_the_test_to_the_items():
     found = outcome([[1, 2, 0], [1, 2, 0], [0, 2, 1]])
     assert math.isinf(found.f_participants)
     assert found.statistic == pytest.approx(found.f_items)
-    assert found.freedom == pytest.approx(2)
+    assert found.df_rest == pytest.approx(2)
 
 
 def test_a_mean_of_zero_is_no_effect():

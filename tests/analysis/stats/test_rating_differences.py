@@ -35,7 +35,7 @@ def test_paired_ratings_are_differences_of_one_participant_and_segment() -> None
         assert (one.estimate, one.low, one.high, one.p_value) == pytest.approx(
             (by_hand.estimate, by_hand.low, by_hand.high, by_hand.p_value)
         )
-        assert one.answers == 80
+        assert one.n == 80
         assert one.method.startswith("paired ratings, clustered by")
 
 
@@ -47,7 +47,7 @@ def test_ratings_without_a_partner_are_left_out_while_they_are_few() -> None:
         rated_cells(values[few], which[few], who[few], what[few], count=3), 0, 1
     )
 
-    assert found.answers == 60
+    assert found.n == 60
     assert found.segments == 6
 
 

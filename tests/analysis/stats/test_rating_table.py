@@ -22,8 +22,8 @@ def test_it_agrees_with_the_reference():
 
     for found in rating_table(tidy, list(expected), SCORES):
         row = expected[found.condition]
-        assert found.mean.answers == row["n"]
-        assert found.mean.estimate == pytest.approx(row["mean"], abs=1e-9)
+        assert found.n == row["n"]
+        assert found.estimate == pytest.approx(row["mean"], abs=1e-9)
         assert found.sd == pytest.approx(row["sd"], abs=1e-9)
         assert {str(score): n for score, n in found.counts.items()} == row["counts"]
         at_least = {str(score): percent for score, percent in found.at_least.items()}
@@ -40,9 +40,9 @@ def test_a_mean_has_the_two_way_interval_within_the_scale():
         own["segment"].to_numpy(str),
         limits=(1, 5),
     )
-    assert (found.mean.low, found.mean.high) == pytest.approx((expected.low, expected.high))
-    assert 1 < found.mean.low < found.mean.high < 5
-    assert math.isnan(found.mean.p_value)
+    assert (found.low, found.high) == pytest.approx((expected.low, expected.high))
+    assert 1 < found.low < found.high < 5
+    assert math.isnan(found.p_value)
 
 
 def test_a_score_that_nobody_gave_is_counted_as_zero():
@@ -55,7 +55,7 @@ def test_a_score_that_nobody_gave_is_counted_as_zero():
 
 def test_a_condition_without_ratings_says_so():
     [found] = rating_table(made_ratings(), ["absent"], SCORES)
-    assert (found.mean.answers, found.mean.reason) == (0, "no answers")
+    assert (found.n, found.reason) == (0, "no answers")
     assert math.isnan(found.sd)
     assert math.isnan(found.at_least[1])
 

@@ -147,7 +147,7 @@ def test_curves(drawn: Drawn) -> None:
             condition=f"{k} {LONG}",
             question=question,
             n=10,
-            mean=3.0,
+            estimate=3.0,
             sd=1.0,
             low=2.0,
             high=4.0,
@@ -155,8 +155,6 @@ def test_curves(drawn: Drawn) -> None:
             at_least={score: 120.0 - 20 * score for score in range(1, 6)},
             participants=2,
             segments=2,
-            method="",
-            reason="",
         )
         for question in ("match", "sync")
         for k in range(12)

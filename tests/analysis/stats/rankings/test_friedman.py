@@ -28,10 +28,10 @@ def test_it_agrees_with_r_on_participant_means():
     assert (found.n, len(found.mean_ranks)) == (expected["n_blocks"], expected["k"])
     assert found.mean_ranks == pytest.approx(expected["mean_rank"])
     assert found.statistic == pytest.approx(expected["friedman_chi2"], rel=1e-9)
-    assert (found.freedom, found.p_value) == (3, pytest.approx(expected["p"], rel=1e-6))
-    assert found.f_statistic == pytest.approx(expected["iman_davenport_F"], rel=1e-9)
-    assert list(found.f_freedom) == expected["F_df"]
-    assert found.f_p == pytest.approx(expected["F_p"], rel=1e-6)
+    assert (found.df, found.p_value) == (3, pytest.approx(expected["p"], rel=1e-6))
+    assert found.iman_davenport.statistic == pytest.approx(expected["iman_davenport_F"], rel=1e-9)
+    assert [found.iman_davenport.df, found.iman_davenport.df_rest] == expected["F_df"]
+    assert found.iman_davenport.p_value == pytest.approx(expected["F_p"], rel=1e-6)
     assert found.kendall_w == pytest.approx(expected["kendall_W_tie_corrected"], rel=1e-9)
 
 
@@ -45,7 +45,7 @@ def test_with_ties_it_is_scipys():
 def test_all_alike_is_perfect_concordance_and_no_error():
     found = friedman(blocks([[1, 2, 3]] * 5))
     assert found.kendall_w == pytest.approx(1)
-    assert (found.f_statistic, found.f_p) == (math.inf, 0)
+    assert (found.iman_davenport.statistic, found.iman_davenport.p_value) == (math.inf, 0)
 
 
 def test_participants_who_lack_a_condition_are_left_out_and_counted():

@@ -59,7 +59,7 @@ def test_one_test_of_all_strengths_is_hotellings_where_participants_alone_are_a_
     means, spread = turn @ given.mean(axis=0), turn @ np.cov(given.T) @ turn.T
     squared = 15 * means @ np.linalg.solve(spread, means)
     assert (found.df, found.df_rest) == pytest.approx((2, 13))
-    assert found.p == pytest.approx(stats.f.sf(squared * 13 / (14 * 2), 2, 13))
+    assert found.p_value == pytest.approx(stats.f.sf(squared * 13 / (14 * 2), 2, 13))
 
 
 def test_strengths_that_differ_are_found_by_one_test_and_by_contrasts() -> None:
@@ -69,7 +69,7 @@ def test_strengths_that_differ_are_found_by_one_test_and_by_contrasts() -> None:
     together = omnibus(found.strengths, found.two_way)
     assert together.df == 3
     assert together.df_rest == pytest.approx(found.two_way.freedom - 2)
-    assert 0 < together.p <= 1
+    assert 0 < together.p_value <= 1
 
 
 def test_too_few_segments_have_no_test_of_all_and_say_so() -> None:
