@@ -19,7 +19,7 @@ import pandas as pd
 
 from analysis.answers.cells import Cells
 from analysis.answers.layouts import PAIRWISE
-from analysis.answers.participant_facts import KnownSitting
+from analysis.answers.participant_facts import KnownFacts
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out
@@ -54,14 +54,14 @@ class Simulated:
     ----------
     table : AnswerTable
         All answers.
-    known : dict of str to KnownSitting
+    known : dict of str to KnownFacts
         What the study knows of each participant.
     kinds : dict of str to Kind
         What kind of rater each is.
     """
 
     table: AnswerTable
-    known: dict[str, KnownSitting]
+    known: dict[str, KnownFacts]
     kinds: dict[str, Kind]
 
 
@@ -121,7 +121,7 @@ def simulated(
 ) -> Simulated:
     """Return what a rehearsal stores: every place is taken until somebody finishes."""
     rows: list[dict[str, str]] = []
-    known: dict[str, KnownSitting] = {}
+    known: dict[str, KnownFacts] = {}
     kinds: dict[str, Kind] = {}
     for arm in study.arms:
         for number in range(arm.places):
@@ -158,7 +158,7 @@ def simulated(
                         for (question, _), value in given.items()
                     )
                 kinds[rater.name] = rater.kind
-                known[rater.name] = KnownSitting(
+                known[rater.name] = KnownFacts(
                     trials=len(plan),
                     settled=settled,
                     failed_catch=failed["catch"] if study.catch.trials else None,

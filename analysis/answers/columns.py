@@ -14,6 +14,10 @@ MISSING: Final = frozenset({"", "NA", "N/A", "NaN", "nan", "None", "null", "<NA>
 
 KINDS: Final = ("practice", "main", "repeat", "catch", "attention")
 
+ANALYSED_KINDS: Final = ("main", "repeat")
+"""Kinds of trial whose answers are analysed; practice and catch trials and attention
+checks never are."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Column:

@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
-from analysis.answers.participant_facts import Sitting
+from analysis.answers.participant_facts import ParticipantFacts
 
 BY_HAND: Final = "researcher"
 """Name of the rule that removes whom researchers exclude one by one."""
 
-Judge = Callable[[Sitting], str | None]
+Judge = Callable[[ParticipantFacts], str | None]
 
 KEPT: Final = ""
 """What a rule says of whom it keeps."""
@@ -55,7 +55,7 @@ def marked() -> ExclusionRule:
     return ExclusionRule(
         name="marked",
         description="marked as excluded in the table",
-        judge=lambda sitting: sitting.marked,
+        judge=lambda facts: facts.marked,
     )
 
 
@@ -67,7 +67,7 @@ def excluded_by_hand() -> ExclusionRule:
     return ExclusionRule(
         name=BY_HAND,
         description="excluded by a researcher",
-        judge=lambda sitting: sitting.decided,
+        judge=lambda facts: facts.decided,
         exploratory=True,
     )
 
@@ -78,14 +78,14 @@ def incomplete() -> ExclusionRule:
     A trial whose video would not play counts as done: that is no fault of the participant.
     """
 
-    def judge(sitting: Sitting) -> str | None:
-        if sitting.trials is None or sitting.settled is None:
+    def judge(facts: ParticipantFacts) -> str | None:
+        if facts.trials is None or facts.settled is None:
             return None
-        if not sitting.trials:
+        if not facts.trials:
             return "not begun"
-        if sitting.settled >= sitting.trials:
+        if facts.settled >= facts.trials:
             return KEPT
-        return f"{sitting.settled} of {sitting.trials} trials answered"
+        return f"{facts.settled} of {facts.trials} trials answered"
 
     return ExclusionRule(
         name="incomplete",
@@ -104,7 +104,7 @@ def failed_catch_trials(allowed: int) -> ExclusionRule:
     return ExclusionRule(
         name="catch",
         description=f"failed {_more_than(allowed, 'catch trial')}",
-        judge=lambda sitting: _too_many(sitting.failed_catch, allowed, "catch trial"),
+        judge=lambda facts: _too_many(facts.failed_catch, allowed, "catch trial"),
         missing="there are no catch trials with a side known to be right",
     )
 
@@ -117,7 +117,7 @@ def failed_attention_checks(allowed: int) -> ExclusionRule:
     return ExclusionRule(
         name="attention",
         description=f"failed {_more_than(allowed, 'attention check')}",
-        judge=lambda sitting: _too_many(sitting.failed_attention, allowed, "attention check"),
+        judge=lambda facts: _too_many(facts.failed_attention, allowed, "attention check"),
         missing="there are no attention checks that say what they ask for",
     )
 
@@ -128,12 +128,12 @@ def watched_less(below: float) -> ExclusionRule:
     It looks at the mean over the answers of main and repeated trials, in [0, 1].
     """
 
-    def judge(sitting: Sitting) -> str | None:
-        if math.isnan(sitting.watched):
+    def judge(facts: ParticipantFacts) -> str | None:
+        if math.isnan(facts.watched):
             return None
-        if sitting.watched >= below:
+        if facts.watched >= below:
             return KEPT
-        return f"{_percent(sitting.watched)} of the videos watched"
+        return f"{_percent(facts.watched)} of the videos watched"
 
     return ExclusionRule(
         name="coverage",
@@ -155,13 +155,13 @@ def answered_too_fast(below: float, share: float) -> ExclusionRule:
         One half is a rule about the median.
     """
 
-    def judge(sitting: Sitting) -> str | None:
-        if not len(sitting.seconds):
+    def judge(facts: ParticipantFacts) -> str | None:
+        if not len(facts.seconds):
             return None
-        fast = int(np.searchsorted(sitting.seconds, below))
-        if fast / len(sitting.seconds) < share:
+        fast = int(np.searchsorted(facts.seconds, below))
+        if fast / len(facts.seconds) < share:
             return KEPT
-        return f"{fast} of {len(sitting.seconds)} answers given in less than {below:g} s"
+        return f"{fast} of {len(facts.seconds)} answers given in less than {below:g} s"
 
     return ExclusionRule(
         name="time",
@@ -184,8 +184,8 @@ def straight_lined(at_least: float, trials: int) -> ExclusionRule:
         Questions with fewer answers from a participant say nothing about that participant.
     """
 
-    def judge(sitting: Sitting) -> str | None:
-        asked = [same for same in sitting.same_answers or () if same.answers >= trials]
+    def judge(facts: ParticipantFacts) -> str | None:
+        asked = [same for same in facts.same_answers or () if same.answers >= trials]
         if not asked:
             return None
         worst = max(asked, key=lambda same: same.share)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from analysis.answers.exclusion_rules import ExclusionRule
-from analysis.answers.participant_facts import Sitting
+from analysis.answers.participant_facts import ParticipantFacts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,18 +52,20 @@ class Removed:
     removed_by: dict[str, int]
 
 
-def apply_rules(sittings: Sequence[Sitting], rules: Sequence[ExclusionRule]) -> Removed:
+def apply_rules(
+    participants: Sequence[ParticipantFacts], rules: Sequence[ExclusionRule]
+) -> Removed:
     """Apply `rules` in order; a participant counts under the first that removes them.
 
     Who cannot be judged by a rule stays, and the rule's outcome says so.
     """
-    remaining = sorted(sittings, key=lambda sitting: sitting.participant)
+    remaining = sorted(participants, key=lambda facts: facts.participant)
     outcomes: list[RuleOutcome] = []
     reasons: dict[str, str] = {}
     removed_by: dict[str, int] = {}
     for place, rule in enumerate(rules):
-        judged = [(sitting, rule.judge(sitting)) for sitting in remaining]
-        removed = {sitting.participant: reason for sitting, reason in judged if reason}
+        judged = [(facts, rule.judge(facts)) for facts in remaining]
+        removed = {facts.participant: reason for facts, reason in judged if reason}
         outcomes.append(
             RuleOutcome(
                 rule=rule.name,
@@ -76,7 +78,7 @@ def apply_rules(sittings: Sequence[Sitting], rules: Sequence[ExclusionRule]) -> 
         )
         reasons |= removed
         removed_by |= dict.fromkeys(removed, place)
-        remaining = [sitting for sitting, reason in judged if not reason]
+        remaining = [facts for facts, reason in judged if not reason]
     return Removed(outcomes=tuple(outcomes), reasons=reasons, removed_by=removed_by)
 
 

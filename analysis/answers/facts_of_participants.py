@@ -11,12 +11,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.answers.participant_facts import KnownSitting, SameAnswer, Sitting
+from analysis.answers.columns import ANALYSED_KINDS
+from analysis.answers.participant_facts import KnownFacts, ParticipantFacts, SameAnswer
 from analysis.answers.straight_lining import straight_lining
 from analysis.answers.table import AnswerTable
-from analysis.answers.trial_kinds import ANALYSED_KINDS
 
-NOTHING_KNOWN: Final[Mapping[str, KnownSitting]] = MappingProxyType({})
+NOTHING_KNOWN: Final[Mapping[str, KnownFacts]] = MappingProxyType({})
 
 MIDDLE: Final = 3
 """The answer for neither side."""
@@ -28,16 +28,16 @@ _SHOWN: Final = (
 """Columns that tell presentations apart, as far as a protocol has them."""
 
 
-def sittings_of(
-    table: AnswerTable, known: Mapping[str, KnownSitting] = NOTHING_KNOWN
-) -> tuple[Sitting, ...]:
+def facts_of(
+    table: AnswerTable, known: Mapping[str, KnownFacts] = NOTHING_KNOWN
+) -> tuple[ParticipantFacts, ...]:
     """Return the facts about every participant, in the table's order.
 
     Parameters
     ----------
     table : AnswerTable
         Answers of every kind of trial.
-    known : mapping of participant to KnownSitting
+    known : mapping of participant to KnownFacts
         What a study knows beside them; its judgement of catch trials and attention checks
         replaces the table's.
     """
@@ -48,11 +48,11 @@ def sittings_of(
     watched = _mean(analysed, "watched")
     seconds = _times(analysed)
     same = _same_answers(table, analysed)
-    sittings = []
+    participants = []
     for who in table.participants:
         beside = known.get(who)
-        sittings.append(
-            Sitting(
+        participants.append(
+            ParticipantFacts(
                 participant=who,
                 marked=table.marked.get(who, ""),
                 decided="" if beside is None else beside.decided,
@@ -67,7 +67,7 @@ def sittings_of(
                 same_answers=None if same is None else same.get(who, ()),
             )
         )
-    return tuple(sittings)
+    return tuple(participants)
 
 
 def _failures(failed: Mapping[str, int] | None, who: str) -> int | None:
@@ -146,6 +146,6 @@ def _same_answers(
         own = analysed[analysed["question"] == question]
         for line in straight_lining(own):
             found.setdefault(line.participant, []).append(
-                SameAnswer(question=question, answers=line.answers, share=line.commonest_share)
+                SameAnswer(question=question, answers=line.answers, share=line.share)
             )
     return {who: tuple(each) for who, each in found.items()}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, kw_only=True)
-class KnownSitting:
+class KnownFacts:
     """What a study knows of a participant that a table of answers does not hold.
 
     Attributes
@@ -56,7 +56,7 @@ def _no_times() -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Sitting:
+class ParticipantFacts:
     """The facts of one participant that rules decide from.
 
     Attributes
@@ -66,9 +66,9 @@ class Sitting:
     marked : str
         Why the table itself excludes the participant; empty where it does not.
     decided : str
-        As in `KnownSitting`; empty where that is not known.
+        As in `KnownFacts`; empty where that is not known.
     trials, settled : int or None
-        As in `KnownSitting`; None where that is not known.
+        As in `KnownFacts`; None where that is not known.
     failed_catch, failed_attention : int or None
         How many were failed; None where that is not known.
     watched : float

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from analysis.answers.cells import Cells, read_cells
 from analysis.answers.checking import Checking
-from analysis.answers.columns import MISSING, SHARED, Column
-from analysis.answers.layout import Layout
+from analysis.answers.columns import ANALYSED_KINDS, MISSING, SHARED, Column
+from analysis.answers.layouts import Layout
 from analysis.answers.table import AnswerTable
-from analysis.answers.trial_kinds import ANALYSED_KINDS
 
 NOT_EXCLUDED: Final = frozenset({"false", "0", "no", "n", "f"})
 EXCLUDED: Final = frozenset({"true", "1", "yes", "y", "t", "x"})

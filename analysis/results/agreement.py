@@ -1,71 +1,34 @@
-"""How far participants agree about what they answered about."""
+"""How far participants agree with one another, and with themselves."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.results.grouping import codes
 from analysis.stats.intraclass import Intraclass, intraclass_correlation
-from analysis.stats.krippendorff import krippendorff_alpha
+from analysis.stats.krippendorff import Alpha, krippendorff_alpha
+from analysis.stats.retest import Retest, retest_agreement
 
 LEVEL: Final = "ordinal"
 
 
 @dataclass(frozen=True, kw_only=True)
-class IntraclassCorrelation:
-    """How much of the answers' variance lies between items, as numbers equally far apart.
-
-    Attributes
-    ----------
-    single, single_low, single_high : float
-        Of one participant's answers, ICC(A,1), with its 95 % interval.
-    average, average_low, average_high : float
-        Of the mean over the participants of an item, ICC(A,k).
-    participants_per_item : float
-        Harmonic mean: the k of the average.
-    method, reason : str
-        Which correlation; why there is none.
-    """
-
-    single: float
-    single_low: float
-    single_high: float
-    average: float
-    average_low: float
-    average_high: float
-    participants_per_item: float
-    method: str
-    reason: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Agreement:
+class Agreement(Alpha):
     """Krippendorff's alpha for ordered answers; not a condition for anything.
 
     Attributes
     ----------
-    alpha, low, high : float
-        With its 95 % interval over items.
-    n, items, participants : int
-        Answers, items and participants that it rests on.
-    method, reason : str
-        How the interval was found; why a number is missing.
-    icc : IntraclassCorrelation
-        The same question asked of variances.
+    icc : Intraclass
+        The same question asked of variances, of numbers equally far apart.
     """
 
-    alpha: float
-    low: float
-    high: float
-    n: int
-    items: int
-    participants: int
-    method: str
-    reason: str
-    icc: IntraclassCorrelation
+    icc: Intraclass
 
 
 def agreement_of(
@@ -76,29 +39,43 @@ def agreement_of(
     key = participants.astype(np.int64) * (int(items.max(initial=0)) + 1) + items
     first = np.sort(np.unique(key, return_index=True)[1])
     own = values[first], participants[first], items[first]
-    found = krippendorff_alpha(*own, level=LEVEL)
-    return Agreement(
-        alpha=found.estimate,
-        low=found.low,
-        high=found.high,
-        n=found.answers,
-        items=found.items,
-        participants=found.raters,
-        method=found.method,
-        reason=found.reason,
-        icc=_icc(intraclass_correlation(*own)),
+    alpha = krippendorff_alpha(*own, level=LEVEL)
+    return Agreement(**vars(alpha), icc=intraclass_correlation(*own))
+
+
+def retest_of(
+    answers: pd.DataFrame,
+    values: NDArray[np.integer],
+    shown: Mapping[str, NDArray[np.intp]],
+) -> Retest:
+    """Compare practice trials with their repeats.
+
+    Of several answers in practice the last counts, of repeats the first.
+
+    Parameters
+    ----------
+    answers : DataFrame
+        Of one question, practice trials included, of those whom every rule kept.
+    values : ndarray of int, shape (N,)
+        The answers, counted towards a condition and not towards a side: sides may be swapped.
+    shown : mapping of name to ndarray of int, shape (N,)
+        What a trial and its repeat have in common besides the segment.
+    """
+    rows = pd.DataFrame(
+        {
+            "participant": codes(answers, "participant"),
+            "segment": codes(answers, "segment"),
+            "kind": answers["kind"].to_numpy(object),
+            "value": values,
+            **shown,
+        }
     )
-
-
-def _icc(found: Intraclass) -> IntraclassCorrelation:
-    return IntraclassCorrelation(
-        single=found.single.estimate,
-        single_low=found.single.low,
-        single_high=found.single.high,
-        average=found.average.estimate,
-        average_low=found.average.low,
-        average_high=found.average.high,
-        participants_per_item=found.raters_per_item,
-        method=found.method,
-        reason=found.reason,
+    keys = ["participant", "segment", *shown]
+    first = rows[rows["kind"] == "practice"].drop_duplicates(keys, keep="last")
+    again = rows[rows["kind"] == "repeat"].drop_duplicates(keys, keep="first")
+    pairs = first.merge(again, on=keys, suffixes=("_first", "_again"), validate="one_to_one")
+    return retest_agreement(
+        pairs["value_first"].to_numpy(np.int64),
+        pairs["value_again"].to_numpy(np.int64),
+        pairs["participant"].to_numpy(),
     )

@@ -8,12 +8,12 @@ from typing import Final
 
 import pandas as pd
 
+from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.exclusion_rules import ExclusionRule, failed_catch_trials, marked
 from analysis.answers.exclusions import RuleOutcome, apply_rules
-from analysis.answers.facts_of_participants import NOTHING_KNOWN, sittings_of
-from analysis.answers.participant_facts import KnownSitting
+from analysis.answers.facts_of_participants import NOTHING_KNOWN, facts_of
+from analysis.answers.participant_facts import KnownFacts
 from analysis.answers.table import AnswerTable
-from analysis.answers.trial_kinds import ANALYSED_KINDS
 
 MAX_CATCH_FAILURES: Final = 1
 """Failed catch trials that a participant may have, unless told otherwise."""
@@ -69,7 +69,7 @@ def leave_out(
     rules: Sequence[ExclusionRule],
     *,
     planned: Sequence[ExclusionRule] | None = None,
-    known: Mapping[str, KnownSitting] = NOTHING_KNOWN,
+    known: Mapping[str, KnownFacts] = NOTHING_KNOWN,
 ) -> LeftOut:
     """Apply `rules` in order; a participant counts under the first that removes them.
 
@@ -82,13 +82,13 @@ def leave_out(
     planned : sequence of ExclusionRule, optional
         Those that were settled before answers could be seen; without them, all of `rules` that
         are not exploratory.
-    known : mapping of participant to KnownSitting
+    known : mapping of participant to KnownFacts
         What a study knows beside the table.
     """
     if planned is None:
         planned = [rule for rule in rules if not rule.exploratory]
-    sittings = sittings_of(table, known)
-    removed = apply_rules(sittings, rules)
+    participants = facts_of(table, known)
+    removed = apply_rules(participants, rules)
     shown = table.shown
     stays = ~shown["participant"].isin(list(removed.reasons))
     counts = shown["kind"].isin(ANALYSED_KINDS)
@@ -96,7 +96,7 @@ def leave_out(
         exclusions=removed.reasons,
         removed_by=removed.removed_by,
         rules=removed.outcomes,
-        planned_exclusions=apply_rules(sittings, planned).reasons,
+        planned_exclusions=apply_rules(participants, planned).reasons,
         kept=shown[stays].reset_index(drop=True),
         analysed=shown[stays & counts].reset_index(drop=True),
         everyone=shown[counts].reset_index(drop=True),

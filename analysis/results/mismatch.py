@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.answers.table import AnswerTable
-from analysis.results.agreement import Agreement, agreement_of
+from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.family import EVERYTHING, Family, Member
 from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
 from analysis.results.heterogeneity import (
@@ -20,9 +20,9 @@ from analysis.results.heterogeneity import (
 from analysis.results.left_out import LeftOut
 from analysis.results.place import ConditionPlace
 from analysis.results.preference import Preference, left_share, preference, with_holm
-from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
 from analysis.stats.clustered_mean import Estimate
+from analysis.stats.retest import Retest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,7 @@ class MismatchResults:
     conditions: tuple[MatchedCondition, ...]
     side_bias: ByQuestion[OwnSideBias]
     agreement: ByQuestion[Agreement]
-    test_retest: ByQuestion[TestRetest]
+    test_retest: ByQuestion[Retest]
     heterogeneity: tuple[ConditionHeterogeneity, ...]
 
 
@@ -146,7 +146,7 @@ def mismatch_agreement(answers: pd.DataFrame) -> Agreement:
     return agreement_of(_towards(answers), codes(answers, "participant"), items)
 
 
-def mismatch_retest(answers: pd.DataFrame) -> TestRetest:
+def mismatch_retest(answers: pd.DataFrame) -> Retest:
     """Compare practice trials with their repeats."""
     return retest_of(answers, _towards(answers), {"condition": codes(answers, "condition")})
 

@@ -10,16 +10,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.table import AnswerTable
-from analysis.answers.trial_kinds import ANALYSED_KINDS
-from analysis.results.agreement import Agreement, agreement_of
+from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.family import EVERYTHING, Family, Member
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
 from analysis.results.place import PairPlace
 from analysis.results.preference import Preference, left_share, preference, with_holm
-from analysis.results.retest import TestRetest, retest_of
 from analysis.results.sided import sided
 from analysis.results.strengths import (
     StrengthContrast,
@@ -29,6 +28,7 @@ from analysis.results.strengths import (
 )
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.equivalence import Equivalence, equivalence_of
+from analysis.stats.retest import Retest
 
 MOST_PAIRED: Final = 3
 """Conditions up to which single comparisons decide; of more, the strengths of all of them."""
@@ -76,7 +76,7 @@ class PairwiseResults:
     comparisons: tuple[Comparison, ...]
     side_bias: ByQuestion[SideBias]
     agreement: ByQuestion[Agreement]
-    test_retest: ByQuestion[TestRetest]
+    test_retest: ByQuestion[Retest]
     bradley_terry: ByQuestion[Strengths]
     contrasts: tuple[StrengthContrast, ...]
     decided_by: Literal["comparisons", "strengths"]
@@ -216,7 +216,7 @@ def pairwise_agreement(answers: pd.DataFrame) -> Agreement:
     )
 
 
-def pairwise_retest(answers: pd.DataFrame) -> TestRetest:
+def pairwise_retest(answers: pd.DataFrame) -> Retest:
     """Compare practice trials with their repeats."""
     return retest_of(answers, _towards(answers), _pair(answers))
 

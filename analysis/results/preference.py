@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.answers.trial_kinds import ANALYSED_KINDS
+from analysis.answers.columns import ANALYSED_KINDS
 from analysis.results.family import Family, Member
 from analysis.results.grouping import codes, people
 from analysis.results.net_preference import NetPreference, net_preference

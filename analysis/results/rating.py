@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.answers.table import AnswerTable
-from analysis.results.agreement import Agreement, agreement_of
+from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
@@ -24,9 +24,9 @@ from analysis.results.rating_contrasts import (
     with_holm,
 )
 from analysis.results.rating_model import MOST_SCORES, RatingModel, rating_model
-from analysis.results.retest import TestRetest, retest_of
 from analysis.stats.equivalence import Equivalence, equivalence_of, equivalence_of_means
 from analysis.stats.rating_table import RatingSummary, rating_table
+from analysis.stats.retest import Retest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +70,7 @@ class RatingResults:
     clmm: ByQuestion[RatingModel]
     contrasts: tuple[RatingContrast, ...]
     agreement: ByQuestion[Agreement]
-    test_retest: ByQuestion[TestRetest]
+    test_retest: ByQuestion[Retest]
     equivalence: tuple[RatedEquivalent, ...]
     heterogeneity: tuple[PairHeterogeneity, ...]
 
@@ -193,7 +193,7 @@ def rating_agreement(answers: pd.DataFrame) -> Agreement:
     return agreement_of(answers["value"].to_numpy(), codes(answers, "participant"), items)
 
 
-def rating_retest(answers: pd.DataFrame) -> TestRetest:
+def rating_retest(answers: pd.DataFrame) -> Retest:
     """Compare practice trials with their repeats."""
     values = answers["value"].to_numpy().astype(np.int64)
     return retest_of(answers, values, {"condition": codes(answers, "condition")})

@@ -24,11 +24,11 @@ from analysis.results.pairwise import pairwise_agreement, pairwise_retest
 from analysis.results.preference import win_share
 from analysis.results.ranking import concordance, placements_of
 from analysis.results.rating import limits_of, rating_agreement, rating_retest, scores_of
-from analysis.results.retest import TestRetest
 from analysis.results.sided import sided
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.rankings.placements import rank_summaries
 from analysis.stats.rating_table import rating_table
+from analysis.stats.retest import Retest
 
 Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 
@@ -51,7 +51,7 @@ class AgreedSoFar:
         What it rests on.
     reason : str
         Why a number is missing.
-    retest : TestRetest or None
+    retest : Retest or None
         Practice trials against their repeats; None of rankings, which repeat none.
     """
 
@@ -64,7 +64,7 @@ class AgreedSoFar:
     answers: int
     participants: int
     reason: str
-    retest: TestRetest | None
+    retest: Retest | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +122,7 @@ def agreed_so_far(table: AnswerTable, left_out: LeftOut) -> tuple[AgreedSoFar, .
 
 
 _AGREED: Final = MappingProxyType[
-    str, tuple[Callable[[pd.DataFrame], Agreement], Callable[[pd.DataFrame], TestRetest]]
+    str, tuple[Callable[[pd.DataFrame], Agreement], Callable[[pd.DataFrame], Retest]]
 ](
     {
         "pairwise": (pairwise_agreement, pairwise_retest),
@@ -132,12 +132,12 @@ _AGREED: Final = MappingProxyType[
 )
 
 
-def _agreed(of: str | None, question: str, found: Agreement, retest: TestRetest) -> AgreedSoFar:
+def _agreed(of: str | None, question: str, found: Agreement, retest: Retest) -> AgreedSoFar:
     return AgreedSoFar(
         set=of,
         question=question,
         measure="alpha",
-        estimate=found.alpha,
+        estimate=found.estimate,
         low=found.low,
         high=found.high,
         answers=found.n,

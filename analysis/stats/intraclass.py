@@ -39,12 +39,12 @@ class Correlation:
         Ends of its 95 % interval.
     """
 
-    estimate: float
-    low: float
-    high: float
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
 
 
-UNKNOWN: Final = Correlation(estimate=math.nan, low=math.nan, high=math.nan)
+UNKNOWN: Final = Correlation()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,9 +58,9 @@ class Intraclass:
         they cannot be estimated.
     item_variance, rater_variance, residual_variance : float
         What the answers' variance is made of; an estimate may be negative.
-    raters_per_item : float
+    participants_per_item : float
         Harmonic mean; that many make the average.
-    answers, items, raters : int
+    n, items, participants : int
         What it rests on.
     method : str
         Which correlation; whether answers are missing.
@@ -68,15 +68,15 @@ class Intraclass:
         Why there is none; empty where there is one.
     """
 
-    single: Correlation
-    average: Correlation
-    item_variance: float
-    rater_variance: float
-    residual_variance: float
-    raters_per_item: float
-    answers: int
+    single: Correlation = UNKNOWN
+    average: Correlation = UNKNOWN
+    item_variance: float = math.nan
+    rater_variance: float = math.nan
+    residual_variance: float = math.nan
+    participants_per_item: float
+    n: int
     items: int
-    raters: int
+    participants: int
     method: str = ""
     reason: str = ""
 
@@ -113,15 +113,10 @@ def intraclass_correlation(
         )
     complete = len(y) == people * things
     unknown = Intraclass(
-        single=UNKNOWN,
-        average=UNKNOWN,
-        item_variance=math.nan,
-        rater_variance=math.nan,
-        residual_variance=math.nan,
-        raters_per_item=float(stats.hmean(np.bincount(what))) if len(y) else math.nan,
-        answers=len(y),
+        participants_per_item=float(stats.hmean(np.bincount(what))) if len(y) else math.nan,
+        n=len(y),
         items=things,
-        raters=people,
+        participants=people,
     )
     reason = _why_not(y, things, people)
     if reason:
@@ -141,7 +136,7 @@ def intraclass_correlation(
         return replace(found, reason="the variances come out negative")
     estimate = item / (item + rater + residual)
     low, high = _interval(found, estimate, float(stats.hmean(np.bincount(who))))
-    mean_of = found.raters_per_item
+    mean_of = found.participants_per_item
     return replace(
         found,
         single=Correlation(estimate=estimate, low=low, high=high),
@@ -205,12 +200,12 @@ def _interval(found: Intraclass, estimate: float, items_per_rater: float) -> tup
     """Return the 95 % interval of the single correlation (McGraw & Wong 1996, case A,1)."""
     if not found.rater_variance and not found.residual_variance:
         return 1.0, 1.0
-    k, n = found.raters_per_item, items_per_rater
+    k, n = found.participants_per_item, items_per_rater
     noise = found.residual_variance
     # An effect of less than nothing leaves its mean square as large as the noise.
     between = max(k * found.item_variance + noise, 0.0)
     raters = max(n * found.rater_variance + noise, 0.0)
-    rest = found.answers - found.items - found.raters + 1
+    rest = found.n - found.items - found.participants + 1
     correlation = min(max(estimate, 0.0), 1 - 1e-9)
     a = k * correlation / (n * (1 - correlation))
     b = 1 + a * (n - 1)
@@ -218,7 +213,7 @@ def _interval(found: Intraclass, estimate: float, items_per_rater: float) -> tup
     freedom = float(rest)
     if of_raters:
         freedom = (of_raters + of_rest) ** 2 / (
-            of_raters**2 / (found.raters - 1) + of_rest**2 / rest
+            of_raters**2 / (found.participants - 1) + of_rest**2 / rest
         )
     high_f = stats.f.ppf(0.975, found.items - 1, freedom)
     low_f = stats.f.ppf(0.975, freedom, found.items - 1)

@@ -39,7 +39,7 @@ class Alpha:
         Ends of its 95 % interval over items; NaN where there is none.
     level : {'nominal', 'ordinal', 'interval', 'ratio'}
         How far apart two values are taken to be.
-    answers, items, raters : int
+    n, items, participants : int
         What it rests on: answers about items that at least two participants answered about.
     method : str
         How the interval was found; empty where there is none.
@@ -47,13 +47,13 @@ class Alpha:
         Why there is no alpha, or no interval; empty where there are both.
     """
 
-    estimate: float
-    low: float
-    high: float
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
     level: Level
-    answers: int
+    n: int
     items: int
-    raters: int
+    participants: int
     method: str = ""
     reason: str = ""
 
@@ -96,13 +96,7 @@ def krippendorff_alpha(
     rows = pd.factorize(table["item"])[0]
     count = int(rows.max(initial=-1)) + 1
     unknown = Alpha(
-        estimate=math.nan,
-        low=math.nan,
-        high=math.nan,
-        level=level,
-        answers=len(table),
-        items=count,
-        raters=int(table["rater"].nunique()),
+        level=level, n=len(table), items=count, participants=int(table["rater"].nunique())
     )
     if not count:
         return replace(unknown, reason="no item was answered about by two participants")

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from analysis.answers.trial_kinds import ANALYSED_KINDS
+from analysis.answers.columns import ANALYSED_KINDS
 from analysis.planning.part import Test
 from analysis.planning.size import Size, kept
 from motion.errors import InputError

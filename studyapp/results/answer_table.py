@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import pandas as pd
 
-from analysis.answers.participant_facts import KnownSitting
+from analysis.answers.participant_facts import KnownFacts
 from studyapp.results.stored_answers import StoredAnswers
 from studyapp.study.design.asking import AnswerKey
 from studyapp.study.protocols.mismatch import FIT, REALISM
@@ -57,12 +57,12 @@ class StudyAnswers:
     tables : mapping of str to DataFrame
         By protocol: a study that asks for mismatch and for realism gives two tables. All cells
         are text.
-    known : mapping of participant to KnownSitting
+    known : mapping of participant to KnownFacts
         What a table cannot tell of each.
     """
 
     tables: Mapping[str, pd.DataFrame]
-    known: Mapping[str, KnownSitting]
+    known: Mapping[str, KnownFacts]
 
 
 def study_answers(study: Study, stored: StoredAnswers) -> StudyAnswers:
@@ -193,11 +193,11 @@ class _Judged(NamedTuple):
     instructed: int | None
 
 
-def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownSitting]:
+def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:
     failed = _failures(study, stored)
     sessions = stored.study_sessions
     return {
-        str(session): KnownSitting(
+        str(session): KnownFacts(
             trials=int(trials),
             settled=int(settled),
             failed_catch=(

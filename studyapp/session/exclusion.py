@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
-from analysis.answers.participant_facts import Sitting
+from analysis.answers.participant_facts import ParticipantFacts
 from studyapp.database.tables import StudySession, Trial
 from studyapp.study.settings.study import Study
 
@@ -20,13 +20,13 @@ def is_excluded(study: Study, study_session: StudySession) -> bool:
     only decides about the place.
     """
     failed = failures(study, study_session.trials)
-    sitting = Sitting(
+    facts = ParticipantFacts(
         participant=str(study_session.id),
         failed_catch=failed["catch"],
         failed_attention=failed["attention"],
     )
     rules = [each.made() for each in study.settled_exclusions if each.rule in JUDGED]
-    return any(rule.judge(sitting) for rule in rules)
+    return any(rule.judge(facts) for rule in rules)
 
 
 def failures(study: Study, trials: Iterable[Trial]) -> dict[str, int]:

@@ -13,8 +13,8 @@ from analysis.results.pairwise import PairwiseResults
 from analysis.results.quality import Quality
 from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
-from analysis.results.retest import TestRetest
 from analysis.stats.rankings.kendall_w import Concordance
+from analysis.stats.retest import Retest
 
 DESCRIBED = (
     "Nothing here excludes anybody or decides anything; low agreement does not rule out a real "
@@ -83,11 +83,11 @@ def _agreement(found: ByQuestion[Agreement], sets: tuple[str, ...]) -> Table:
     rows = tuple(
         (
             Cell(text=question_name(of, question)),
-            Cell(text=wording.share(one.alpha), value=one.alpha),
+            Cell(text=wording.share(one.estimate), value=one.estimate),
             Cell(text=_interval(one.low, one.high, one.reason)),
-            Cell(text=wording.share(one.icc.single), value=one.icc.single),
-            Cell(text=_interval(one.icc.single_low, one.icc.single_high, one.icc.reason)),
-            Cell(text=wording.share(one.icc.average), value=one.icc.average),
+            Cell(text=wording.share(one.icc.single.estimate), value=one.icc.single.estimate),
+            Cell(text=_interval(one.icc.single.low, one.icc.single.high, one.icc.reason)),
+            Cell(text=wording.share(one.icc.average.estimate), value=one.icc.average.estimate),
             Cell(text=str(one.n), value=one.n),
             Cell(text=str(one.items), value=one.items),
             Cell(text=str(one.participants), value=one.participants),
@@ -109,7 +109,7 @@ def _agreement(found: ByQuestion[Agreement], sets: tuple[str, ...]) -> Table:
     )
 
 
-def _retest(found: ByQuestion[TestRetest], sets: tuple[str, ...]) -> Table:
+def _retest(found: ByQuestion[Retest], sets: tuple[str, ...]) -> Table:
     rows = tuple(
         (
             Cell(text=question_name(of, question)),

@@ -10,7 +10,7 @@ import pandas as pd
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from analysis.answers.trial_kinds import ANALYSED_KINDS
+from analysis.answers.columns import ANALYSED_KINDS
 from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.audit import told_detail
 from studyapp.researchers.pseudonyms import PseudonymKey

@@ -7,7 +7,7 @@ from collections import defaultdict
 from sqlalchemy import select, tuple_
 from sqlalchemy.orm import Session, aliased
 
-from analysis.answers.trial_kinds import ANALYSED_KINDS
+from analysis.answers.columns import ANALYSED_KINDS
 from studyapp.database.tables import Response, StudySession, Trial, TrialStimulus
 from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.session.served_study import ServedStudy

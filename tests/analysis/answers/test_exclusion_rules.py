@@ -18,19 +18,19 @@ from analysis.answers.exclusion_rules import (
     watched_less,
 )
 from analysis.answers.exclusions import Removed, apply_rules
-from analysis.answers.participant_facts import SameAnswer, Sitting
+from analysis.answers.participant_facts import ParticipantFacts, SameAnswer
 
 
-def someone(name: str = "a", **facts: object) -> Sitting:
-    return Sitting(participant=name, **facts)  # type: ignore[arg-type]
+def someone(name: str = "a", **facts: object) -> ParticipantFacts:
+    return ParticipantFacts(participant=name, **facts)  # type: ignore[arg-type]
 
 
 def reason(rule: ExclusionRule, **facts: object) -> str | None:
     return rule.judge(someone(**facts))
 
 
-def applied(sittings: list[Sitting], *rules: ExclusionRule) -> Removed:
-    return apply_rules(sittings, rules)
+def applied(participants: list[ParticipantFacts], *rules: ExclusionRule) -> Removed:
+    return apply_rules(participants, rules)
 
 
 @pytest.mark.parametrize(
@@ -120,18 +120,18 @@ def test_a_mark_in_the_table_removes_for_the_reason_written_there() -> None:
 
 
 def test_a_participant_counts_under_the_first_rule_that_removes_them() -> None:
-    sittings = [
+    participants = [
         someone("both", failed_catch=3, watched=0.2),
         someone("watching", failed_catch=0, watched=0.2),
         someone("fine", failed_catch=0, watched=1.0),
     ]
-    found = applied(sittings, failed_catch_trials(1), watched_less(0.9))
+    found = applied(participants, failed_catch_trials(1), watched_less(0.9))
     assert [(one.rule, one.reached, one.removed) for one in found.outcomes] == [
         ("catch", 3, 1),
         ("coverage", 2, 1),
     ]
     assert found.removed_by == {"both": 0, "watching": 1}
-    other_way = applied(sittings, watched_less(0.9), failed_catch_trials(1))
+    other_way = applied(participants, watched_less(0.9), failed_catch_trials(1))
     assert other_way.removed_by == {"both": 0, "watching": 0}
     assert found.reasons.keys() == other_way.reasons.keys()
 
@@ -145,8 +145,8 @@ def test_a_rule_without_facts_removes_nobody_and_says_so() -> None:
 
 
 def test_who_cannot_be_judged_stays_and_is_counted() -> None:
-    sittings = [someone("a", watched=0.1), someone("b"), someone("c", watched=1.0)]
-    found = applied(sittings, watched_less(0.9))
+    participants = [someone("a", watched=0.1), someone("b"), someone("c", watched=1.0)]
+    found = applied(participants, watched_less(0.9))
     assert list(found.reasons) == ["a"]
     assert found.outcomes[0].remark.startswith("cannot be applied to 1 of 3 participants, who stay")
 

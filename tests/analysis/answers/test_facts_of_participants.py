@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.answers.facts_of_participants import sittings_of
+from analysis.answers.facts_of_participants import facts_of
 from analysis.answers.layouts import LAYOUTS
-from analysis.answers.participant_facts import KnownSitting, SameAnswer, Sitting
+from analysis.answers.participant_facts import KnownFacts, ParticipantFacts, SameAnswer
 from analysis.answers.reading import read_answers
 from tests.analysis.results.made_tables import TABLES, catch_rows, pairwise_table
 
@@ -25,12 +25,12 @@ def facts(
     folder: Path,
     table: pd.DataFrame,
     protocol: str = "pairwise",
-    known: dict[str, KnownSitting] | None = None,
-) -> dict[str, Sitting]:
+    known: dict[str, KnownFacts] | None = None,
+) -> dict[str, ParticipantFacts]:
     path = folder / "answers.csv"
     table.to_csv(path, index=False)
     answers = read_answers(path, LAYOUTS[protocol])
-    return {one.participant: one for one in sittings_of(answers, known or {})}
+    return {one.participant: one for one in facts_of(answers, known or {})}
 
 
 def attention_rows(participant: str, answers: str, asked: str) -> pd.DataFrame:
@@ -157,7 +157,7 @@ def test_ranks_are_never_alike(tmp_path: Path) -> None:
 def test_what_a_study_knows_replaces_the_tables_judgement(
     table: pd.DataFrame, tmp_path: Path
 ) -> None:
-    known = KnownSitting(trials=30, settled=12, failed_catch=0, failed_attention=2)
+    known = KnownFacts(trials=30, settled=12, failed_catch=0, failed_attention=2)
     both = pd.concat([table, catch_rows("p01", "ll", (5, 5))])
     found = facts(tmp_path, both, known={"p01": known})
     one = found["p01"]

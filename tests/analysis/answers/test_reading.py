@@ -6,8 +6,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.answers.layout import Layout
-from analysis.answers.layouts import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE
+from analysis.answers.layouts import MISMATCH, PAIRWISE, RANKING, RATING_OF_ONE, Layout
 from analysis.answers.reading import MARKED, read_answers
 from analysis.answers.table import AnswerTable
 from analysis.results.ranking import placements_of

@@ -59,7 +59,7 @@ def test_the_numbers_so_far_are_those_of_the_report(protocol: str, tmp_path: Pat
         assert (agreed.answers, agreed.participants, agreed.retest) == (72, 12, None)
         return
     [whole], [again] = results.agreement.values(), results.test_retest.values()
-    assert (agreed.estimate, agreed.low, agreed.high) == (whole.alpha, whole.low, whole.high)
+    assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
     assert agreed.retest is not None
     assert repr(agreed.retest) == repr(again)
 

@@ -41,7 +41,7 @@ def test_it_is_what_krippendorff_published(level):
         level=level,
     )
     assert round(found.estimate, 3) == PUBLISHED[level]
-    assert (found.answers, found.items, found.raters) == (40, 11, 4)
+    assert (found.n, found.items, found.participants) == (40, 11, 4)
     assert found.low < found.estimate < found.high
 
 

@@ -27,7 +27,7 @@ def test_parts_of_a_bar_are_as_wide_as_places_were_reached(
     results: RankingResults, section: Section
 ) -> None:
     picture = named_picture(section, "places")
-    for row, one in enumerate(sorted(results.conditions, key=lambda c: c.mean_rank)):
+    for row, one in enumerate(sorted(results.conditions, key=lambda c: c.mean_rank.estimate)):
         parts = edges(picture, [f"bar0-{row}-{place}" for place in range(3)])
         widths = [right - left for left, right in parts]
         assert [100 * w / sum(widths) for w in widths] == pytest.approx(
@@ -40,8 +40,8 @@ def test_mean_ranks_first_places_and_worths_stand_in_one_section(
 ) -> None:
     assert [picture.name for picture in section.pictures] == ["places", "first-places", "worths"]
     for row, one in zip(named_table(section, "ranks").rows, results.conditions, strict=True):
-        assert row[3].value == one.mean_rank
-        assert row[6].value == one.first_share
+        assert row[3].value == one.mean_rank.estimate
+        assert row[6].value == one.first_share.estimate
     worths = results.plackett_luce["realism"]
     rows = named_table(section, "worths").rows
     assert {row[1].text: row[2].value for row in rows} == worths.worths  # type: ignore[union-attr]

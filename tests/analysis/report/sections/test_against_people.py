@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.layouts import LAYOUTS
 from analysis.answers.reading import read_answers
-from analysis.answers.trial_kinds import ANALYSED_KINDS
 from analysis.measurement.conditions import StudyMetrics
 from analysis.report.content import Section
 from analysis.report.sections.against_people import against_people_section, how_little

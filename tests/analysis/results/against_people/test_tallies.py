@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.layouts import LAYOUTS
 from analysis.answers.reading import read_answers
-from analysis.answers.trial_kinds import ANALYSED_KINDS
 from analysis.results.against_people.tallies import tallies
 from tests.analysis.results.made_tables import TABLES
 

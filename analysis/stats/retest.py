@@ -1,14 +1,12 @@
-"""Test-retest: practice trials against the same trials shown again at the end."""
+"""Test-retest: how far participants agree with themselves when trials are shown again."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
@@ -32,58 +30,31 @@ class Retest:
         as chance gives; NaN where there is none.
     low, high : float
         Ends of its 95 % interval, participants drawn again; NaN where there is none.
-    correlation : float
-        Spearman's; NaN where one side's answers are all alike.
     equal_share : float
         Share of the pairs with the same answer; NaN without any.
     equal_low, equal_high : float
         Ends of its 95 % interval; NaN where there is none.
-    pairs, participants : int
-        What it rests on.
+    spearman : float
+        Rank correlation; NaN where one side's answers are all alike.
+    n, participants : int
+        Trials answered twice, and by how many.
     method : str
         How the intervals were found; empty where there are none.
     reason : str
         Why a number is missing; empty where none is.
     """
 
-    kappa: float
-    low: float
-    high: float
-    correlation: float
-    equal_share: float
-    equal_low: float
-    equal_high: float
-    pairs: int
+    kappa: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    equal_share: float = math.nan
+    equal_low: float = math.nan
+    equal_high: float = math.nan
+    spearman: float = math.nan
+    n: int
     participants: int
     method: str = ""
     reason: str = ""
-
-
-def repeated_answers(answers: pd.DataFrame, same: Sequence[str]) -> pd.DataFrame:
-    """Pair the answers of practice trials with those of their repeats.
-
-    Parameters
-    ----------
-    answers : DataFrame
-        Columns `participant`, `kind` (practice and repeat count), `value` and those of `same`.
-        A preference must count towards a condition, not towards a side: sides may be swapped.
-    same : sequence of str
-        Columns that are equal in a trial and its repeat: segment, question, condition.
-
-    Returns
-    -------
-    DataFrame
-        Columns `participant`, those of `same`, `first` and `again`, one row per trial answered
-        both times; of several answers in practice the last counts, of repeats the first.
-    """
-    keys = ["participant", *same]
-    own = answers[[*keys, "kind", "value"]]
-    first = own[own["kind"] == "practice"].drop_duplicates(keys, keep="last")
-    again = own[own["kind"] == "repeat"].drop_duplicates(keys, keep="first")
-    pairs = first.merge(again, on=keys, suffixes=("_first", "_again"), validate="one_to_one")
-    return pairs.rename(columns={"value_first": "first", "value_again": "again"})[
-        [*keys, "first", "again"]
-    ]
 
 
 def retest_agreement(
@@ -108,17 +79,7 @@ def retest_agreement(
     before, after = np.asarray(first, np.int64), np.asarray(again, np.int64)
     who = np.unique(participants, return_inverse=True)[1]
     people = int(who.max(initial=-1)) + 1
-    unknown = Retest(
-        kappa=math.nan,
-        low=math.nan,
-        high=math.nan,
-        correlation=math.nan,
-        equal_share=math.nan,
-        equal_low=math.nan,
-        equal_high=math.nan,
-        pairs=len(before),
-        participants=people,
-    )
+    unknown = Retest(n=len(before), participants=people)
     if not len(before):
         return replace(unknown, reason="no trial was answered again")
     lowest = int(min(before.min(), after.min()))
@@ -129,7 +90,7 @@ def retest_agreement(
     found = replace(
         unknown,
         kappa=float(kappa),
-        correlation=_spearman(before, after),
+        spearman=_spearman(before, after),
         equal_share=float((before == after).mean()),
     )
     if people < 2:
@@ -145,7 +106,7 @@ def retest_agreement(
     if math.isnan(found.kappa):
         return replace(found, reason="all answers alike")
     low, high = percentile_interval(kappas)
-    reason = "one side's answers are all alike" if math.isnan(found.correlation) else ""
+    reason = "one side's answers are all alike" if math.isnan(found.spearman) else ""
     return replace(found, low=low, high=high, reason=reason)
 
 

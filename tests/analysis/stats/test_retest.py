@@ -3,12 +3,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pandas as pd
 import pytest
 from scipy import stats
 from statsmodels.stats.inter_rater import cohens_kappa
 
-from analysis.answers.retest import repeated_answers, retest_agreement
+from analysis.stats.retest import retest_agreement
 
 
 def made(people=30, trials=3, noise=0.8, seed=1):
@@ -27,11 +26,11 @@ def test_kappa_agrees_with_another_implementation():
     np.add.at(table, (first + 2, again + 2), 1)
     found = retest_agreement(first, again, people)
     assert found.kappa == pytest.approx(cohens_kappa(table, wt="quadratic").kappa)
-    assert found.correlation == pytest.approx(stats.spearmanr(first, again).statistic)
+    assert found.spearman == pytest.approx(stats.spearmanr(first, again).statistic)
     assert found.equal_share == pytest.approx((first == again).mean())
     assert found.low < found.kappa < found.high
     assert found.equal_low < found.equal_share < found.equal_high
-    assert (found.pairs, found.participants, found.reason) == (90, 30, "")
+    assert (found.n, found.participants, found.reason) == (90, 30, "")
 
 
 def test_the_same_answers_again_are_full_agreement():
@@ -51,7 +50,7 @@ def test_a_participant_counts_as_one_however_many_trials():
     thrice = [np.tile(column, 3) for column in (first, again, people)]
     once, more = retest_agreement(first, again, people), retest_agreement(*thrice)
     assert (more.low, more.high) == pytest.approx((once.low, once.high))
-    assert more.pairs == 3 * once.pairs
+    assert more.n == 3 * once.n
 
 
 @pytest.mark.parametrize(
@@ -66,28 +65,10 @@ def test_a_participant_counts_as_one_however_many_trials():
 def test_a_missing_number_comes_with_its_reason(first, again, people, reason):
     found = retest_agreement(np.array(first), np.array(again), np.array(people))
     assert found.reason == reason
-    assert found.pairs == len(first)
+    assert found.n == len(first)
 
 
 def test_all_alike_has_a_share_but_no_kappa():
     found = retest_agreement(np.zeros(4, int), np.zeros(4, int), np.arange(4))
     assert found.equal_share == 1
     assert math.isnan(found.kappa)
-
-
-def test_practice_trials_meet_their_own_repeats():
-    rows = [
-        ("p1", "practice", "s1", "q", 1),
-        ("p1", "practice", "s2", "q", 2),
-        ("p1", "main", "s3", "q", 0),
-        ("p1", "repeat", "s2", "q", -2),
-        ("p1", "repeat", "s1", "q", 1),
-        ("p2", "practice", "s1", "q", 0),
-        ("p2", "repeat", "s1", "other", 2),
-    ]
-    answers = pd.DataFrame(rows, columns=["participant", "kind", "segment", "question", "value"])
-    pairs = repeated_answers(answers.astype({"segment": "category"}), ["segment", "question"])
-    assert pairs[["participant", "segment", "first", "again"]].to_numpy().tolist() == [
-        ["p1", "s1", 1, 1],
-        ["p1", "s2", 2, -2],
-    ]
