@@ -21,16 +21,19 @@ _RIGHT: Final = slice(joint_index("right_index1"), joint_index("right_index1") +
 FINGERS: Final = slice(_LEFT.start, _RIGHT.stop)
 """Where the finger joints are among the 55."""
 
-_CURLS: Final = {
-    "index": (0.22, 0.42, 0.24),
-    "middle": (0.30, 0.50, 0.28),
-    "pinky": (0.40, 0.52, 0.30),
-    "ring": (0.36, 0.54, 0.30),
+_BENT: Final = {
+    "index": (0.30, 0.44, 0.25),
+    "middle": (0.34, 0.50, 0.28),
+    "pinky": (0.42, 0.52, 0.30),
+    "ring": (0.38, 0.54, 0.30),
 }
 """Radians by which the three joints of each finger of a relaxed hand bend."""
 
-_THUMB: Final = ((0.10, 0.08, -0.03), (0.12, 0.09, -0.04), (0.14, 0.10, -0.05))
-"""Rotations of the left thumb's joints, axis-angle in radians: a little towards the fingers."""
+_TOGETHER: Final = {"index": 0.09, "middle": -0.05, "pinky": -0.17, "ring": -0.12}
+"""Radians by which each left finger turns about y towards the others; at rest they are spread."""
+
+_THUMB: Final = ((-0.02, 0.26, 0.29), (0.05, 0.10, -0.05), (0.05, 0.10, -0.05))
+"""Rotations of the left thumb's joints, axis-angle in radians: beside the index finger."""
 
 _MEAN_HANDS: Final = ("hands_meanl", "hands_meanr")
 
@@ -41,7 +44,10 @@ def _relaxed_hands() -> FloatArray:
     left = np.zeros((len(LEFT_HAND_JOINTS), 3), np.float32)
     for number, name in enumerate(LEFT_HAND_JOINTS):
         finger, phalanx = name.removeprefix("left_")[:-1], int(name[-1]) - 1
-        left[number] = _THUMB[phalanx] if finger == "thumb" else (0, 0, -_CURLS[finger][phalanx])
+        if finger == "thumb":
+            left[number] = _THUMB[phalanx]
+        else:
+            left[number] = (0, 0 if phalanx else _TOGETHER[finger], -_BENT[finger][phalanx])
     hands = np.concatenate([left, left * [1, -1, -1]]).astype(np.float32)
     hands.setflags(write=False)
     return hands

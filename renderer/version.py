@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
-RENDERER_VERSION: Final = "1"
+RENDERER_VERSION: Final = "2"
 """Of the pixels and the sound of clips, pairs and dubbed videos, avatars' bodies among them."""
 
 COPY_VERSION: Final = "1"

@@ -1,17 +1,20 @@
-"""Speech2UnifiedExpressions: its rate, and its ablations in a table like the paper's Table 1.
+"""Speech2UnifiedExpressions: its rate, its seams, and its ablations as in the paper's Table 1.
 
 ``python -m benchmarks.s2ue speed`` moves a minute of noise to motion by a network of the tiny size,
-from samples to clip, with one thread. ``python -m benchmarks.s2ue table CORPUS FOLDER`` trains the
-full model and the seven ablations on a synthetic corpus, each for the same steps, and measures them
-on windows of test takes whose seeds are recorded.
+from samples to clip, with one thread. ``python -m benchmarks.s2ue seams CHECKPOINT SPEECH…``
+compares accelerations at the seams of windows with those elsewhere. ``python -m benchmarks.s2ue
+table CORPUS FOLDER`` trains the full model and the seven ablations on a synthetic corpus, each for
+the same steps, and measures them on windows of test takes whose seeds are recorded.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Final
 
+from benchmarks.s2ue.seams import seams
 from benchmarks.s2ue.speed import speed
 from benchmarks.s2ue.table import table
 from generators.s2ue.config import ABLATIONS
@@ -28,6 +31,9 @@ def main() -> None:
     kinds = parser.add_subparsers(dest="what", required=True)
     fast = kinds.add_parser("speed")
     fast.add_argument("--rounds", type=int, default=5)
+    smooth = kinds.add_parser("seams")
+    smooth.add_argument("checkpoint", type=Path)
+    smooth.add_argument("speech", type=Path, nargs="+")
     tables = kinds.add_parser("table")
     tables.add_argument("corpus", type=Path)
     tables.add_argument("folder", type=Path)
@@ -38,6 +44,11 @@ def main() -> None:
     given = parser.parse_args()
     if given.what == "speed":
         speed(given.rounds)
+        return
+    if given.what == "seams":
+        for found in seams(given.checkpoint, given.speech):
+            low, high = found.interval or (math.nan, math.nan)
+            print(f"{found.name}: {found.value:.2f} ({low:.2f} to {high:.2f}), {found.n} seams")
         return
     lines = []
     with torch_threads(1):

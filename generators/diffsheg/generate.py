@@ -45,7 +45,7 @@ class DiffSheg(NetworkGenerator[DiffShegSettings]):
     """
 
     name = "diffsheg"
-    version = "1"
+    version = "2"
 
     def __init__(self, settings: DiffShegSettings, device: str = "cpu") -> None:
         super().__init__(settings, device)

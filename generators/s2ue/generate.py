@@ -29,12 +29,19 @@ from training.spaces.bones_and_landmarks import values_clip
 FADES: Final = 0.4
 """Of a window's new frames, over which it comes to where it would be without the one before."""
 
+_HELD: Final = 0.3
+"""By how much less each shared frame is held where the window before has it than the one before."""
+
+_BENT: Final = 0.01
+"""What bending costs of the way from one window to the next, beside being off at the first frame
+that they share."""
+
 
 class S2ue(NetworkGenerator[S2ueSettings]):
     """Moves face and upper body as a trained network tells (Bhattacharya et al. 2024)."""
 
     name = "s2ue"
-    version = "2"
+    version = "3"
 
     def made(
         self, speech: SpeechSegment, seed: int, on_part: OnPart
@@ -156,9 +163,8 @@ def move(
 ) -> Iterator[NDArray[np.float64]]:
     """Yield values of motion (some frames, 27 + 3 L), as soon as they are settled.
 
-    Of each window the first frames are what the one before ended with; there one goes over into
-    the other, and by how much they are apart on the average fades while the window goes on.
-    The first one begins at rest, as recordings do.
+    Of each window the first frames are what the one before ended with; from there it goes over
+    smoothly to where it would be by itself. The first one begins at rest, as recordings do.
 
     Parameters
     ----------
@@ -174,10 +180,7 @@ def move(
     config = network.config
     seeds, new = config.seeds, config.frames - config.seeds
     told = network.rest.expand(seeds, -1)
-    lasts = round(FADES * new)
-    before, after = _falling(seeds), _falling(lasts)
-    away = torch.cat([torch.ones(seeds), after, torch.zeros(new - lasts)])
-    before, away = before[:, None].to(told.device), away[:, None].to(told.device)
+    way = torch.from_numpy(_way_over(config.frames, seeds)).to(told)
     for window in windows:
         said = words_in(words, window.first, config.frames, config.words)
         with torch.inference_mode():
@@ -189,14 +192,27 @@ def move(
                 told[None],
             )
             values = network.with_lips(found, window.spectrum[None].to(told.device))[0]
-            values = values + away * (told - values[:seeds]).mean(dim=0)
-            values[:seeds] = torch.lerp(values[:seeds], told, before)
-            values = with_units(values)
+            values = with_units(values + way @ (told - values[:seeds]))
         whole = window.count == config.frames
         told = values[new:]
         yield values[: new if whole else window.count].cpu().numpy().astype(np.float64)
 
 
-def _falling(frames: int) -> Tensor:
-    """Return numbers between 1 and 0, falling along a cosine, (frames,)."""
-    return 0.5 + 0.5 * torch.cos(torch.pi * torch.arange(1, frames + 1) / (frames + 1))
+def _way_over(frames: int, seeds: int) -> NDArray[np.float64]:
+    """Return what tells from how far two windows are apart where to go in between.
+
+    The way from one to the other is the curve of least squares that begins near the first, ends
+    on the second, and bends little: position and velocity of the first go over into the second's.
+
+    Returns
+    -------
+    ndarray, shape (frames, seeds)
+        Times the distances of the shared frames, what is added to the second window.
+    """
+    lasts = seeds + round(FADES * (frames - seeds))
+    held = np.zeros(lasts)
+    held[:seeds] = _HELD ** np.arange(seeds)
+    bends = np.diff(np.eye(frames + 2), n=2, axis=0)[:, :lasts]
+    way = np.zeros((frames, seeds))
+    way[:lasts] = np.linalg.solve(np.diag(held) + _BENT * bends.T @ bends, np.diag(held)[:, :seeds])
+    return way

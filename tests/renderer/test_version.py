@@ -30,8 +30,8 @@ from tests.renderer.conftest import SECONDS
 BLOCK = 16
 """Pixels over which colours are averaged, so that rounding cannot be seen in them."""
 
-BODY = {"1": [0.64027, 0.00024, 0.0906]}
-VIDEOS = {"1": [-0.33847, -0.01861, 1.16539, -0.00989, -0.55042, -0.08854]}
+BODY = {"2": [0.64027, 0.00024, 0.0906]}
+VIDEOS = {"2": [-0.33847, -0.01861, 1.16539, -0.00989, -0.55042, -0.08854]}
 COPY = {"1": [-0.33847, -0.01861, -0.52741]}
 CELL = {"1": [-0.99725]}
 
