@@ -25,6 +25,15 @@ _JOINTS_OF_CHANNEL: Final = MappingProxyType(
 )
 CHANNELS: Final = tuple(_JOINTS_OF_CHANNEL)
 
+_TURNS: Final = 0.02
+"""Radians that a joint turns at least where it can be seen to move."""
+
+_SHIFTS: Final = 0.005
+"""Metres, of the root."""
+
+_FACIAL: Final = 0.05
+"""Of a facial action's weight or an expression's coefficient."""
+
 
 def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
     """Return `clip` with `channels` held at neutral values in every frame.
@@ -66,13 +75,12 @@ def freeze(clip: MotionClip, channels: Collection[str]) -> MotionClip:
 
 
 def moving_channels(clip: MotionClip) -> frozenset[str]:
-    """Return the channels of `clip` in which anything changes from frame to frame."""
-    values = {
-        name: [clip.poses[:, [joint_index(joint) for joint in joints]].reshape(len(clip), -1)]
+    """Return the channels of `clip` that can be seen to move."""
+    seen = {
+        name: [np.ptp(clip.poses[:, [joint_index(joint) for joint in joints]], axis=0) > _TURNS]
         for name, joints in _JOINTS_OF_CHANNEL.items()
     }
-    values["root"].append(clip.trans)
-    values["face"].extend(v for v in (clip.expressions, clip.arkit) if v is not None)
-    return frozenset(
-        name for name, parts in values.items() if any(np.ptp(part, axis=0).any() for part in parts)
-    )
+    seen["root"].append(np.ptp(clip.trans, axis=0) > _SHIFTS)
+    facial = (value for value in (clip.expressions, clip.arkit) if value is not None)
+    seen["face"].extend(np.ptp(value, axis=0) > _FACIAL for value in facial)
+    return frozenset(name for name, parts in seen.items() if any(part.any() for part in parts))

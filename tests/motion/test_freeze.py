@@ -73,6 +73,13 @@ def test_unknown_channel_is_refused_with_the_known_ones() -> None:
         freeze(random_clip(), ["legs"])
 
 
+def test_what_a_network_leaves_of_noise_is_no_movement() -> None:
+    still = random_clip(frames=1, face=False).frames(np.zeros(5, dtype=int))
+    poses = still.poses.copy()
+    poses[1, joint_index("jaw")] += 0.005
+    assert moving_channels(replace(still, poses=poses)) == frozenset()
+
+
 def test_a_channel_moves_when_anything_of_it_changes_over_time() -> None:
     still = random_clip(frames=1).frames(np.zeros(5, dtype=int))
     assert moving_channels(still) == frozenset()

@@ -20,7 +20,7 @@ from motion.files import write_text
 from studyapp.stimuli.digest import digest
 from studyapp.study.folder import StudyFolder
 from tools.three_systems.line import Line, places
-from tools.three_systems.networks import STEPS, Network, evaluators, networks
+from tools.three_systems.networks import NETWORKS, Network, evaluators, networks
 from tools.three_systems.page import measured, with_measured
 from tools.three_systems.pictures import shown_segment, write_picture
 from tools.three_systems.takes import bring, learned_takes, shown_takes
@@ -52,9 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         help="the page whose measured part is written anew; printed where left out",
     )
     parser.add_argument("--corpus", type=Path, help="one that is there, in place of making one")
-    for name in STEPS:
+    for name in NETWORKS:
         parser.add_argument(f"--{name}", type=Path, help="its network, in place of training one")
-    parser.add_argument("--steps", type=int, help="of each network, in place of the usual")
+    parser.add_argument("--steps", type=int, help="of each network, in place of its tiny config's")
     parser.add_argument("--evaluator-steps", type=int, help="of each feature network")
     parser.add_argument("--segments", type=int, default=2, help="of each emotion")
     parser.add_argument("--participants", type=int, default=60, help="simulated ones")
@@ -84,7 +84,7 @@ def make(given: argparse.Namespace) -> tuple[Line, list[Network]]:
     if given.corpus is None:
         line.run("corpus", *places([corpus], root), *CORPUS)
     wanted: dict[str, Path | None] = {
-        name: getattr(given, name.replace("-", "_")) for name in STEPS
+        name: getattr(given, name.replace("-", "_")) for name in NETWORKS
     }
     made = networks(line, corpus, wanted, given.steps)
     takes = read_takes(corpus).takes

@@ -14,11 +14,9 @@ from studyapp.stimuli.digest import digest
 from tools.three_systems.line import Line, places
 from training.weights_file import read_weights
 
-STEPS: Final[Mapping[str, int]] = MappingProxyType(
-    {"amuse-speech": 1200, "amuse": 1000, "diffsheg": 2500, "s2ue": 300}
-)
-"""Updates of each network where nothing else is said; ten minutes of a processor at most. AMUSE's
-motion is learned with its speech model, which therefore comes first."""
+NETWORKS: Final = ("amuse-speech", "amuse", "diffsheg", "s2ue")
+"""As `motionjury train` calls them. AMUSE's motion is learned with its speech model, which
+therefore comes first."""
 
 EVALUATORS: Final[Mapping[str, Sequence[str]]] = MappingProxyType(
     {
@@ -62,7 +60,7 @@ def networks(
 ) -> list[Network]:
     """Return the four networks of the three systems; those that are not given are trained."""
     made: dict[str, Network] = {}
-    for name, usual in STEPS.items():
+    for name in NETWORKS:
         file = given.get(name)
         if file is not None:
             if not file.is_file():
@@ -70,10 +68,10 @@ def networks(
             made[name] = Network(name=name, file=file.resolve(), is_given=True)
             continue
         out = line.folder / "networks" / f"{name}.safetensors"
-        words = ["train", name, "--data", *places([corpus], line.folder)]
+        words = ["train", name, "--data", *places([corpus], line.folder), "--config", "tiny"]
         if name == "amuse":
             words += ["--speech-model", *places([made["amuse-speech"].file], line.folder)]
-        words += ["--steps", str(steps or usual), "--out", *places([out], line.folder)]
+        words += ["--out", *places([out], line.folder), *_of_steps(steps)]
         line.run(*words, of=digest(*(one.file for one in made.values())) if name == "amuse" else "")
         made[name] = Network(name=name, file=out, is_given=False)
     return list(made.values())
@@ -84,7 +82,11 @@ def evaluators(line: Line, recordings: str, into: Path, steps: int | None) -> No
     into.mkdir(parents=True, exist_ok=True)
     for name, kind in EVALUATORS.items():
         out = f"evaluators/{name}.safetensors"
-        more = [] if steps is None else ["--steps", str(steps)]
-        words = [*kind, "--data", recordings, "--config", "tiny", "--out", out, *more]
+        words = [*kind, "--data", recordings, "--config", "tiny", "--out", out, *_of_steps(steps)]
         line.run("train", "evaluator", *words)
         shutil.copyfile(line.folder / out, into / f"{name}.safetensors")
+
+
+def _of_steps(steps: int | None) -> list[str]:
+    """Return the option; a config's own steps where nothing else is said."""
+    return [] if steps is None else ["--steps", str(steps)]
