@@ -1,7 +1,8 @@
-"""Features of clips from a network: computed once per clip and network, and kept on disk."""
+"""Features of clips from a network."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -11,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.evaluators.feature_networks import FeatureNetwork, Network, Source, open_network
-from analysis.measurement.kept_arrays import KeptArrays
-from analysis.measurement.seen_motion import SeenMotion
+from analysis.measurement.kept_arrays import Kind
+from motion.clip import MotionClip
 from motion.errors import InputError
 
 Array = NDArray[np.float32]
 
-VERSION: Final = "1"
-"""Raised whenever the same network gives other features of the same motion file."""
+FEATURES: Final = Kind("features", "1", (None, None))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,14 +33,11 @@ class ClipFeatures:
         How much each emotion speaks for itself; no column for networks that tell none apart.
     reason : str
         Why the network cannot look at the clip; empty where it can.
-    kept : Path or None
-        Where the features are kept.
     """
 
     features: Array = field(default_factory=lambda: np.zeros((0, 0), np.float32))
     emotions: Array = field(default_factory=lambda: np.zeros((0, 0), np.float32))
     reason: str = ""
-    kept: Path | None = None
 
     @property
     def named(self) -> int | None:
@@ -48,70 +45,46 @@ class ClipFeatures:
         return int(self.emotions.mean(axis=0).argmax()) if self.emotions.size else None
 
 
-@dataclass(frozen=True, kw_only=True)
-class FeaturesOf:
-    """Looks at motion files with one network; it travels to other processes.
+def clip_features(
+    network: Network,
+    frozen: tuple[str, ...],
+    kept: Callable[[Callable[[MotionClip], Array]], Array],
+) -> ClipFeatures:
+    """Return what a network says about one clip, or why it says nothing.
 
-    Attributes
+    Parameters
     ----------
     network : Network
-        With which.
-    motion : SeenMotion
-        How the files are read.
-    folder : Path or None
-        Where features are kept between runs.
+        Which one.
+    frozen : tuple of str
+        Channels that the study holds still.
+    kept : callable
+        Gives the array that a function computes of the clip, or what is kept of it.
     """
-
-    network: Network
-    motion: SeenMotion
-    folder: Path | None
-
-    def __call__(self, path: Path) -> ClipFeatures:
-        """Return the features of the motion file `path`, or why it has none."""
-        try:
-            return self._features(path)
-        except InputError as error:
-            return ClipFeatures(reason=error.what)
-
-    def forget_others(self, used: set[Path]) -> None:
-        """Remove features of this network that are kept but not `used`."""
-        if self.folder is not None:
-            _kept(self.folder).forget(self._settings, used)
-
-    def _features(self, path: Path) -> ClipFeatures:
-        labels = len(self.network.labels)
-        place = None
-        if self.folder is not None:
-            place = _kept(self.folder).place(path, self._settings)
-            found = KeptArrays.read(place, (None, None))
-            if found is not None and found.shape[1] > labels:
-                return _split(found, labels, place)
-        clip = self.motion.read(path)
-        network = _opened(self.network.source, self.network.sha256)
-        both = np.asarray(network.embed(clip), np.float32)
-        if labels:
-            both = np.hstack([both, np.asarray(network.classify(clip), np.float32)])
-        if not np.isfinite(both).all():
-            raise InputError(
-                "the network's features are not finite",
-                where=path,
-                remedy="Repair the motion, or use another network",
-            )
-        if place is not None:
-            KeptArrays.keep(place, both)
-        return _split(both, labels, place)
-
-    @property
-    def _settings(self) -> str:
-        return f"{self.network.sha256} {self.motion}"
+    if network.sees and network.sees <= set(frozen):
+        return ClipFeatures(reason=f"the study holds still: {', '.join(sorted(network.sees))}")
+    try:
+        both = kept(lambda clip: _features(network, clip))
+    except InputError as error:
+        return ClipFeatures(reason=error.what)
+    end = both.shape[1] - len(network.labels)
+    return ClipFeatures(features=both[:, :end], emotions=both[:, end:])
 
 
-def _split(both: Array, labels: int, place: Path | None) -> ClipFeatures:
-    end = both.shape[1] - labels
-    return ClipFeatures(features=both[:, :end], emotions=both[:, end:], kept=place)
+def _features(network: Network, clip: MotionClip) -> Array:
+    """Return features and, behind them, emotions, shape (w, d + labels)."""
+    opened = _opened(network.source, network.sha256)
+    found = [opened.embed(clip)] + ([opened.classify(clip)] if network.labels else [])
+    both = np.hstack([np.asarray(part, np.float32) for part in found])
+    if not np.isfinite(both).all():
+        raise InputError(
+            "the network's features are not finite",
+            remedy="Repair the motion, or use another network",
+        )
+    return both
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _opened(source: Source, sha256: str) -> FeatureNetwork:
     """Return the network once per process; another content of the file is another network."""
     network = open_network(source)
@@ -122,8 +95,3 @@ def _opened(source: Source, sha256: str) -> FeatureNetwork:
             remedy="Leave it alone until the metrics are there",
         )
     return network
-
-
-@lru_cache(maxsize=8)
-def _kept(folder: Path) -> KeptArrays:
-    return KeptArrays(folder, "features", VERSION)

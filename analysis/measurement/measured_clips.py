@@ -3,34 +3,48 @@
 from __future__ import annotations
 
 import hashlib
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.measurement.joint_motion import JointMotion, JointMotionStore, joint_motion
-from analysis.measurement.kept_arrays import KeptArrays
-from analysis.measurement.kept_onsets import onsets_of
+from analysis.evaluators.feature_networks import Network
+from analysis.measurement.clip_features import FEATURES, ClipFeatures, clip_features
+from analysis.measurement.joint_motion import JOINTS, JointMotion, packed_joints
+from analysis.measurement.kept_arrays import KeptArrays, Kind
 from analysis.measurement.presets import Preset
 from analysis.measurement.recorded_spread import RecordedSpread
-from analysis.measurement.seen_motion import SeenMotion
 from analysis.metrics.joint_positions import GESTURE_JOINTS
+from analysis.metrics.self_penetration import PenetrableBody
+from motion.audio import read_audio
 from motion.body import read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
+from motion.formats import read_clip, read_motion
+from motion.freeze import freeze
 from motion.resample import resample
 from motion.skeleton import joint_index
+from motion.speech_onsets import speech_onsets
 
 FloatArray = NDArray[np.float64]
+Array = NDArray[np.float32]
+Excerpt = tuple[Path, float, float]
+"""A recording, and where in it an excerpt starts and ends, in seconds; infinity for its end."""
 
-LANDMARKS_VERSION: Final = "1"
-"""Raised whenever the landmarks of the same motion file on the same body come to lie elsewhere."""
+_Source = TypeVar("_Source")
+_Found = TypeVar("_Found")
 
-FACE_RATE = 15.0
+ONSETS: Final = Kind("onsets", "1", (None,))
+LANDMARKS: Final = Kind("landmarks", "1", (None, None, 3))
+DEPTHS: Final = Kind("depths", "1", (None,))
+
+FACE_RATE: Final = 15.0
 """Frames per second of faces and their landmarks; S2UE's and DiffSHEG's."""
 
 
@@ -51,6 +65,41 @@ class LandmarkBody:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SeenMotion:
+    """How motion files are read; the same for all of a run.
+
+    Attributes
+    ----------
+    frozen : tuple of str
+        Channels that the study holds still.
+    own_files : bool
+        Whether files are a study's own and read as they stand; files from elsewhere are of any
+        format and put into the study's world.
+    file_rate : float or None
+        Frames per second of all files, in place of their own.
+    """
+
+    frozen: tuple[str, ...] = ()
+    own_files: bool = True
+    file_rate: float | None = None
+
+    def read(self, path: Path) -> MotionClip:
+        """Return the clip in `path`, with what is held still held still.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be used.
+        """
+        read = read_clip if self.own_files else read_motion
+        return freeze(read(path, frame_rate=self.file_rate), self.frozen)
+
+    def __str__(self) -> str:
+        """Return a text that differs where clips may be read otherwise."""
+        return f"{sorted(self.frozen)} {self.own_files} {self.file_rate!r}"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Bench:
     """How all clips are measured; the same for all segments.
 
@@ -64,29 +113,29 @@ class Bench:
         Which metrics.
     spread : RecordedSpread or None
         Of all recordings, once it is known.
-    store : JointMotionStore or None
-        Where joint motions are kept between runs.
+    kept : Path or None
+        Where arrays are kept between runs.
     face : LandmarkBody or None
         Whose face landmarks are on; without it there are none.
+    networks : tuple of Network
+        What looks at every clip.
+    penetrable : Path or None
+        The body whose arms are looked for inside it.
     """
 
     frame_rate: float
     motion: SeenMotion
     preset: Preset
     spread: RecordedSpread | None = None
-    store: JointMotionStore | None = None
+    kept: Path | None = None
     face: LandmarkBody | None = None
+    networks: tuple[Network, ...] = ()
+    penetrable: Path | None = None
 
     @property
     def face_rate(self) -> float:
         """Frames per second of faces."""
         return min(self.frame_rate, FACE_RATE)
-
-    @property
-    def landmark_settings(self) -> str:
-        """What landmarks depend on besides the motion file; only with a `face`."""
-        body = "" if self.face is None else _digest(self.face)
-        return f"{self.face_rate!r} {self.motion} {body}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,99 +193,143 @@ class MeasuredClip:
     face : ndarray, shape (U, 52) or (U, 100), float32, or None
         ARKit weights, else SMPL-X coefficients, at `Bench.face_rate`; None where the clip has
         neither and where no preset needs them.
+    features : mapping of str to ClipFeatures
+        What each network says, by its name.
+    depths : ndarray, shape (n,), float32, or None
+        How deep the arms are in the body, in metres, where that is asked for.
     """
 
     joints: JointMotion
     rotations: FloatArray | None = None
     landmarks: Landmarks = field(default_factory=Landmarks)
-    face: NDArray[np.float32] | None = None
+    face: Array | None = None
+    features: Mapping[str, ClipFeatures] = field(default_factory=dict)
+    depths: Array | None = None
 
 
 class Reader:
-    """Reads clips, and remembers which could not be read and what of the store was used."""
+    """Reads files of a run, and remembers which could not be read.
+
+    Attributes
+    ----------
+    skipped : list of SkippedFile
+        Files that could not be used.
+    kept : KeptArrays
+        What was computed of files.
+    """
 
     def __init__(self, bench: Bench) -> None:
         self._bench = bench
+        self._last: tuple[Path, MotionClip] | None = None
         self.skipped: list[SkippedFile] = []
-        self.kept: list[Path] = []
+        self.kept = KeptArrays(bench.kept)
 
     def clip(self, path: Path) -> MeasuredClip | None:
         """Return what metrics look at in the motion file `path`; None where it is unusable."""
+        return self.or_skipped(self._measured, path)
+
+    def onsets(self, speech: Excerpt) -> FloatArray | None:
+        """Return when sounds begin in an excerpt, in seconds; None where it is unusable."""
+        return self.or_skipped(self._onsets, speech)
+
+    def or_skipped(self, read: Callable[[_Source], _Found], source: _Source) -> _Found | None:
+        """Return what `read` reads, or None, where the file is then skipped."""
         try:
-            return self._measured(path)
+            return read(source)
         except InputError as error:
             self.skipped.append(SkippedFile.because(error))
             return None
 
-    def onsets(self, recording: Path, start: float, end: float) -> FloatArray:
-        """Return when sounds begin in an excerpt of speech, in seconds.
+    def _onsets(self, speech: Excerpt) -> FloatArray:
+        recording, start, end = speech
 
-        Raises
-        ------
-        InputError
-            If it cannot be read.
-        """
-        folder = self._bench.store.folder if self._bench.store is not None else None
-        return onsets_of(recording, start, end, folder)
+        def heard() -> Array:
+            audio = read_audio(recording)
+            excerpt = audio.cut(start, audio.duration if math.isinf(end) else end)
+            return speech_onsets(excerpt).astype(np.float32)
+
+        found = self.kept.array(ONSETS, recording, f"{start!r} {end!r}", heard)
+        return found.astype(np.float64)
 
     def _measured(self, path: Path) -> MeasuredClip:
-        bench = self._bench
-        place = self._place(path)
-        joints = bench.store.read(place) if bench.store and place else None
-        if joints is not None and not bench.preset.needs_clips:
-            return MeasuredClip(joints=joints)
-        clip = bench.motion.read(path)
-        if joints is None:
-            joints = joint_motion(clip, bench.frame_rate)
-            if bench.store and place:
-                bench.store.keep(place, joints)
-        needs = bench.preset
+        bench, needs = self._bench, self._bench.preset
+        rate, motion = bench.frame_rate, bench.motion
+        joints = self._kept(JOINTS, path, f"{rate!r} {motion}", lambda c: packed_joints(c, rate))
+        rotations = landmarks = face = depths = None
+        if needs.needs_rotations:
+            poses = resample(self._read(path), rate).poses
+            rotations = poses[:, [joint_index(name) for name in GESTURE_JOINTS]]
+        if needs.needs_landmarks:
+            landmarks = self._landmarks(path)
+        if needs.expression_distance:
+            seen = resample(self._read(path), bench.face_rate)
+            face = seen.arkit if seen.arkit is not None else seen.expressions
+        features = {network.name: self._features(network, path) for network in bench.networks}
+        if bench.penetrable is not None:
+            body = bench.penetrable
+            depths = self._kept(
+                DEPTHS,
+                path,
+                f"{file_sha256(body)} {motion}",
+                lambda clip: penetrable_body(body).depths(clip),
+            )
         return MeasuredClip(
-            joints=joints,
-            rotations=_rotations(clip, bench.frame_rate) if needs.needs_rotations else None,
-            landmarks=self._landmarks(path, clip) if needs.needs_landmarks else Landmarks(),
-            face=_face(clip, bench) if needs.expression_distance else None,
+            joints=JointMotion.of(joints),
+            rotations=None if rotations is None else rotations.astype(np.float64),
+            landmarks=landmarks or Landmarks(),
+            face=face,
+            features=features,
+            depths=depths,
         )
 
-    def _place(self, path: Path) -> Path | None:
-        """Return where the store keeps the clip's joint motion, if there is a store."""
-        bench = self._bench
-        if bench.store is None:
-            return None
-        place = bench.store.place(path, bench.frame_rate, bench.motion)
-        self.kept.append(place)
-        return place
+    def _read(self, path: Path) -> MotionClip:
+        """Return the clip in `path`, which is read once for all that look at it in turn."""
+        if self._last is None or self._last[0] != path:
+            self._last = path, self._bench.motion.read(path)
+        return self._last[1]
 
-    def _landmarks(self, path: Path, clip: MotionClip) -> Landmarks:
-        bench = self._bench
-        if bench.face is None:
+    def _kept(
+        self, kind: Kind, path: Path, settings: str, compute: Callable[[MotionClip], Array]
+    ) -> Array:
+        return self.kept.array(kind, path, settings, lambda: compute(self._read(path)))
+
+    def _features(self, network: Network, path: Path) -> ClipFeatures:
+        motion = self._bench.motion
+        settings = f"{network.sha256} {motion}"
+        return clip_features(
+            network, motion.frozen, lambda look: self._kept(FEATURES, path, settings, look)
+        )
+
+    def _landmarks(self, path: Path) -> Landmarks:
+        bench, body = self._bench, self._bench.face
+        if body is None:
             return Landmarks(reason="no body is given whose face could have landmarks")
         if "face" in bench.motion.frozen:
             return Landmarks(reason="the study holds the face still")
-        place = None
-        if bench.store is not None:
-            place = kept_landmarks(bench.store.folder).place(path, bench.landmark_settings)
-            self.kept.append(place)
-            found = KeptArrays.read(place, (None, None, 3))
-            if found is not None:
-                return Landmarks(positions=found.astype(np.float64))
+        rate = bench.face_rate
+        settings = f"{rate!r} {bench.motion} {file_sha256(body.path, body.expression_matrix)}"
         try:
-            made = _landmarks_on(bench.face).positions(resample(clip, bench.face_rate))
+            found = self._kept(
+                LANDMARKS,
+                path,
+                settings,
+                lambda clip: _landmarks_on(body).positions(resample(clip, rate)),
+            )
         except InputError as error:
             return Landmarks(reason=error.what)
-        if place is not None:
-            KeptArrays.keep(place, made)
-        return Landmarks(positions=made.astype(np.float64))
+        return Landmarks(positions=found.astype(np.float64))
 
 
-def _rotations(clip: MotionClip, frame_rate: float) -> FloatArray:
-    seen = resample(clip, frame_rate)
-    return seen.poses[:, [joint_index(name) for name in GESTURE_JOINTS]].astype(np.float64)
+@lru_cache(maxsize=2)
+def penetrable_body(body: Path) -> PenetrableBody:
+    """Return the body in a file, once per process.
 
-
-def _face(clip: MotionClip, bench: Bench) -> NDArray[np.float32] | None:
-    seen = resample(clip, bench.face_rate)
-    return seen.arkit if seen.arkit is not None else seen.expressions
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    return PenetrableBody.of(read_body(body))
 
 
 @lru_cache(maxsize=2)
@@ -245,15 +338,9 @@ def _landmarks_on(body: LandmarkBody) -> FaceLandmarks:
 
 
 @lru_cache(maxsize=8)
-def kept_landmarks(folder: Path) -> KeptArrays:
-    """Return where landmarks are kept between runs."""
-    return KeptArrays(folder, "landmarks", LANDMARKS_VERSION)
-
-
-@lru_cache(maxsize=2)
-def _digest(body: LandmarkBody) -> str:
-    """Return a hash of all that decides where landmarks are."""
-    digest = hashlib.sha256(body.path.read_bytes())
-    if body.expression_matrix is not None:
-        digest.update(body.expression_matrix.read_bytes())
+def file_sha256(*files: Path | None) -> str:
+    """Return a hash of the content of all files that there are, once per process."""
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(b"" if file is None else file.read_bytes())
     return digest.hexdigest()

@@ -4,42 +4,44 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from analysis.evaluators.feature_networks import Network, Source, command_for, networks
-from analysis.measurement.clip_distances import distances_between_clips, distances_of_speeds
 from analysis.measurement.conditions import (
     ConditionScore,
     StudyMetrics,
     clip_means,
+    distances,
 )
-from analysis.measurement.feature_scores import FeatureScores, scores_without_network
-from analysis.measurement.joint_motion import JointMotionStore
-from analysis.measurement.kept_onsets import forget_other_onsets
-from analysis.measurement.measured_clips import Bench, LandmarkBody, SkippedFile, kept_landmarks
-from analysis.measurement.passes import (
-    depths_of_files,
-    features_of_files,
-    motions,
-    penetrations,
-    recorded_conditions,
-    scores_of_network,
+from analysis.measurement.feature_scores import (
+    FeatureScores,
+    feature_scores,
+    scores_without_network,
 )
-from analysis.measurement.penetration_of_files import DepthsOf
+from analysis.measurement.kept_arrays import forget_unused
+from analysis.measurement.measured_clips import (
+    Bench,
+    Excerpt,
+    LandmarkBody,
+    SeenMotion,
+    SkippedFile,
+    file_sha256,
+    penetrable_body,
+)
 from analysis.measurement.presets import REPORT, Preset, combined
-from analysis.measurement.recorded_spread import ClipExtent, recorded_spread
-from analysis.measurement.seen_motion import SeenMotion
+from analysis.measurement.recorded_spread import recorded_spread
 from analysis.measurement.segment_scores import (
     ClipScore,
-    Excerpt,
     SegmentFiles,
     SegmentScores,
     recorded_extent,
     segment_scores,
 )
-from analysis.measurement.workers import Show, Steps, Workers
+from analysis.measurement.workers import Show, Workers
 from analysis.metrics.joint_positions import common_frame_rate
+from analysis.metrics.self_penetration import self_penetration
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.formats.clip_npz import read_frame_rate
@@ -60,7 +62,7 @@ def study_metrics(
     own_files: bool = True,
     file_rate: float | None = None,
     skip_unusable: bool = False,
-    store: JointMotionStore | None = None,
+    kept: Path | None = None,
     processes: int = 1,
     on_progress: Show | None = None,
 ) -> StudyMetrics:
@@ -96,14 +98,14 @@ def study_metrics(
         Frames per second of all motion files, in place of what they state.
     skip_unusable : bool
         Whether files that cannot be used are left out and named, rather than an error.
-    store : JointMotionStore, optional
-        Where joint positions and features are kept between runs; what is kept under the settings
-        of this run, but not used by it, is removed.
+    kept : Path, optional
+        Where joint positions, features and the like are kept between runs; what is kept under the
+        settings of this run, but not used by it, is removed.
     processes : int
         How many segments are measured at once.
     on_progress : callable, optional
-        Called with steps done and all steps: a step is a segment, or a file that is looked at
-        beforehand or with a network.
+        Called with steps done and all steps: a step is a segment, or a recording that is looked at
+        beforehand.
 
     Raises
     ------
@@ -113,6 +115,8 @@ def study_metrics(
     """
     preset = combined(presets)
     given = networks(evaluators)
+    if penetrable is not None:
+        penetrable_body(penetrable)
     recordings = dict(recorded or {})
     if not recordings:
         preset = preset.without_recordings()
@@ -126,82 +130,42 @@ def study_metrics(
         raise skipped[0].error()
     if not found:
         return StudyMetrics(frame_rate=math.nan, clips=(), conditions=(), skipped=tuple(skipped))
-    motion = SeenMotion(frozen=tuple(frozen), own_files=own_files, file_rate=file_rate)
     bench = Bench(
-        frame_rate=common_frame_rate(rates), motion=motion, preset=preset, store=store, face=face
+        frame_rate=common_frame_rate(rates),
+        motion=SeenMotion(frozen=tuple(frozen), own_files=own_files, file_rate=file_rate),
+        preset=preset,
+        kept=kept,
+        face=face,
     )
-    folder = store.folder if store is not None else None
-    inside = DepthsOf.on(penetrable, motion, folder) if penetrable is not None else None
     recorded_files = sorted({files.recorded for files in found if files.recorded is not None})
     looked_at = recorded_files if preset.needs_recorded_spread else []
-    motion_files = sorted({path for files in found for path in motions(files)})
-    passes = len(given) + (inside is not None)
-    steps = Steps(len(looked_at) + len(found) + passes * len(motion_files), on_progress)
-    with Workers(processes) as workers:
-        if looked_at:
-            extents = workers.each(_ExtentOf(bench), looked_at, steps.of(looked_at))
-            bench = replace(bench, spread=recorded_spread(e for e in extents if e is not None))
-        measured = workers.each(_ScoresOf(bench), found, steps.of(found))
-        features = {
-            network.name: features_of_files(network, bench, motion_files, workers, steps)
-            for network in given
-        }
-        depths = depths_of_files(inside, motion_files, workers, steps) if inside is not None else {}
+    with Workers(processes, len(looked_at) + len(found), on_progress) as workers:
+        extents = workers.each(partial(recorded_extent, bench=bench), looked_at)
+        bench = replace(
+            bench,
+            spread=recorded_spread(extent for extent in extents if extent is not None),
+            networks=given,
+            penetrable=penetrable,
+        )
+        measured = workers.each(partial(segment_scores, bench=bench), found)
     skipped += list(dict.fromkeys(file for one in measured for file in one.skipped))
     if not skip_unusable and skipped:
         raise skipped[0].error()
-    if store is not None:
-        _forget_others(store, bench, {place for one in measured for place in one.kept})
-    scores = [score for one in measured for score in one.scores]
-    if inside is not None:
-        scores += penetrations(found, depths, inside.described)
-    damaged = {file.where for file in skipped}
-    seen = [
-        scores_of_network(network, tuple(clips), found, features[network.name], emotions, damaged)
-        for network in given
-    ]
+    forget_unused(frozenset[Path]().union(*(one.kept for one in measured)))
+    own = _recorded_conditions(clips, found)
+    seen = [_feature_scores(network, clips, measured, own, emotions or {}) for network in given]
+    scores = list(_clip_scores(measured, penetrable))
+    all_scores = [*scores, *(score for one in seen for score in one.clips)]
     return StudyMetrics(
         frame_rate=bench.frame_rate,
-        clips=tuple(_by_condition(clips, scores, seen)),
-        conditions=tuple(
-            _condition_scores(
-                tuple(clips),
-                scores,
-                measured,
-                bench,
-                given,
-                seen,
-                recorded_conditions(clips, found),
-            )
+        clips=tuple(
+            score for condition in clips for score in all_scores if score.condition == condition
         ),
+        conditions=tuple(_condition_scores(tuple(clips), scores, measured, bench, seen, own)),
         skipped=tuple(skipped),
         remarks=tuple(_remarks(found, preset, bool(recordings))),
         confusions=tuple(confusion for one in seen for confusion in one.confusions),
     )
-
-
-def _forget_others(store: JointMotionStore, bench: Bench, used: Collection[Path]) -> None:
-    """Remove what is kept under the settings of this run, but not `used` by it."""
-    store.forget_others(used, bench.frame_rate, bench.motion)
-    forget_other_onsets(store.folder)
-    if bench.preset.needs_landmarks:
-        kept_landmarks(store.folder).forget(bench.landmark_settings, used)
-
-
-@dataclass(frozen=True)
-class _ScoresOf:
-    bench: Bench
-
-    def __call__(self, files: SegmentFiles) -> SegmentScores:
-        return segment_scores(files, self.bench)
-
-
-@dataclass(frozen=True)
-class _ExtentOf:
-    bench: Bench
-
-    def __call__(self, path: Path) -> ClipExtent | None:
-        return recorded_extent(path, self.bench)
 
 
 def _frame_rates(
@@ -269,15 +233,63 @@ def _some(segments: Sequence[str], count: int) -> str:
     return f"{len(segments)} of {count} segments ({named})"
 
 
-def _by_condition(
-    conditions: Iterable[str], scores: Sequence[ClipScore], seen: Sequence[FeatureScores]
-) -> Iterator[ClipScore]:
-    """Yield the scores of all clips by condition; by segment as far as they were measured so."""
-    grouped: dict[str, list[ClipScore]] = {condition: [] for condition in conditions}
-    for score in (*scores, *(score for one in seen for score in one.clips)):
-        grouped[score.condition].append(score)
-    for found in grouped.values():
-        yield from found
+def _recorded_conditions(
+    conditions: Iterable[str], found: Sequence[SegmentFiles]
+) -> frozenset[str]:
+    """Return the conditions that are recorded motion themselves."""
+    return frozenset(
+        condition
+        for condition in conditions
+        if all(
+            files.clips[condition] == files.recorded for files in found if condition in files.clips
+        )
+    )
+
+
+def _clip_scores(measured: Sequence[SegmentScores], penetrable: Path | None) -> Iterator[ClipScore]:
+    """Yield the scores of all clips, then their self-penetration."""
+    clips = [
+        (condition, one.segment, clip) for one in measured for condition, clip in one.clips.items()
+    ]
+    for condition, segment, clip in clips:
+        for result in clip.scores:
+            yield ClipScore(condition=condition, segment=segment, result=result)
+    if penetrable is not None:
+        body = f"{penetrable.stem}, file {file_sha256(penetrable)[:16]}"
+        for condition, segment, clip in clips:
+            if clip.depths is not None and len(clip.depths):
+                for result in self_penetration(clip.depths, body=body):
+                    yield ClipScore(condition=condition, segment=segment, result=result)
+
+
+def _feature_scores(
+    network: Network,
+    conditions: Iterable[str],
+    measured: Sequence[SegmentScores],
+    recordings: frozenset[str],
+    emotions: Mapping[str, str],
+) -> FeatureScores:
+    """Return the scores of one network."""
+    by_condition = {
+        condition: {
+            one.segment: one.clips[condition].features[network.name]
+            for one in measured
+            if condition in one.clips
+        }
+        for condition in conditions
+    }
+    recorded = {
+        one.segment: one.recorded.features[network.name]
+        for one in measured
+        if one.recorded is not None
+    }
+    return feature_scores(
+        network,
+        {condition: clips for condition, clips in by_condition.items() if clips},
+        recorded,
+        recordings=recordings,
+        emotions=emotions,
+    )
 
 
 def _condition_scores(
@@ -285,25 +297,24 @@ def _condition_scores(
     scores: Sequence[ClipScore],
     measured: Sequence[SegmentScores],
     bench: Bench,
-    given: Sequence[Network],
     seen: Sequence[FeatureScores],
     recordings: Collection[str],
 ) -> Iterator[ConditionScore]:
-    missing = [name for name in bench.preset.networks if name not in _kinds(given)]
+    given = {network.name.partition(", ")[0] for network in bench.networks}
+    recorded_speeds = [
+        one.recorded.speeds
+        for one in measured
+        if one.recorded is not None and one.recorded.speeds is not None
+    ]
     for condition in conditions:
-        own = [score for score in scores if score.condition == condition]
-        clips = sum(condition in one.readable for one in measured)
-        yield from clip_means(condition, own)
-        yield from distances_between_clips(condition, measured, bench)
-        if condition not in recordings:
-            yield from distances_of_speeds(condition, measured, bench)
+        clips = [one.clips[condition] for one in measured if condition in one.clips]
+        is_recorded = condition in recordings
+        yield from clip_means(condition, [s for s in scores if s.condition == condition])
+        yield from distances(condition, clips, [] if is_recorded else recorded_speeds, bench)
         for one in seen:
             yield from (score for score in one.conditions if score.condition == condition)
-        for name in missing:
-            yield from scores_without_network(
-                name, command_for(name), condition, clips, recorded=condition in recordings
-            )
-
-
-def _kinds(given: Sequence[Network]) -> set[str]:
-    return {network.name.partition(", ")[0] for network in given}
+        for name in bench.preset.networks:
+            if name not in given:
+                yield from scores_without_network(
+                    name, command_for(name), condition, len(clips), recorded=is_recorded
+                )

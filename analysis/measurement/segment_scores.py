@@ -9,19 +9,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.measurement.clip_features import ClipFeatures
 from analysis.measurement.clip_scores import clip_metrics
-from analysis.measurement.measured_clips import Bench, MeasuredClip, Reader, SkippedFile
+from analysis.measurement.measured_clips import Bench, Excerpt, MeasuredClip, Reader, SkippedFile
 from analysis.measurement.recorded_spread import ClipExtent
 from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, select
 from analysis.metrics.result import MetricResult
 from analysis.metrics.speed_histogram import Counts, speed_counts
-from motion.errors import InputError
-from motion.formats.semantic_txt import SemanticSpan, read_semantic_scores
+from motion.formats.semantic_txt import read_semantic_scores
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
 
-FloatArray = NDArray[np.float64]
-Excerpt = tuple[Path, float, float]
-"""A recording, and where in it an excerpt starts and ends, in seconds; infinity for its end."""
+Array = NDArray[np.float32]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +57,34 @@ class ClipScore:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class ClipFindings:
+    """What was found out about one clip that could be read.
+
+    Attributes
+    ----------
+    scores : tuple of MetricResult
+        Every metric of the clip alone, or beside its recording.
+    upper_body : ndarray, shape (T, 8, 3), float32, or None
+        Positions for distances between clips, where a preset asks for them.
+    face : ndarray, shape (T, 52) or (T, 100), float32, or None
+        The face for distances between clips, where a preset asks for them and the clip has one.
+    speeds : ndarray, shape (8, 80), int, or None
+        How often each speed occurs (`analysis.metrics.speed_histogram`), where that is asked for.
+    features : mapping of str to ClipFeatures
+        What each network says, by its name.
+    depths : ndarray, shape (n,), float32, or None
+        How deep the arms are in the body, where that is asked for.
+    """
+
+    scores: tuple[MetricResult, ...] = ()
+    upper_body: Array | None = None
+    face: Array | None = None
+    speeds: Counts | None = None
+    features: Mapping[str, ClipFeatures] = field(default_factory=dict)
+    depths: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SegmentScores:
     """What was found out about one segment.
 
@@ -66,114 +92,68 @@ class SegmentScores:
     ----------
     segment : str
         Its name.
-    readable : tuple of str
-        Conditions whose clip could be read.
-    scores : tuple of ClipScore
-        Every metric of every clip that could be read.
-    upper_bodies : mapping of condition to ndarray, shape (T, 8, 3), float32
-        Positions for distances between clips; empty where no preset asks for them.
-    faces : mapping of condition to ndarray, shape (T, 52) or (T, 100), float32
-        Faces for distances between clips; empty where no preset asks for them, and for clips
-        without a face.
-    speeds : mapping of condition to ndarray, shape (8, 80), int
-        How often each speed occurs (`analysis.metrics.speed_histogram`); empty where no preset
-        asks for it.
-    recorded_speeds : ndarray, shape (8, 80), int, or None
-        The same of the recording.
+    clips : mapping of condition to ClipFindings
+        Every clip that could be read.
+    recorded : ClipFindings or None
+        The same of the recording, without scores.
     skipped : tuple of SkippedFile
         Files that could not be used.
-    kept : tuple of Path
-        What this segment uses of the store.
+    kept : frozenset of Path
+        What this segment uses of the arrays that are kept between runs.
     """
 
     segment: str
-    readable: tuple[str, ...] = ()
-    scores: tuple[ClipScore, ...] = ()
-    upper_bodies: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
-    faces: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
-    speeds: Mapping[str, Counts] = field(default_factory=dict)
-    recorded_speeds: Counts | None = None
-    skipped: tuple[SkippedFile, ...] = ()
-    kept: tuple[Path, ...] = ()
+    clips: Mapping[str, ClipFindings]
+    recorded: ClipFindings | None
+    skipped: tuple[SkippedFile, ...]
+    kept: frozenset[Path]
 
 
 def segment_scores(files: SegmentFiles, bench: Bench) -> SegmentScores:
     """Measure all clips of one segment; a file that cannot be used is named, never an error."""
-    reader = Reader(bench)
-    onsets = _onsets(files.speech, reader) if bench.preset.beats and files.speech else None
+    reader, preset = Reader(bench), bench.preset
+    onsets = reader.onsets(files.speech) if preset.beats and files.speech else None
     recorded = reader.clip(files.recorded) if files.recorded is not None else None
-    semantics = _semantics(files.semantics, reader) if bench.preset.correct else None
-    readable: list[str] = []
-    scores: list[ClipScore] = []
-    upper_bodies: dict[str, NDArray[np.float32]] = {}
-    faces: dict[str, NDArray[np.float32]] = {}
-    speeds: dict[str, Counts] = {}
+    semantics = None
+    if preset.correct and files.semantics is not None:
+        semantics = reader.or_skipped(read_semantic_scores, files.semantics)
+    clips = {}
     for condition, path in files.clips.items():
-        clip = recorded if path == files.recorded else reader.clip(path)
-        if clip is None:
-            continue
-        readable.append(condition)
-        results = clip_metrics(
-            clip,
-            bench,
-            onsets=onsets,
-            recorded=None if path == files.recorded else recorded,
-            semantics=semantics,
-        )
-        scores += [
-            ClipScore(condition=condition, segment=files.segment, result=result)
-            for result in results
-        ]
-        if bench.preset.pair_distance:
-            upper = select(clip.joints.relative, UPPER_BODY_JOINTS)
-            upper_bodies[condition] = upper.astype(np.float32)
-        if bench.preset.speed_histogram:
-            speeds[condition] = _speeds(clip, bench)
-        if clip.face is not None:
-            faces[condition] = clip.face
+        is_recorded = path == files.recorded
+        clip = recorded if is_recorded else reader.clip(path)
+        if clip is not None:
+            beside = None if is_recorded else recorded
+            scores = clip_metrics(clip, bench, onsets=onsets, recorded=beside, semantics=semantics)
+            clips[condition] = _findings(clip, bench, tuple(scores))
     return SegmentScores(
         segment=files.segment,
-        readable=tuple(readable),
-        scores=tuple(scores),
-        upper_bodies=upper_bodies,
-        faces=faces,
-        speeds=speeds,
-        recorded_speeds=_speeds(recorded, bench)
-        if recorded is not None and bench.preset.speed_histogram
-        else None,
+        clips=clips,
+        recorded=None if recorded is None else _findings(recorded, bench),
         skipped=tuple(reader.skipped),
-        kept=tuple(reader.kept),
+        kept=frozenset(reader.kept.used),
+    )
+
+
+def _findings(
+    clip: MeasuredClip, bench: Bench, scores: tuple[MetricResult, ...] = ()
+) -> ClipFindings:
+    upper = select(clip.joints.relative, UPPER_BODY_JOINTS)
+    preset = bench.preset
+    return ClipFindings(
+        scores=scores,
+        upper_body=upper.astype(np.float32) if preset.pair_distance else None,
+        face=clip.face,
+        speeds=speed_counts(upper, bench.frame_rate) if preset.speed_histogram else None,
+        features=clip.features,
+        depths=clip.depths,
     )
 
 
 def recorded_extent(path: Path, bench: Bench) -> ClipExtent | None:
     """Return what one recording adds to the spread of all; None where it cannot be read."""
-    reader = Reader(bench)
-    clip = reader.clip(path)
+    clip = Reader(bench).clip(path)
     if clip is None or clip.rotations is None:
         return None
     return ClipExtent.of(
         clip.rotations, select(clip.joints.relative, TED_JOINTS), clip.landmarks.positions
     )
-
-
-def _speeds(clip: MeasuredClip, bench: Bench) -> Counts:
-    return speed_counts(select(clip.joints.relative, UPPER_BODY_JOINTS), bench.frame_rate)
-
-
-def _onsets(speech: Excerpt, reader: Reader) -> FloatArray | None:
-    try:
-        return reader.onsets(*speech)
-    except InputError as error:
-        reader.skipped.append(SkippedFile.because(error))
-        return None
-
-
-def _semantics(path: Path | None, reader: Reader) -> tuple[SemanticSpan, ...] | None:
-    if path is None:
-        return None
-    try:
-        return read_semantic_scores(path)
-    except InputError as error:
-        reader.skipped.append(SkippedFile.because(error))
-        return None

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor
 from typing import Self, TypeVar
 
 from threadpoolctl import threadpool_limits
@@ -17,15 +17,27 @@ _Found = TypeVar("_Found")
 
 
 class Workers:
-    """Does tasks in this process, or in several; results come in the order of the tasks."""
+    """Does tasks in this process, or in several; results come in the order of the tasks.
 
-    def __init__(self, processes: int) -> None:
+    Parameters
+    ----------
+    processes : int
+        How many.
+    steps : int
+        All tasks that will be given.
+    on_progress : callable, optional
+        Told how many of them are done.
+    """
+
+    def __init__(self, processes: int, steps: int, on_progress: Show | None) -> None:
         self._pool = None
         if processes > 1:
             context = multiprocessing.get_context("spawn")
             self._pool = ProcessPoolExecutor(
                 processes, mp_context=context, initializer=_one_thread_each
             )
+        self._done, self._steps = 0, steps
+        self._on_progress = on_progress
 
     def __enter__(self) -> Self:
         return self
@@ -34,51 +46,17 @@ class Workers:
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 
-    def each(
-        self, do: Callable[[_Task], _Found], tasks: Sequence[_Task], on_progress: Show | None
-    ) -> list[_Found]:
+    def each(self, do: Callable[[_Task], _Found], tasks: Iterable[_Task]) -> list[_Found]:
         """Return what `do` finds out about each of `tasks`."""
-        show = on_progress or (lambda done, total: None)
-        if self._pool is None:
-            results = []
-            for number, task in enumerate(tasks, start=1):
-                results.append(do(task))
-                show(number, len(tasks))
-            return results
-        futures = [self._pool.submit(do, task) for task in tasks]
-        for number, _ in enumerate(as_completed(futures), start=1):
-            show(number, len(tasks))
-        return [future.result() for future in futures]
+        results = []
+        for found in map(do, tasks) if self._pool is None else self._pool.map(do, tasks):
+            results.append(found)
+            self._done += 1
+            if self._on_progress is not None:
+                self._on_progress(self._done, self._steps)
+        return results
 
 
 def _one_thread_each() -> None:
     """Leave each process one thread for matrix products: together they have all processors."""
     threadpool_limits(1)
-
-
-class Steps:
-    """Counts the steps of several tasks after each other as one progress.
-
-    Parameters
-    ----------
-    total : int
-        Steps of all tasks together.
-    show : callable or None
-        Told how many steps are done, of `total`.
-    """
-
-    def __init__(self, total: int, show: Show | None) -> None:
-        self._total = total
-        self._show = show
-        self._begun = 0
-
-    def of(self, tasks: Sequence[object]) -> Show:
-        """Return what to tell about the next `tasks`, each of which is a step."""
-        before = self._begun
-        self._begun += len(tasks)
-
-        def told(done: int, _: int) -> None:
-            if self._show is not None:
-                self._show(before + done, self._total)
-
-        return told

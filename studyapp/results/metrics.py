@@ -9,11 +9,9 @@ from typing import Final
 
 from analysis.evaluators.feature_networks import PublishedFile, Source
 from analysis.measurement.conditions import StudyMetrics
-from analysis.measurement.joint_motion import JointMotionStore
-from analysis.measurement.measured_clips import LandmarkBody
+from analysis.measurement.measured_clips import Excerpt, LandmarkBody
 from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import combined
-from analysis.measurement.segment_scores import Excerpt
 from motion.errors import InputError
 from motion.formats.joint_positions import is_joint_table
 from motion.segments_table import SEGMENTS_FILE, read_segments
@@ -100,7 +98,7 @@ def measure_study(
         penetrable=default_body(MEASURED_BODY) if penetration else None,
         presets=presets,
         skip_unusable=True,
-        store=JointMotionStore(folder.joint_positions),
+        kept=folder.joint_positions,
         processes=processes,
         on_progress=on_progress,
     )
@@ -197,7 +195,7 @@ def measure_folders(
         own_files=False,
         file_rate=file_rate,
         skip_unusable=True,
-        store=JointMotionStore(cache) if cache is not None else None,
+        kept=cache,
         processes=processes,
         on_progress=on_progress,
     )

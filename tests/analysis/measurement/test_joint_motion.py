@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.measurement.joint_motion import JointMotionStore, joint_motion
-from analysis.measurement.seen_motion import SeenMotion
+from analysis.measurement.joint_motion import joint_motion
 from analysis.metrics.joint_positions import select
 from motion.clip import MotionClip
-from motion.formats import write_clip
 from motion.freeze import freeze
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import joint_index
@@ -59,52 +57,3 @@ def test_the_pelvis_walks_and_stands_as_high_as_its_feet_reach_down(waving):
         poses[:, joint_index(f"{side}_ankle"), 0] = -0.8
     crouching = joint_motion(replace(clip, poses=poses), 30.0).pelvis
     assert crouching[0, 1] < pelvis[0, 1] - 0.1
-
-
-def test_what_is_kept_is_what_was_computed(tmp_path, waving):
-    path, store = tmp_path / "a.npz", JointMotionStore(tmp_path / "kept")
-    write_clip(path, waving(drift=0.3))
-    computed = joint_motion(waving(drift=0.3), 30.0)
-    place = store.place(path, 30.0, SeenMotion())
-    assert store.read(place) is None
-    store.keep(place, computed)
-    found = store.read(place)
-    np.testing.assert_array_equal(found.relative, computed.relative)
-    np.testing.assert_array_equal(found.pelvis, computed.pelvis)
-
-
-def test_another_motion_rate_or_frozen_channel_is_kept_elsewhere(tmp_path, waving):
-    store = JointMotionStore(tmp_path / "kept")
-    places = set()
-    for number, size in enumerate((0.4, 0.5)):
-        path = tmp_path / f"{number}.npz"
-        write_clip(path, waving(amplitude=size))
-        for rate in (15.0, 30.0):
-            for frozen in ((), ("face",), ("face", "hands")):
-                places.add(store.place(path, rate, SeenMotion(frozen=frozen)))
-    assert len(places) == 2 * 2 * 3
-    write_clip(path, waving(amplitude=0.4))
-    assert store.place(path, 30.0, SeenMotion()) in places
-    assert store.place(path, 30.0, SeenMotion(frozen=("hands", "face"))) in places
-
-
-@pytest.mark.parametrize("damaged", [b"", b"\x93NUMPY", b"no array at all"])
-def test_what_is_damaged_on_disk_counts_as_not_there(tmp_path, damaged):
-    place = tmp_path / "a.npy"
-    place.write_bytes(damaged)
-    assert JointMotionStore(tmp_path).read(place) is None
-    np.save(place, np.zeros((3, 4)))
-    assert JointMotionStore(tmp_path).read(place) is None
-
-
-def test_what_is_no_longer_used_is_removed(tmp_path, waving):
-    store = JointMotionStore(tmp_path / "kept")
-    store.forget_others(set(), 30.0, SeenMotion())
-    places = []
-    for number, rate in ((1, 30.0), (2, 30.0), (3, 15.0)):
-        path = tmp_path / f"{number}.npz"
-        write_clip(path, waving(amplitude=number / 10, seconds=0.2))
-        places.append(store.place(path, rate, SeenMotion()))
-        store.keep(places[-1], joint_motion(waving(seconds=0.2), rate))
-    store.forget_others({places[0]}, 30.0, SeenMotion())
-    assert set(store.folder.iterdir()) == {places[0], places[2]}

@@ -1,58 +1,126 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from analysis.measurement.kept_arrays import KeptArrays
+from analysis.measurement.kept_arrays import KeptArrays, Kind, forget_unused
+from analysis.measurement.measured_clips import Bench, Reader, SeenMotion
+from analysis.measurement.presets import Preset
+from motion.clip import MotionClip
 from motion.errors import InputError
+from motion.formats import write_clip
+
+JOINTS = Kind("joints", "1", (None, 2))
+OLDER = Kind("joints", "0", (None, 2))
+OTHER = Kind("features", "1", (None, None))
 
 
 @pytest.fixture
-def source(tmp_path):
+def source(tmp_path: Path) -> Path:
     path = tmp_path / "motion.npz"
     path.write_bytes(b"some motion")
     return path
 
 
-def test_content_settings_kind_and_version_tell_arrays_apart(tmp_path, source):
-    def place(kind="joints", version="1", settings="30 fps"):
-        return KeptArrays(tmp_path, kind, version).place(source, settings)
+def computed(
+    folder: Path | None, source: Path, kind: Kind = JOINTS, settings: str = "30 fps"
+) -> tuple[bool, KeptArrays]:
+    """Return whether an array had to be computed, and what it was kept by."""
+    kept, calls = KeptArrays(folder), []
 
-    places = {place(), place(kind="features"), place(version="2"), place(settings="15 fps")}
-    source.write_bytes(b"other motion")
-    assert len(places | {place()}) == 5
-    source.write_bytes(b"some motion")
-    assert place() in places
+    def compute() -> NDArray[np.float32]:
+        calls.append(1)
+        return np.ones((3, 2), np.float32)
+
+    found = kept.array(kind, source, settings, compute)
+    assert found.tolist() == [[1, 1]] * 3
+    return bool(calls), kept
 
 
-def test_only_whole_arrays_of_the_right_shape_are_read(tmp_path):
-    place = tmp_path / "kept.npy"
-    assert KeptArrays.read(place, (None,)) is None
-    KeptArrays.keep(place, np.ones((3, 2), np.float32))
-    assert KeptArrays.read(place, (None, 2)).shape == (3, 2)
-    assert KeptArrays.read(place, (None, 3)) is None
-    assert KeptArrays.read(place, (None,)) is None
+def test_an_array_is_computed_once_for_its_content_settings_kind_and_version(
+    tmp_path: Path, source: Path
+) -> None:
+    folder = tmp_path / "kept"
+    for kind, settings in ((JOINTS, "a"), (JOINTS, "b"), (OLDER, "a"), (OTHER, "a")):
+        assert computed(folder, source, kind, settings)[0]
+        assert not computed(folder, source, kind, settings)[0]
+    source.write_bytes(b"another motion")
+    assert computed(folder, source, JOINTS, "a")[0]
+    copied = source.with_name("copy.npz")
+    copied.write_bytes(b"some motion")
+    assert not computed(folder, copied, JOINTS, "a")[0]
+
+
+@pytest.mark.parametrize("damaged", [b"", b"\x93NUMPY", b"no array at all"])
+def test_what_is_damaged_or_of_another_shape_is_computed_again(
+    tmp_path: Path, source: Path, damaged: bytes
+) -> None:
+    folder = tmp_path / "kept"
+    (place,) = computed(folder, source)[1].used
+    place.write_bytes(damaged)
+    assert computed(folder, source)[0]
     place.write_bytes(place.read_bytes()[:-1])
-    assert KeptArrays.read(place, (None, 2)) is None
+    assert computed(folder, source)[0]
+    for other in (np.ones((3, 4), np.float32), np.ones(3, np.float32), np.ones((3, 2))):
+        np.save(place, other)
+        assert computed(folder, source)[0]
 
 
-def test_other_settings_and_drafts_of_runs_beside_this_one_are_left_alone(tmp_path, source):
-    own, older = (KeptArrays(tmp_path / "kept", "joints", version) for version in ("2", "1"))
-    unused, beside = own.place(source, "a"), own.place(source, "b")
-    other_kind = KeptArrays(tmp_path / "kept", "features", "1").place(source, "a")
-    draft = own.folder / ".draft.npy"
-    for place in (unused, beside, other_kind, older.place(source, "a"), draft):
-        KeptArrays.keep(place, np.ones(1, np.float32))
-    own.forget("a", used=set())
-    assert set(own.folder.iterdir()) == {beside, other_kind, draft}
+def test_what_a_run_no_longer_uses_is_removed_and_nothing_else(
+    tmp_path: Path, source: Path
+) -> None:
+    folder = tmp_path / "kept"
+
+    def place(kind: Kind, settings: str) -> Path:
+        return next(iter(computed(folder, source, kind, settings)[1].used))
+
+    beside, other_kind = place(JOINTS, "b"), place(OTHER, "a")
+    place(OLDER, "a")
+    place(JOINTS, "a")
+    (folder / ".draft.npy").write_bytes(b"")
+    source.write_bytes(b"another motion")
+    used = place(JOINTS, "a")
+    forget_unused({used})
+    assert set(folder.iterdir()) == {used, beside, other_kind, folder / ".draft.npy"}
 
 
-def test_a_folder_that_cannot_be_written_keeps_nothing_and_stops_nobody(tmp_path):
+def test_a_folder_that_cannot_be_written_keeps_nothing_and_stops_nobody(
+    tmp_path: Path, source: Path
+) -> None:
     (tmp_path / "kept").write_text("a file, not a folder")
-    KeptArrays.keep(tmp_path / "kept" / "a.npy", np.ones(1, np.float32))
-    assert KeptArrays.read(tmp_path / "kept" / "a.npy", (None,)) is None
+    assert computed(tmp_path / "kept", source)[0]
+    assert computed(tmp_path / "kept", source)[0]
+    assert computed(None, source)[0]
 
 
-def test_a_file_that_cannot_be_read_is_named(tmp_path):
+def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"gone\.npz"):
-        KeptArrays(tmp_path, "joints", "1").place(tmp_path / "gone.npz", "")
+        computed(tmp_path, tmp_path / "gone.npz")
+
+
+def test_another_motion_rate_or_frozen_channel_is_kept_elsewhere(
+    tmp_path: Path, waving: Callable[..., MotionClip]
+) -> None:
+    def place(rate: float, *frozen: str) -> Path:
+        bench = Bench(
+            frame_rate=rate,
+            motion=SeenMotion(frozen=frozen),
+            preset=Preset(),
+            kept=tmp_path / "kept",
+        )
+        reader = Reader(bench)
+        assert reader.clip(path) is not None
+        return next(iter(reader.kept.used))
+
+    places = set()
+    path = tmp_path / "a.npz"
+    for size in (0.4, 0.5):
+        write_clip(path, waving(amplitude=size, seconds=0.5))
+        for rate in (15.0, 30.0):
+            places |= {place(rate), place(rate, "face"), place(rate, "face", "hands")}
+    assert len(places) == 2 * 2 * 3
+    assert place(30.0, "hands", "face") in places

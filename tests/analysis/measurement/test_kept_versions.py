@@ -15,13 +15,12 @@ from analysis.evaluators.evaluator_file import (
     TrainingFacts,
 )
 from analysis.evaluators.normalisation import Normalisation
-from analysis.measurement import (
-    clip_features,
-    joint_motion,
-    kept_onsets,
-    measured_clips,
-    penetration_of_files,
-)
+from analysis.measurement.clip_features import FEATURES as FEATURES_KIND
+from analysis.measurement.joint_motion import JOINTS as JOINTS_KIND
+from analysis.measurement.joint_motion import joint_motion
+from analysis.measurement.measured_clips import DEPTHS as DEPTHS_KIND
+from analysis.measurement.measured_clips import LANDMARKS as LANDMARKS_KIND
+from analysis.measurement.measured_clips import ONSETS as ONSETS_KIND
 from analysis.metrics.self_penetration import PenetrableBody
 from motion.body import read_body
 from motion.clip import MotionClip
@@ -84,15 +83,15 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
 def test_joints_that_lie_elsewhere_have_another_version() -> None:
     waves = np.sin(np.arange(40)[:, None, None] / 9 + np.arange(165).reshape(55, 3)) / 5
     clip = MotionClip(poses=waves, trans=waves[:, 0], frame_rate=25)
-    found = joint_motion.joint_motion(clip, 30)
+    found = joint_motion(clip, 30)
     assert fingerprint(found.relative, found.pelvis) == pytest.approx(
-        JOINTS[joint_motion.VERSION], abs=1e-5
+        JOINTS[JOINTS_KIND.version], abs=1e-5
     )
 
 
 def test_onsets_that_are_found_elsewhere_have_another_version() -> None:
     onsets = speech_onsets(syllables(6.0, 1))
-    assert fingerprint(onsets) == pytest.approx(ONSETS[kept_onsets.VERSION], abs=1e-4)
+    assert fingerprint(onsets) == pytest.approx(ONSETS[ONSETS_KIND.version], abs=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -103,14 +102,12 @@ def test_a_network_that_sees_other_features_has_another_version(
 ) -> None:
     seen = network(kind, channels)
     found = [seen.embed(moving())] + ([seen.classify(moving())] if seen.labels else [])
-    assert fingerprint(*found) == pytest.approx(FEATURES[clip_features.VERSION][channels], abs=1e-5)
+    assert fingerprint(*found) == pytest.approx(FEATURES[FEATURES_KIND.version][channels], abs=1e-5)
 
 
 def test_landmarks_that_lie_elsewhere_have_another_version() -> None:
     found = FaceLandmarks.of(read_body(default_body())).positions(moving().frames(slice(0, 30)))
-    assert fingerprint(found) == pytest.approx(
-        LANDMARKS[measured_clips.LANDMARKS_VERSION], abs=1e-5
-    )
+    assert fingerprint(found) == pytest.approx(LANDMARKS[LANDMARKS_KIND.version], abs=1e-5)
 
 
 def test_arms_that_are_deeper_in_the_body_have_another_version() -> None:
@@ -119,4 +116,4 @@ def test_arms_that_are_deeper_in_the_body_have_another_version() -> None:
     clip = MotionClip(poses=poses, trans=np.zeros((40, 3)), frame_rate=10)
     depths = PenetrableBody.of(read_body(default_body("mannequin"))).depths(clip)
     assert depths.max() > 0.01
-    assert fingerprint(depths) == pytest.approx(DEPTHS[penetration_of_files.VERSION], abs=1e-5)
+    assert fingerprint(depths) == pytest.approx(DEPTHS[DEPTHS_KIND.version], abs=1e-5)

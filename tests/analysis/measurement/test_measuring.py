@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.measurement import measured_clips, seen_motion
-from analysis.measurement.joint_motion import JointMotionStore
+from analysis.measurement import measured_clips
 from analysis.measurement.measuring import study_metrics
 from analysis.measurement.presets import PRESETS
 from motion.audio import Audio, write_wav
@@ -163,29 +162,29 @@ def test_nothing_usable_is_no_score_but_a_list_of_files(tmp_path):
 
 
 def test_what_is_kept_from_an_earlier_run_changes_no_number(study, tmp_path):
-    store = JointMotionStore(tmp_path / "kept")
+    folder = tmp_path / "kept"
     alone = study_metrics(*study)
-    first = study_metrics(*study, store=store)
-    kept = {path: path.stat().st_mtime_ns for path in store.folder.iterdir()}
+    first = study_metrics(*study, kept=folder)
+    kept = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
     # Both motionless clips are the same file, and both segments the same speech.
     assert sorted(path.name.partition("-")[0] for path in kept) == ["joints"] * 3 + ["onsets"]
-    second = study_metrics(*study, store=store)
-    assert {path: path.stat().st_mtime_ns for path in store.folder.iterdir()} == kept
+    second = study_metrics(*study, kept=folder)
+    assert {path: path.stat().st_mtime_ns for path in folder.iterdir()} == kept
     for other in (first, second):
         np.testing.assert_equal(
             [s.result.value for s in alone.clips], [s.result.value for s in other.clips]
         )
     study[0].pop("static")
-    study_metrics(*study, store=store)
-    assert len(list(store.folder.glob("joints-*"))) == 2
+    study_metrics(*study, kept=folder)
+    assert len(list(folder.glob("joints-*"))) == 2
 
 
 def test_clips_of_an_unchanged_store_are_not_read_again(study, tmp_path, monkeypatch):
-    store = JointMotionStore(tmp_path / "kept")
-    study_metrics(*study, store=store)
-    monkeypatch.setattr(measured_clips, "joint_motion", pytest.fail)
-    monkeypatch.setattr(seen_motion, "read_clip", pytest.fail)
-    study_metrics(*study, store=store)
+    folder = tmp_path / "kept"
+    study_metrics(*study, kept=folder)
+    monkeypatch.setattr(measured_clips, "packed_joints", pytest.fail)
+    monkeypatch.setattr(measured_clips, "read_clip", pytest.fail)
+    study_metrics(*study, kept=folder)
 
 
 @pytest.mark.slow
@@ -231,9 +230,9 @@ def test_what_metrics_lack_is_said(recorded_study):
 
 
 def test_files_are_taken_to_have_the_frame_rate_that_is_given(study, tmp_path):
-    store = JointMotionStore(tmp_path / "kept")
-    fast = study_metrics(*study, file_rate=30.0, store=store)
-    slow = study_metrics(*study, file_rate=15.0, store=store)
+    folder = tmp_path / "kept"
+    fast = study_metrics(*study, file_rate=30.0, kept=folder)
+    slow = study_metrics(*study, file_rate=15.0, kept=folder)
     assert (fast.frame_rate, slow.frame_rate) == (30, 15)
     name = "jerk (hands, unfiltered)"
     assert of(fast, "waving", name).value == pytest.approx(8 * of(slow, "waving", name).value)

@@ -7,7 +7,6 @@ from analysis.evaluators import feature_networks
 from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import networks
 from analysis.measurement import clip_features
-from analysis.measurement.joint_motion import JointMotionStore
 from analysis.measurement.measured_clips import LandmarkBody
 from analysis.measurement.measuring import study_metrics
 from motion.clip import MotionClip
@@ -73,10 +72,10 @@ def of(metrics, condition, name):
 
 def test_clips_are_shown_to_a_network_once_and_its_features_are_kept(study, network_file, tmp_path):
     path, opened = network_file
-    store = JointMotionStore(tmp_path / "kept")
+    kept = tmp_path / "kept"
     first, second = (
         study_metrics(
-            study, {}, recorded=study["truth"], evaluators=[path], presets=["genea"], store=store
+            study, {}, recorded=study["truth"], evaluators=[path], presets=["genea"], kept=kept
         )
         for _ in range(2)
     )
@@ -201,11 +200,14 @@ def test_faces_differ_between_clips_unless_they_are_held_still(talking):
 
 
 def test_penetration_is_measured_where_a_body_is_given_and_kept(talking, tmp_path, monkeypatch):
-    store = JointMotionStore(tmp_path / "kept")
-    wanted = {"penetrable": default_body("mannequin"), "presets": ["genea"], "store": store}
+    wanted = {
+        "penetrable": default_body("mannequin"),
+        "presets": ["genea"],
+        "kept": tmp_path / "kept",
+    }
     found = study_metrics(talking, {}, **wanted)
     assert of(found, "shy", "self-penetration, depth").value == 0
     assert of(found, "shy", "self-penetration, depth").scored == 2
-    monkeypatch.setattr("analysis.measurement.penetration_of_files._penetrable", lambda body: None)
+    monkeypatch.setattr("analysis.measurement.measured_clips.penetrable_body", lambda body: None)
     again = study_metrics(talking, {}, **wanted)
     assert of(again, "shy", "self-penetration, share of frames").value == 0
