@@ -20,7 +20,7 @@ from benchmarks.learned_motion.compared_study import (
     UNTRAINED,
     write_study,
 )
-from benchmarks.learned_motion.comparison import followings, score_of, verdicts
+from benchmarks.learned_motion.comparison import edit_verdicts, followings, score_of, verdicts
 from benchmarks.learned_motion.editing import edit
 from benchmarks.learned_motion.hearing import heard_apart
 from benchmarks.learned_motion.networks import (
@@ -156,6 +156,7 @@ def compare(given: argparse.Namespace) -> str:
                 judges,
             )
             show(number + 1, len(systems["amuse"]), network.name)
+    judged["amuse"] += edit_verdicts(list(edited.values()))
     return page(
         Findings(metrics=metrics, followed=found, judged=judged, heard=heard, edited=edited),
         _facts(wanted, len(test), networks, root),

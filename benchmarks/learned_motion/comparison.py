@@ -8,6 +8,7 @@ from typing import Final
 
 from analysis.measurement.conditions import StudyMetrics
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
+from benchmarks.learned_motion.editing import Edited
 from benchmarks.learned_motion.following import (
     MEASURES,
     Followed,
@@ -150,6 +151,29 @@ def verdicts(
         )
     )
     return judged
+
+
+def edit_verdicts(edited: Sequence[Edited]) -> list[Verdict]:
+    """Return what is asked of edits of the emotion, one `Edited` for each trained network."""
+    return [
+        Verdict(
+            claim="another emotion by name is taken for the one that was told in most edits",
+            holds=all(one.accuracy > 0.5 for one in edited),
+            evidence=", ".join(f"{one.accuracy:.3g}" for one in edited),
+        ),
+        Verdict(
+            claim="at least nine tenths as many clips are taken for their speaker's when edited",
+            holds=all(one.speaker_after >= 0.9 * one.speaker_before for one in edited),
+            evidence=", ".join(
+                f"{one.speaker_after:.3g} beside {one.speaker_before:.3g}" for one in edited
+            ),
+        ),
+        Verdict(
+            claim="wrists move when they moved before the edit: correlation above 0.5",
+            holds=all(one.speed > 0.5 for one in edited),
+            evidence=", ".join(f"{one.speed:.3g}" for one in edited),
+        ),
+    ]
 
 
 def written(value: MeanFollowed) -> str:

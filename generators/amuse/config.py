@@ -7,12 +7,15 @@ the release's value stands here, with the paper's beside it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final, Literal
 
 from generators.trainable import Trainable, TrainingChoice
 from training.config import Decay, Preset, TrainingConfig
+
+FRAME_RATE: Final = 30
+"""Frames of motion in a second."""
 
 Part = Literal["content", "emotion", "style"]
 PARTS: Final[tuple[Part, ...]] = ("content", "emotion", "style")
@@ -94,6 +97,10 @@ class SpeechConfig:
         Of the fusion and of the decoder.
     dropout : float
         Of the fusion and of the decoder, while training.
+    classified : {'tokens', 'latent'}
+        What emotion and speaker are named by: the class tokens, as released and as appendix B.1
+        says, or the latents of emotion and style themselves, as section 3.2 and appendix B.4 say.
+        By the tokens only rebuilding asks anything of the latents.
     mfcc : int
         Cepstral coefficients that an auto-encoder hears in place of the three encoders
         (Table A.3); 0 for the speech model itself.
@@ -116,6 +123,7 @@ class SpeechConfig:
     fusion_layers: int = 2
     decoder_layers: int = 4
     dropout: float = 0.1
+    classified: Literal["tokens", "latent"] = "tokens"
     mfcc: int = 0
 
 
@@ -136,11 +144,21 @@ class MotionPreset(Preset):
     together : int or None
         Steps in which prior and denoiser learn together, as in the paper; all where None. Then the
         denoiser learns alone: its steps cost a tenth, and its latents stay where they are.
+    weights : mapping of str to float
+        Of losses that count otherwise than `generators.amuse.losses.LossWeights` says.
+    align_steps : int
+        Of DDIM in the third pass.
+    named : float
+        How often emotion, and style, are told by the mean latent of their label, as in edits by
+        name, in place of what is heard.
     """
 
     network: MotionConfig
     stride: int
     together: int | None
+    weights: Mapping[str, float] = field(default_factory=dict)
+    align_steps: int = 50
+    named: float = 0.0
 
 
 MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
@@ -159,8 +177,15 @@ MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
             ),
             stride=30,
             together=500,
+            # What is sampled for a speech is one of many motions: held against the recorded one at
+            # full weight, it teaches a decoder of a few hundred steps to tell their mean.
+            weights={"align": 0.03, "valign": 0.03, "velocity": 0.02},
+            align_steps=10,
+            # Of what is heard alone the denoiser learns no more of an emotion than a small speech
+            # model hears, and takes who speaks from the emotion's latent too.
+            named=0.5,
             training=TrainingConfig(
-                steps=2_500,
+                steps=2_000,
                 batch_size=32,
                 learning_rate=1e-3,
                 ema_decay=0.995,
@@ -194,12 +219,13 @@ class SpeechPreset(Preset):
     ----------
     network : SpeechConfig
         Its sizes; emotions and styles are those of the recordings.
-    seconds : int
-        Length of a window.
+    seconds, stride : int
+        Length of a window, and from the beginning of one that is learned from to the next.
     """
 
     network: SpeechConfig
     seconds: int
+    stride: int
 
 
 SPEECH_PRESETS: Final[Mapping[str, SpeechPreset]] = MappingProxyType(
@@ -219,12 +245,15 @@ SPEECH_PRESETS: Final[Mapping[str, SpeechPreset]] = MappingProxyType(
                 fusion_layers=1,
                 decoder_layers=1,
                 dropout=0.0,
+                classified="latent",
             ),
             seconds=4,
+            stride=1,
             training=TrainingConfig(
-                steps=700,
+                steps=800,
                 batch_size=8,
                 learning_rate=1e-3,
+                ema_decay=0.99,
                 validate_every=50,
                 checkpoint_every=100,
             ),
@@ -232,6 +261,7 @@ SPEECH_PRESETS: Final[Mapping[str, SpeechPreset]] = MappingProxyType(
         "full": SpeechPreset(
             network=SPEECH,
             seconds=10,
+            stride=10,
             training=TrainingConfig(
                 steps=1,
                 batch_size=1,

@@ -11,7 +11,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from generators.amuse.config import PARTS, Part, SpeechConfig
+from generators.amuse.config import FRAME_RATE, PARTS, Part, SpeechConfig
 from generators.amuse.network_file import (
     MotionNetworks,
     SpeechNetwork,
@@ -37,7 +37,6 @@ from training.hearing.speech_frames import at_speech_rate
 from training.packing import pack
 from training.spaces.smplx_6d import smplx_6d_clip
 
-FRAME_RATE: Final = 30
 FADE: Final = 30
 """Frames in which a window takes over from the one before."""
 

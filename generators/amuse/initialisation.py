@@ -3,9 +3,10 @@
 A frame's values differ by a few hundredths while the learned positions are of the size of 1, and
 attention that looks everywhere alike tells the frames of a window apart only after many thousand
 steps. So the linear layers at both ends set out from the principal components of the frames, and
-attention sets out by looking at what is near in time. Encoders of speech set out from waves that
-tell a patch's time and pitch, without which the mean over patches forgets both. The networks and
-what they can learn stay.
+attention sets out by looking at what is near in time. Encoders of speech set out from the
+principal components of the patches, each as large as the next, so that the height of a voice counts
+beside its loudness; and from waves that tell a patch's time and pitch, without which the mean over
+patches forgets both. The networks and what they can learn stay.
 """
 
 from __future__ import annotations
@@ -30,13 +31,41 @@ _SHARPNESS: Final = 3.0
 _LEAST_SPREAD: Final = 1e-3
 """Of a principal component, or of what is heard; smaller ones are rounding."""
 
-_PLACE: Final = 0.2
-"""Size of the waves that tell a patch's place, beside patches of about 1."""
+_COMPONENTS: Final = 64
+"""Principal components of a patch that an encoder hears at first; smaller ones are noise."""
+
+_SIZE: Final = 0.5
+"""Of a patch's components, and of the waves that tell its place."""
 
 
 @torch.no_grad()
-def place_patches(encoder: SpeechEncoder) -> None:
-    """Let the positions of a fresh encoder tell the time and the pitch of its patches."""
+def listen(encoder: SpeechEncoder, filterbanks: Tensor) -> None:
+    """Set the layers that a fresh encoder hears by.
+
+    Parameters
+    ----------
+    encoder : SpeechEncoder
+        Fresh.
+    filterbanks : Tensor
+        (windows, frames, bands), what it is to hear.
+    """
+    first = encoder.transformer.embeddings.patch_embeddings.projection
+    size = first.kernel_size[0]
+    patches = (
+        filterbanks.unfold(1, size, size).unfold(2, size, size).transpose(3, 4).reshape(-1, size**2)
+    )
+    mean = patches.mean(dim=0)
+    count = min(_COMPONENTS, len(first.weight))
+    components = torch.pca_lowrank(patches, q=count, niter=4)[2]
+    spread = ((patches - mean) @ components).std(dim=0).clamp_min(_LEAST_SPREAD)
+    rows = _SIZE * (components / spread).T
+    first.weight[:count] = rows.view(count, 1, size, size)
+    first.bias[:count] = -rows @ mean
+    _place_patches(encoder)
+
+
+def _place_patches(encoder: SpeechEncoder) -> None:
+    """Let the positions of an encoder tell the time and the pitch of its patches."""
     embeddings = encoder.transformer.embeddings
     positions = embeddings.position_embeddings
     bands, rows = embeddings.get_shape(embeddings.config)
@@ -47,7 +76,7 @@ def place_patches(encoder: SpeechEncoder) -> None:
     places = torch.cat(
         [time.expand(bands, -1, -1), pitch[:, None].expand(-1, rows, -1)], dim=-1
     ).flatten(0, 1)
-    positions[0, -len(places) :] = _PLACE * places
+    positions[0, -len(places) :] = _SIZE * places
 
 
 @torch.no_grad()

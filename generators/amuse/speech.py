@@ -61,10 +61,10 @@ class SpeechEncoder(nn.Module):
         self.feature_head = nn.Sequential(
             nn.LayerNorm(config.width), nn.Linear(config.width, config.latent)
         )
+        self.by_latent = config.classified == "latent"
+        told = config.latent if self.by_latent else config.width
         self.class_head = (
-            None
-            if classes is None
-            else nn.Sequential(nn.LayerNorm(config.width), nn.Linear(config.width, classes))
+            None if classes is None else nn.Sequential(nn.LayerNorm(told), nn.Linear(told, classes))
         )
 
     def forward(self, filterbank: Tensor) -> tuple[Tensor, Tensor | None]:
@@ -73,7 +73,7 @@ class SpeechEncoder(nn.Module):
         latent: Tensor = self.feature_head(tokens[:, 2:].mean(dim=1))
         if self.class_head is None:
             return latent, None
-        return latent, self.class_head(tokens[:, :2].mean(dim=1))
+        return latent, self.class_head(latent if self.by_latent else tokens[:, :2].mean(dim=1))
 
 
 def _layers(config: SpeechConfig, width: int, count: int) -> nn.TransformerEncoder:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -12,14 +12,12 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from generators.amuse.config import MOTION_PRESETS, MotionConfig
-from generators.amuse.generate import FRAME_RATE, heard_windows
+from generators.amuse.config import FRAME_RATE, MOTION_PRESETS, PARTS, MotionConfig, Part
+from generators.amuse.generate import heard_windows
 from generators.amuse.initialisation import hear, set_out
 from generators.amuse.losses import (
-    DENOISER_ALONE,
-    PRIOR_ALONE,
-    WITHOUT_ALIGNMENT,
-    WITHOUT_PRIOR,
+    OF_ALIGNMENT,
+    OF_PRIOR,
     LossWeights,
     MotionModel,
     motion_losses,
@@ -59,11 +57,11 @@ DRAWS: Final = 4
 """How often a latent gets noise in an update. The paper does it once; the denoiser is small beside
 the prior and the fifty steps of the third pass, and learns four times as much."""
 
-STAGES: Final = {"prior": PRIOR_ALONE, "denoiser": DENOISER_ALONE}
-"""What counts where prior or denoiser learns alone."""
+STAGES: Final = {"prior": ("ld", *OF_ALIGNMENT), "denoiser": (*OF_PRIOR, *OF_ALIGNMENT)}
+"""What does not count where prior or denoiser learns alone."""
 
-COUNTED: Final = {"without_alignment": WITHOUT_ALIGNMENT, "without_prior": DENOISER_ALONE}
-"""What counts in ablations that leave out losses."""
+LEFT_OUT: Final = {"without_alignment": OF_ALIGNMENT, "without_prior": STAGES["denoiser"]}
+"""What does not count in ablations that leave out losses."""
 
 _VERSION: Final = "1"
 
@@ -78,12 +76,21 @@ class MotionTask(WindowTask):
         The networks.
     weights : LossWeights
         What counts how much.
+    align_steps : int
+        Of DDIM in the third pass.
+    named : float
+        How often emotion, and style, are told by the mean latent of their label.
+    means : mapping of str to (mapping of str to Tensor)
+        These, see `SpeechNetwork.latents`.
     training, held_out : Windows
         Of the features ``motion`` and ``latents``.
     """
 
     config: MotionConfig
     weights: LossWeights
+    align_steps: int
+    named: float
+    means: Mapping[str, Mapping[str, Tensor]]
 
     def network(self) -> MotionModel:
         """Return fresh networks that set out from what motion and speech are like."""
@@ -103,7 +110,9 @@ class MotionTask(WindowTask):
         self, name: str, network: MotionModel, rows: NDArray[np.int64]
     ) -> Mapping[str, Tensor]:
         """Return the losses of a stage, in which one learns alone or both together."""
-        return self._losses(network, self.training, rows, STAGES.get(name, self.weights))
+        return self._losses(
+            network, self.training, rows, self.weights.without(*STAGES.get(name, ()))
+        )
 
     def validation(self, network: MotionModel) -> Mapping[str, float]:
         """Return `motion_losses` of held-out windows, evenly among them.
@@ -111,7 +120,7 @@ class MotionTask(WindowTask):
         All count, whatever is learned by, so that ablations are measured alike.
         """
         rows = evenly(len(self.held_out), HELD_OUT)
-        measured = LossWeights() if self.config.prior else WITHOUT_PRIOR
+        measured = LossWeights() if self.config.prior else LossWeights().without(*OF_PRIOR)
         losses = self._losses(network, self.held_out, rows, measured)
         return {name: float(value) for name, value in losses.items()}
 
@@ -128,8 +137,28 @@ class MotionTask(WindowTask):
         told = values["latents"][:, :1]
         noise = torch.randn(2 + DRAWS, len(rows), *network.prior.latent_shape).to(self.device)
         timestep = torch.randint(0, SCALED_LINEAR.steps, (DRAWS, len(rows))).to(self.device)
-        latents = torch.chunk(told, self.config.conditions, dim=-1)
-        return motion_losses(network, motion, latents, noise, timestep, weights)
+        latents: Sequence[Tensor] = torch.chunk(told, self.config.conditions, dim=-1)
+        if self.named and windows is self.training:
+            latents = self._by_name(latents, [windows.take_of(int(row)) for row in rows])
+        return motion_losses(network, motion, latents, noise, timestep, weights, self.align_steps)
+
+    def _by_name(self, heard: Sequence[Tensor], takes: Sequence[Take]) -> Sequence[Tensor]:
+        """Return latents (batch, 1, width), some of them the mean of their label where known."""
+        told = dict(zip(PARTS, heard, strict=False))
+        labels_of: dict[Part, list[str]] = {
+            "emotion": [take.emotion for take in takes],
+            "style": [take.speaker for take in takes],
+        }
+        for part, labels in labels_of.items():
+            if part in self.means:
+                rows = zip(told[part], labels, torch.rand(len(takes)) < self.named, strict=True)
+                told[part] = torch.stack(
+                    [
+                        self.means[part].get(label, one[0]).to(one)[None] if by_name else one
+                        for one, label, by_name in rows
+                    ]
+                )
+        return list(told.values())
 
 
 def whole_body() -> Feature:
@@ -178,13 +207,21 @@ def train_amuse(request: TrainingRequest) -> TrainedGenerator:
         config = replace(config, prior=False, longest=longest)
     features = (whole_body(), speech_latents(speech, identity, config.frames, preset.stride))
     prepared = prepared_takes(request, features, FRAME_RATE)
-    weights = COUNTED.get(str(ablation), LossWeights())
+    weights = LossWeights(**preset.weights).without(*LEFT_OUT.get(str(ablation), ()))
     task = MotionTask(
         config=config,
         weights=weights,
+        align_steps=preset.align_steps,
+        named=preset.named,
+        means=speech.latents,
         training=Windows(prepared, split="train", frames=config.frames, stride=preset.stride),
         held_out=Windows(prepared, split="validation", frames=config.frames, stride=preset.stride),
-        further={"speech model": identity, "stride": preset.stride},
+        further={
+            "speech model": identity,
+            "stride": preset.stride,
+            "align steps": preset.align_steps,
+            "named": preset.named,
+        },
         device=request.device,
     )
     training = preset.trained_on(task.examples, request.changes)

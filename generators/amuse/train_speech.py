@@ -16,7 +16,7 @@ from torch.nn import functional
 
 from generators.amuse.config import SPEECH_PRESETS, SpeechConfig
 from generators.amuse.encoder_weights import WEIGHTS, read_encoder_weights
-from generators.amuse.initialisation import place_patches
+from generators.amuse.initialisation import listen
 from generators.amuse.network_file import SpeechNetwork, write_speech_network
 from generators.amuse.quadruples import quadruples
 from generators.amuse.speech import (
@@ -52,6 +52,9 @@ MOST: Final = 20_000
 
 HELD_OUT: Final = 64
 """At most so many windows tell how well held-out recordings are known."""
+
+SEEN: Final = 200
+"""At most so many windows tell what patches are like."""
 
 SELF: Final = "self of fours"
 """Self-reconstruction error of the very windows whose latents are swapped."""
@@ -98,11 +101,12 @@ class SpeechTask(WindowTask):
         """Return a fresh network."""
         network = speech_model_of(self.config)
         if isinstance(network, SpeechModel):
+            seen = self._filterbanks(self.training, evenly(len(self.training), SEEN))
             for encoder in (network.content, network.emotion, network.style):
                 if self.encoder_weights:
                     encoder.transformer.load_state_dict(self.encoder_weights)
                 else:
-                    place_patches(encoder)
+                    listen(encoder, seen)
         return network.to(self.device)
 
     def losses(self, network: AnySpeechModel, rows: NDArray[np.int64]) -> Mapping[str, Tensor]:
@@ -250,7 +254,8 @@ def train_amuse_speech(request: TrainingRequest) -> TrainedGenerator:
     heard = speech_filterbank(preset.network.bands)
     prepared = prepared_takes(request, (heard,), ROWS_PER_SECOND)
     frames = preset.seconds * ROWS_PER_SECOND
-    training = Windows(prepared, split="train", frames=frames, stride=frames)
+    stride = preset.stride * ROWS_PER_SECOND
+    training = Windows(prepared, split="train", frames=frames, stride=stride)
     learned = [training.take_of(row) for row in range(len(training))]
     emotions = tuple(sorted({take.emotion for take in learned if take.emotion}))
     speakers = tuple(sorted({take.speaker for take in learned}))

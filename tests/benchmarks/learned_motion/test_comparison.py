@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -8,7 +9,13 @@ from analysis.evaluators import network_names as names
 from analysis.measurement.conditions import ConditionScore, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
-from benchmarks.learned_motion.comparison import Followings, score_of, verdicts, written
+from benchmarks.learned_motion.comparison import (
+    Followings,
+    edit_verdicts,
+    score_of,
+    verdicts,
+    written,
+)
 from benchmarks.learned_motion.editing import Edited
 from benchmarks.learned_motion.following import MEASURES, MeanFollowed
 from benchmarks.learned_motion.page import HEARD, Findings, page
@@ -89,6 +96,40 @@ METRICS = StudyMetrics(
 )
 
 
+CONFUSION = EmotionConfusion(
+    condition="edited",
+    network="a" * 64,
+    spoken=("anger", "fear"),
+    named=("anger", "fear"),
+    counts=((3, 1), (2, 4)),
+)
+EDITED = Edited(
+    confusion=CONFUSION,
+    speaker_before=0.9,
+    speaker_after=0.85,
+    speed=0.6,
+    strokes_before=around(0.1),
+    strokes_after=NOTHING,
+)
+
+
+def test_edits_that_change_the_emotion_alone_are_told_so() -> None:
+    assert [one.holds for one in edit_verdicts([EDITED, EDITED])] == [True] * 3
+
+
+@pytest.mark.parametrize(
+    ("worse", "failed"),
+    [
+        (replace(EDITED, confusion=replace(CONFUSION, counts=((1, 3), (2, 4)))), 0),
+        (replace(EDITED, speaker_after=0.8), 1),
+        (replace(EDITED, speed=0.4), 2),
+    ],
+)
+def test_edits_of_one_seed_that_fall_short_fail_the_claim(worse: Edited, failed: int) -> None:
+    judged = edit_verdicts([EDITED, worse])
+    assert [number for number, one in enumerate(judged) if not one.holds] == [failed]
+
+
 def test_a_score_is_found_by_condition_and_name() -> None:
     assert score_of(METRICS, "trained_1", names.FGD) == 3.25
     assert math.isnan(score_of(METRICS, "ground_truth", names.FGD))
@@ -102,33 +143,18 @@ def test_the_page_tells_missing_numbers_from_zero_and_fallen_claims_from_held_on
     }
     distances = {"trained_1": 3.25, UNTRAINED: 10.0, RULE_BASED: 8.0}
     judged = {"diffsheg": verdicts(distances, found, ("trained_1",))}
-    confusion = EmotionConfusion(
-        condition="edited",
-        network="a" * 64,
-        spoken=("anger", "fear"),
-        named=("anger", "fear"),
-        counts=((3, 1), (2, 4)),
-    )
-    edited = Edited(
-        confusion=confusion,
-        speaker_before=0.9,
-        speaker_after=0.8,
-        speed=0.5,
-        strokes_before=around(0.1),
-        strokes_after=NOTHING,
-    )
     text = page(
         Findings(
             metrics=METRICS,
             followed=found,
             judged=judged,
             heard={"amuse_1": dict.fromkeys(HEARD, 0.5)},
-            edited={"amuse_1": edited, "amuse_2": edited},
+            edited={"amuse_1": EDITED, "amuse_2": EDITED},
         ),
         ["Made of nothing."],
     )
     assert "| untrained | 10 | – | – |" in text
-    assert "| amuse_1 | 0.7 | 0.9 | 0.8 | 0.5 | 0.100 [0.050, 0.150] | – |" in text
+    assert "| amuse_1 | 0.7 | 0.9 | 0.85 | 0.6 | 0.100 [0.050, 0.150] | – |" in text
     assert "| fear | 4 | 8 |" in text
     assert "| trained_1 | 3.25 |" in text
     assert text.count("**no**") == 4

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from generators.amuse.config import MOTION_PRESETS, SPEECH_PRESETS
-from generators.amuse.initialisation import hear, place_patches, set_out
+from generators.amuse.initialisation import hear, listen, set_out
 from generators.amuse.model import Denoiser, MotionPrior
 from generators.amuse.speech import SpeechEncoder
 
@@ -67,10 +67,27 @@ def test_an_encoder_of_speech_tells_when_a_sound_comes() -> None:
     late = early.roll(10 * 16, dims=1)
     with torch.inference_mode():
         before = (encoder(early)[0] - encoder(late)[0]).abs().max()
-        place_patches(encoder)
+        listen(encoder, torch.randn(4, config.frames, config.bands))
         after = (encoder(early)[0] - encoder(late)[0]).abs().max()
     assert before < 1e-4
     assert after > 1e-2
+
+
+def test_an_encoder_of_speech_hears_soft_differences_of_patches_as_it_hears_loud_ones() -> None:
+    torch.manual_seed(3)
+    config = SPEECH_PRESETS["tiny"].network
+    encoder = SpeechEncoder(config).eval()
+    loud, soft = torch.randn(2, 16, 16)
+    sizes = torch.randn(2, 30, config.frames // 16, config.bands // 16, 1, 1)
+    patches = 9 + 3.0 * sizes[0] * loud + 0.1 * sizes[1] * soft
+    filterbanks = patches.transpose(2, 3).reshape(30, config.frames, config.bands)
+    listen(encoder, filterbanks)
+    embeddings = encoder.transformer.embeddings.patch_embeddings
+    with torch.inference_mode():
+        heard = embeddings(filterbanks).flatten(0, 1)
+    assert heard.mean(dim=0).abs().max() < 0.02
+    spreads = heard.std(dim=0)
+    assert (spreads[:2] / spreads[0] - 1).abs().max() < 0.05
 
 
 def test_a_denoiser_hears_parts_of_the_speech_alike_however_far_they_spread() -> None:

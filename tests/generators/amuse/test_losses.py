@@ -9,9 +9,8 @@ import pytest
 import torch
 
 from generators.amuse.losses import (
-    DENOISER_ALONE,
-    PRIOR_ALONE,
-    WITHOUT_ALIGNMENT,
+    OF_ALIGNMENT,
+    OF_PRIOR,
     LossWeights,
     MotionModel,
     motion_losses,
@@ -19,6 +18,7 @@ from generators.amuse.losses import (
 from tests.generators.amuse.small_networks import MOTION
 
 SMALL = replace(MOTION, frames=12)
+DENOISER_ALONE = LossWeights().without(*OF_PRIOR, *OF_ALIGNMENT)
 
 
 @pytest.fixture(name="model")
@@ -59,6 +59,7 @@ _NOTHING = LossWeights(rec=0, vrec=0, kl=0, ld=0, align=0, valign=0)
     [
         ("rec", {"encoder", "decoder"}),
         ("vrec", {"encoder", "decoder"}),
+        ("velocity", {"encoder", "decoder"}),
         ("kl", {"encoder"}),
         ("ld", {"denoiser"}),
         ("align", {"decoder"}),
@@ -72,7 +73,7 @@ def test_each_loss_teaches_the_networks_that_the_paper_says(
 
 
 def test_the_loss_is_the_weighted_sum_of_its_parts(model: MotionModel) -> None:
-    weights = LossWeights(rec=2, vrec=3, kl=1e-4, ld=5, align=0.5, valign=0.25)
+    weights = LossWeights(rec=2, vrec=3, kl=1e-4, ld=5, align=0.5, valign=0.25, velocity=0.1)
     losses = {name: float(value.detach()) for name, value in _losses(model, weights).items()}
     parts = sum(getattr(weights, name) * losses[name] for name in losses if name != "loss")
     assert losses["loss"] == pytest.approx(parts, rel=1e-5)
@@ -90,8 +91,10 @@ def test_the_latents_distance_is_that_of_two_normal_laws(model: MotionModel) -> 
 
 
 def test_losses_that_count_nothing_are_not_computed(model: MotionModel) -> None:
-    assert set(_losses(model, WITHOUT_ALIGNMENT)) == {"loss", "kl", "rec", "vrec", "ld"}
-    assert set(_losses(model, PRIOR_ALONE)) == {"loss", "kl", "rec", "vrec"}
+    weights = LossWeights(velocity=0.1)
+    prior = {"loss", "kl", "rec", "vrec", "velocity"}
+    assert set(_losses(model, weights.without(*OF_ALIGNMENT))) == {*prior, "ld"}
+    assert set(_losses(model, weights.without("ld", *OF_ALIGNMENT))) == prior
     assert set(_losses(model, DENOISER_ALONE)) == {"loss", "ld"}
 
 

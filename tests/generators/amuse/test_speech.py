@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Literal
+
 import pytest
 import torch
 
 from generators.amuse.config import SpeechConfig
-from generators.amuse.speech import SpeechModel
+from generators.amuse.speech import SpeechEncoder, SpeechModel
 
 SMALL = SpeechConfig(
     frames=64,
@@ -57,3 +60,16 @@ def test_the_reconstruction_is_that_of_the_three_latents(model: SpeechModel) -> 
         one, other = (model(torch.full((1, 64, 32), value)) for value in (0.0, 1.0))
         swapped = model.decoder(one.content, other.emotion, one.style)
     assert not torch.allclose(swapped, one.reconstruction)
+
+
+@pytest.mark.parametrize("classified", ["tokens", "latent"])
+def test_what_names_the_emotion_is_the_latent_itself_where_that_is_wanted(
+    classified: Literal["tokens", "latent"],
+) -> None:
+    torch.manual_seed(4)
+    encoder = SpeechEncoder(replace(SMALL, classified=classified), classes=3).eval()
+    _, logits = encoder(torch.randn(2, 64, 32))
+    assert logits is not None
+    logits.sum().backward()
+    weight = encoder.feature_head[1].weight
+    assert (weight.grad is not None) == (classified == "latent")

@@ -5,23 +5,28 @@ from __future__ import annotations
 import json
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
+import torch
 from scipy.ndimage import gaussian_filter1d
+from torch import Tensor
 
 from generators.amuse.config import MOTION_PRESETS
+from generators.amuse.losses import LossWeights
 from generators.amuse.network_file import load_motion_networks, load_speech_network
-from generators.amuse.train import speech_latents, train_amuse
+from generators.amuse.train import MotionTask, speech_latents, train_amuse
 from generators.trainable import TrainedGenerator, TrainingRequest, unseen
 from motion.audio import Audio, write_wav
 from motion.errors import InputError
 from tests.generators.amuse.small_networks import MOTION, written_networks
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Take, TakeFolder
+from training.data.windows import Windows
 from training.loop import TrainingStopped
 
 Learn = Callable[..., TrainedGenerator]
@@ -67,9 +72,9 @@ def _learn(takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         network=replace(MOTION, frames=FRAMES, tokens=2),
         stride=FRAMES,
         together=4,
+        align_steps=5,
     )
     monkeypatch.setattr("generators.amuse.train.MOTION_PRESETS", {"tiny": tiny})
-    monkeypatch.setattr("generators.amuse.losses.STEPS", 5)
     monkeypatch.setattr("generators.teaching.prepare", lambda *given, **options: takes)
 
     def train(
@@ -151,6 +156,38 @@ def test_a_stopped_training_goes_on_to_the_same_bytes(learn: Learn, tmp_path: Pa
         learn(4, parts, stop)
     learn(4, parts)
     assert whole.read_bytes() == parts.read_bytes()
+
+
+@pytest.mark.parametrize("named", [0.0, 0.5, 1.0])
+def test_emotion_and_style_are_told_by_name_as_often_as_is_wanted(
+    takes: PreparedTakes, monkeypatch: pytest.MonkeyPatch, named: float
+) -> None:
+    heard: list[Sequence[Tensor]] = []
+
+    def losses(*given: object) -> dict[str, Tensor]:
+        heard.append(cast("Sequence[Tensor]", given[2]))
+        return {}
+
+    monkeypatch.setattr("generators.amuse.train.motion_losses", losses)
+    windows = Windows(takes, split="train", frames=FRAMES, stride=FRAMES)
+    task = MotionTask(
+        config=replace(MOTION, frames=FRAMES),
+        weights=LossWeights(),
+        align_steps=5,
+        named=named,
+        means={"emotion": {"": torch.full((8,), 99.0)}, "style": {"another": torch.zeros(8)}},
+        training=windows,
+        held_out=Windows(takes, split="validation", frames=FRAMES, stride=FRAMES),
+    )
+    network = task.network()
+    task.losses(network, np.arange(len(windows)).repeat(20))
+    task.validation(network)
+    content, emotion, style = heard[0]
+    assert torch.equal(content, style)
+    by_name = (emotion == 99).all(dim=2)
+    assert float(by_name.float().mean()) == pytest.approx(named, abs=0.1)
+    assert torch.equal(emotion[~by_name], content[~by_name])
+    assert not (heard[1][1] == 99).any()
 
 
 def test_training_without_a_speech_model_is_refused(learn: Learn, tmp_path: Path) -> None:
