@@ -4,26 +4,32 @@ VENV := .venv
 BIN := $(VENV)/bin
 STUDY ?= demo-study
 .DEFAULT_GOAL := help
-.PHONY: help rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page three-systems worked-examples clean
+.PHONY: help develop rehearsal-tables setup setup-browser setup-database setup-proxies demo serve test check messages size format bench bench-adaptive bench-amuse bench-diffsheg bench-learned-motion bench-metrics bench-s2ue bench-render bench-report bench-serve bench-statistics bench-validity soak soak-render pictures screens command-pages guide deploy-page three-systems worked-examples clean
 
 help:  ## List the targets.
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
-setup: $(VENV)/.installed  ## Install everything that running the project needs.
+setup: $(VENV)/.installed  ## Install what makes motion, renders, serves and reports.
 	@scripts/debian-packages espeak-ng libosmesa6
 
-setup-browser: setup
+develop: setup $(VENV)/.developed  ## Install what tests, checks and benchmarks need besides.
+
+setup-browser: develop
 	@scripts/debian-packages chromium fonts-dejavu-core fonts-ipafont-gothic
 
-setup-database: setup
+setup-database: develop
 	@scripts/debian-packages postgresql
 
-setup-proxies: setup
+setup-proxies: develop
 	@scripts/debian-packages --unpack build/proxies caddy nginx
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	@scripts/debian-packages --for-python $(PYTHON)
 	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet -c constraints.txt -e '.[motion]'
+	@touch $@
+
+$(VENV)/.developed: $(VENV)/.installed
 	$(BIN)/pip install --quiet -c constraints.txt -e '.[dev]'
 	@touch $@
 
@@ -41,69 +47,69 @@ test: export OPENBLAS_NUM_THREADS = 1
 test: setup-browser setup-database setup-proxies  ## Run all tests, the ones in a real browser included.
 	$(BIN)/pytest -n 2 --dist loadfile --no-loadscope-reorder --max-worker-restart 0
 
-check: $(VENV)/.installed  ## Check format, lint, types and layers.
+check: $(VENV)/.developed  ## Check format, lint, types and layers.
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-messages: $(VENV)/.installed  ## Bring the translations up to date with the pages' texts.
+messages: $(VENV)/.developed  ## Bring the translations up to date with the pages' texts.
 	$(BIN)/python -m tools.message_catalogues
 
-size: $(VENV)/.installed  ## Count files and lines of code, for CONTRIBUTING.md.
+size: $(VENV)/.developed  ## Count files and lines of code, for CONTRIBUTING.md.
 	$(BIN)/python -m tools.code_size
 
-format: $(VENV)/.installed  ## Format the code.
+format: $(VENV)/.developed  ## Format the code.
 	$(BIN)/ruff check --fix --select I .
 	$(BIN)/ruff format .
 
-bench: setup  ## Measure rendering speed and the validity of the statistics.
+bench: develop  ## Measure rendering speed and the validity of the statistics.
 	$(BIN)/python -m benchmarks.rendering
 	$(BIN)/python -m benchmarks.validity --studies 100
 
-bench-adaptive: setup  ## Simulate how much sooner adaptive pairs find an order, and draw it.
+bench-adaptive: develop  ## Simulate how much sooner adaptive pairs find an order, and draw it.
 	$(BIN)/python -m benchmarks.adaptive_pairs docs/adaptive.png
 
-bench-amuse: setup  ## Measure AMUSE's released sizes beside a plain implementation.
+bench-amuse: develop  ## Measure AMUSE's released sizes beside a plain implementation.
 	$(BIN)/python -m benchmarks.amuse
 
-bench-diffsheg: setup  ## Measure DiffSHEG's full network beside a plain loop over the same evaluations.
+bench-diffsheg: develop  ## Measure DiffSHEG's full network beside a plain loop over the same evaluations.
 	$(BIN)/python -m benchmarks.diffsheg
 
-bench-learned-motion: setup  ## Train DiffSHEG on the synthetic corpus and compare it with all else, in docs/learned-motion.md.
+bench-learned-motion: develop  ## Train DiffSHEG on the synthetic corpus and compare it with all else, in docs/learned-motion.md.
 	$(BIN)/python -m benchmarks.learned_motion --write docs/learned-motion.md
 
-bench-s2ue: setup  ## Time Speech2UnifiedExpressions, from samples to clip.
+bench-s2ue: develop  ## Time Speech2UnifiedExpressions, from samples to clip.
 	$(BIN)/python -m benchmarks.s2ue speed
 
-bench-metrics: setup  ## Time the Fréchet distance beside a matrix square root, and all metrics of 10,000 clips.
+bench-metrics: develop  ## Time the Fréchet distance beside a matrix square root, and all metrics of 10,000 clips.
 	$(BIN)/python -m benchmarks.metrics.frechet_distance
 	$(BIN)/python -m benchmarks.metrics.many_clips
 
-bench-render: setup  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
+bench-render: develop  ## Measure rendering speed beside a plain pyrender loop and x264 alone.
 	$(BIN)/python -m benchmarks.rendering
 
-bench-statistics: setup  ## Measure the statistics beside R's ordinal and choix, which it installs for itself.
+bench-statistics: develop  ## Measure the statistics beside R's ordinal and choix, which it installs for itself.
 	@scripts/debian-packages r-cran-ordinal || echo "Without R's ordinal, only the rest is compared."
 	@test -d build/choix || $(BIN)/pip install --quiet --no-deps --target build/choix choix==0.4.1
 	OPENBLAS_NUM_THREADS=1 PYTHONPATH=build/choix $(BIN)/python -m benchmarks.statistics
 
-bench-validity: setup  ## Simulate studies with known truth: false positives, coverage and power of every headline.
+bench-validity: develop  ## Simulate studies with known truth: false positives, coverage and power of every headline.
 	$(BIN)/python -m benchmarks.validity
 
-bench-report: setup  ## Measure reports of a million answers, from tables and from a study's database.
+bench-report: develop  ## Measure reports of a million answers, from tables and from a study's database.
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.report
 
-rehearsal-tables: setup  ## Simulate rehearsals of the pairwise template, and put what they find into docs/rehearsal.md.
+rehearsal-tables: develop  ## Simulate rehearsals of the pairwise template, and put what they find into docs/rehearsal.md.
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.rehearsal_recovery --write docs/rehearsal.md
 
-bench-serve: setup setup-database  ## Measure the study's server under simulated participants.
+bench-serve: develop setup-database  ## Measure the study's server under simulated participants.
 	$(BIN)/python -m benchmarks.server
 
-soak: setup setup-database  ## Kill the study's server at random, and send it 100,000 malformed requests.
+soak: develop setup-database  ## Kill the study's server at random, and send it 100,000 malformed requests.
 	$(BIN)/python -m benchmarks.server.soak
 
-soak-render: setup  ## Render 10,000 frames and print whether memory stays flat.
+soak-render: develop  ## Render 10,000 frames and print whether memory stays flat.
 	$(BIN)/python -m benchmarks.rendering.soak
 
 pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
@@ -112,7 +118,7 @@ pictures: setup-browser  ## Take the pictures in docs/ anew from demo-study.
 screens: setup-browser  ## Take every page of every protocol, in every size, light and dark.
 	SCREENSHOTS=$(CURDIR)/screens $(BIN)/pytest -q tests/functional/test_every_page_in_browser.py
 
-command-pages: $(VENV)/.installed  ## Bring docs/commands up to date with the commands' options.
+command-pages: $(VENV)/.developed  ## Bring docs/commands up to date with the commands' options.
 	$(BIN)/python -m tools.handbook.command_pages
 
 guide: setup-browser  ## Run docs/guide.md and the commands' examples in a fresh folder, and write what they print into them.
@@ -120,13 +126,13 @@ guide: setup-browser  ## Run docs/guide.md and the commands' examples in a fresh
 	$(BIN)/python -m tools.handbook.guide build/guide
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python scripts/guide_pictures.py build/guide
 
-deploy-page: $(VENV)/.installed  ## Bring the files that docs/deploy.md shows up to date.
+deploy-page: $(VENV)/.developed  ## Bring the files that docs/deploy.md shows up to date.
 	$(BIN)/python -m tools.handbook.deploy_page
 
 three-systems: setup  ## Make the study of all three learned systems on the synthetic corpus, and docs/three-systems.md.
 	$(BIN)/python -m tools.three_systems --write docs/three-systems.md
 
-worked-examples: $(VENV)/.installed  ## Compute the worked examples in docs/ anew from published numbers.
+worked-examples: $(VENV)/.developed  ## Compute the worked examples in docs/ anew from published numbers.
 	$(BIN)/python -m tools.worked_examples.page docs/worked-examples.md
 
 clean:  ## Remove what was installed and made here (studies of yours stay).

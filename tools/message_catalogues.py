@@ -21,7 +21,7 @@ ROOT: Final = Path(__file__).parents[1]
 TRANSLATED: Final = ("de", "ja")
 """Languages that have a catalogue; the texts themselves are in English."""
 
-ROOMS: Final = ("design", "definition", "session", "recruitment", "web")
+ROOMS: Final = ("study", "session", "recruitment", "web")
 """Rooms of ``studyapp`` that say something to participants."""
 
 PLURAL: Final = frozenset({"ngettext"})

@@ -46,6 +46,16 @@ _ROOMS: Final = {
 }
 """Packages of `studyapp.cli` that hold a command; all others stand in it directly."""
 
+_MOTION_PACKAGES: Final = {
+    "OpenGL",
+    "accelerate",
+    "pyrender",
+    "safetensors",
+    "torch",
+    "transformers",
+}
+"""Modules of the extra `motion`."""
+
 
 class _LazyCommands(click.Group):
     """Imports a subcommand only when it is run, so that each one starts fast."""
@@ -68,6 +78,14 @@ class _LazyCommands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         try:
             return super().invoke(ctx)
+        except ModuleNotFoundError as error:
+            missing = str(error.name).partition(".")[0]
+            if ctx.params["debug"] or missing not in _MOTION_PACKAGES:
+                raise
+            raise click.ClickException(
+                f"This command needs {missing}, which is not installed: networks and rendering "
+                "are an extra. Install it with: pip install 'motionjury[motion]'"
+            ) from error
         except InputError as error:
             if ctx.params["debug"]:
                 raise

@@ -54,9 +54,9 @@ def test_templates_scripts_and_all_rooms_of_code_are_searched() -> None:
     found = list(found_texts())
 
     assert {file.split("/")[1] for file, _, _ in found} == {
-        "definition",
         "recruitment",
         "session",
+        "study",
         "web",
     }
     assert {file.rsplit(".", 1)[1] for file, _, _ in found} == {"html", "js", "py"}

@@ -11,6 +11,8 @@ import pytest
 from motion.errors import InputError
 from studyapp.cli import main as front
 from studyapp.cli.main import group, main
+from tests.analysis.results.made_tables import ranking_table
+from tests.studyapp.takes import write_motion
 
 Refused = Callable[..., tuple[int, str]]
 
@@ -92,6 +94,57 @@ def test_an_interruption_says_how_to_go_on(
         main()
     assert left.value.code == 130
     assert "goes on where it stopped" in capsys.readouterr().err
+
+
+WITHOUT_MOTION = """
+import sys
+from importlib.abc import MetaPathFinder
+
+
+class Absent(MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {"torch", "transformers", "accelerate", "OpenGL", "pyrender"}:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+sys.meta_path.insert(0, Absent())
+from studyapp.cli.main import main
+
+main()
+"""
+
+
+def test_a_report_is_written_where_no_networks_and_no_graphics_are_installed(
+    tmp_path: Path,
+) -> None:
+    table = tmp_path / "answers.csv"
+    ranking_table(participants=4, segments=3).to_csv(table, index=False)
+
+    options = ["--responses", str(table), "--protocol", "ranking", "--out", str(tmp_path / "out")]
+    shown = subprocess.run(
+        [sys.executable, "-c", WITHOUT_MOTION, "report", *options],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert shown.returncode == 0, shown.stderr
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_what_draws_motion_says_how_to_install_graphics(tmp_path: Path) -> None:
+    motion = write_motion(tmp_path / "a.npz", 1.0)
+
+    shown = subprocess.run(
+        [sys.executable, "-c", WITHOUT_MOTION, "preview", str(motion)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert shown.returncode == 1
+    assert "pip install 'motionjury[motion]'" in shown.stderr
+    assert "Traceback" not in shown.stderr
 
 
 def test_light_commands_load_neither_networks_nor_graphics() -> None:
