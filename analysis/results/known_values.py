@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
+from analysis.results.headline import HeadlineNumber, Measure
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
+from analysis.results.place import PairPlace
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
 from analysis.stats.clustered_mean import LEVEL, Estimate
 
-Measure = Literal["win_share", "own_speech", "mean_rating", "mean_rank"]
 Sign = Literal["right", "wrong", "undecided", "equal"]
 
 SIGNIFICANT: Final = 1 - LEVEL
@@ -52,40 +53,6 @@ class KnownValue:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
-    """An estimate with its interval.
-
-    Attributes
-    ----------
-    estimate, low, high : float
-        NaN where there is none.
-    participants : int
-        How many it rests on.
-    reason : str
-        Why a number is missing.
-    """
-
-    estimate: float
-    low: float = math.nan
-    high: float = math.nan
-    participants: int = 0
-    reason: str = ""
-
-    @property
-    def has_interval(self) -> bool:
-        """Whether there is an interval."""
-        return not math.isnan(self.low)
-
-    def covers(self, value: float) -> bool:
-        """Tell whether the interval holds `value`; False where there is none."""
-        return self.low <= value <= self.high
-
-    def turned(self) -> Found:
-        """Return the estimate of the other side's share."""
-        return replace(self, estimate=1 - self.estimate, low=1 - self.high, high=1 - self.low)
-
-
-@dataclass(frozen=True, kw_only=True)
 class KnownDifference:
     """Which of two is the better one, as it was put in and as the analysis says.
 
@@ -100,7 +67,7 @@ class KnownDifference:
     truth : float
         How much better the first is, of a share from one half; below zero where it is worse. Of
         ranks, how much further in front.
-    found : Found
+    found : Estimate
         The same by the analysis.
     decided : bool
         Whether the analysis says that they differ.
@@ -112,7 +79,7 @@ class KnownDifference:
     first: str
     second: str
     truth: float
-    found: Found
+    found: Estimate
     decided: bool
 
     @property
@@ -133,153 +100,131 @@ class KnownDifference:
 
 def found_values(
     reports: Sequence[TableReport], known: Sequence[KnownValue]
-) -> tuple[tuple[KnownValue, Found], ...]:
+) -> tuple[tuple[KnownValue, Estimate], ...]:
     """Return each known value that was estimated, with its estimate."""
-    pairs = []
-    for report in reports:
-        estimates = dict(_estimates(report))
-        for value in known:
-            part = value.part if report.sets else ""
-            found = estimates.get((value.measure, value.about, part, value.question))
-            if found is not None:
-                pairs.append((value, found))
-    return tuple(pairs)
+    return tuple(
+        (value, found)
+        for report in reports
+        for numbers in ({_key(one): one for one in _numbers(report)},)
+        for value in known
+        if (found := numbers.get(_key_of(value, value.part if report.sets else ""))) is not None
+    )
 
 
 def found_differences(
     reports: Sequence[TableReport], known: Sequence[KnownValue]
 ) -> tuple[KnownDifference, ...]:
     """Return, of any two that were compared, whether the better one is found."""
-    return tuple(
-        difference for report in reports for difference in _differences(report, _truths(known))
-    )
+    truths = {_key_of(value, value.part): value.value for value in known}
+    return tuple(difference for report in reports for difference in _differences(report, truths))
 
 
 _Key = tuple[str, str, str, str]
 """Measure, part, question, and what it is about."""
 
 
-def _truths(known: Sequence[KnownValue]) -> dict[_Key, float]:
-    return {
-        (value.measure, value.part, value.question, value.about): value.value for value in known
-    }
+def _key(one: HeadlineNumber) -> _Key:
+    about = "-".join(filter(None, (one.a, one.b)))
+    return one.measure, one.set or "", one.question, about
+
+
+def _key_of(value: KnownValue, part: str) -> _Key:
+    return value.measure, part, value.question, value.about
+
+
+def _numbers(report: TableReport) -> Iterator[HeadlineNumber]:
+    """Give every headline number of a report, both ways round for pairs."""
+
+    def number(found: Estimate, measure: Measure, **place: Any) -> HeadlineNumber:
+        own = {name: getattr(found, name) for name in Estimate.__dataclass_fields__}
+        return HeadlineNumber(**own, **place, measure=measure)
+
+    match report.results:
+        case PairwiseResults(comparisons=comparisons):
+            for pair in comparisons:
+                for a, b, share in (
+                    (pair.a, pair.b, pair.win_share),
+                    (pair.b, pair.a, pair.win_share.turned()),
+                ):
+                    place = {"set": pair.set, "question": pair.question, "a": a, "b": b}
+                    yield number(share, "win_share", **place)
+        case MismatchResults(conditions=matched):
+            for one in matched:
+                place = {"set": one.set, "question": one.question, "a": one.condition}
+                yield number(one.win_share, "own_speech", **place)
+        case RatingResults(conditions=rated):
+            for rating in rated:
+                place = {"set": rating.set, "question": rating.question, "a": rating.condition}
+                yield number(rating, "mean_rating", **place)
+        case RankingResults(conditions=ranked):
+            for rank in ranked:
+                place = {"set": rank.set, "question": rank.question, "a": rank.condition}
+                yield number(rank.mean_rank, "mean_rank", **place)
 
 
 def _differences(report: TableReport, truths: Mapping[_Key, float]) -> Iterator[KnownDifference]:
     parts = {key[1] for key in truths}
 
-    def truth(measure: Measure, part: str | None, question: str, about: str) -> float | None:
+    def truth(measure: Measure, part: str | None, question: str, about: str) -> float:
         # A table without sets may be one part of a study that has several.
         for name in [part or ""] if report.sets else sorted(parts):
             if (measure, name, question, about) in truths:
                 return truths[measure, name, question, about]
-        return None
+        return math.nan
 
-    match report.results:
-        case PairwiseResults(comparisons=comparisons):
-            for pair in comparisons:
-                for first, second, found in (
-                    (pair.a, pair.b, _of(pair.win_share)),
-                    (pair.b, pair.a, _of(pair.win_share).turned()),
-                ):
-                    share = truth("win_share", pair.set, pair.question, f"{first}-{second}")
-                    if share is not None:
-                        names = (pair.set or "", pair.question, first, second)
-                        yield _from_half("win_share", names, share, found)
-        case MismatchResults(conditions=matched):
-            for own in matched:
-                share = truth("own_speech", own.set, own.question, own.condition)
-                if share is not None:
-                    names = (own.set or "", own.question, own.condition, "other speech")
-                    yield _from_half("own_speech", names, share, _of(own.win_share))
-        case RatingResults(contrasts=contrasts):
-            for one in contrasts:
-                values = [
-                    truth("mean_rating", one.set, one.question, name) for name in (one.a, one.b)
-                ]
-                if values[0] is not None and values[1] is not None:
-                    found = _of(one.difference)
-                    yield KnownDifference(
-                        part=one.set or "",
-                        question=one.question,
-                        measure="mean_rating",
-                        first=one.a,
-                        second=one.b,
-                        truth=values[0] - values[1],
-                        found=found,
-                        decided=found.has_interval and not found.covers(0.0),
-                    )
-        case RankingResults(posthoc=posthoc):
-            for ranks in posthoc:
-                values = [
-                    truth("mean_rank", ranks.set, ranks.question, name)
-                    for name in (ranks.a, ranks.b)
-                ]
-                if values[0] is not None and values[1] is not None:
-                    yield KnownDifference(
-                        part=ranks.set or "",
-                        question=ranks.question,
-                        measure="mean_rank",
-                        first=ranks.a,
-                        second=ranks.b,
-                        truth=values[1] - values[0],
-                        found=Found(
-                            estimate=-ranks.difference,
-                            participants=ranks.n,
-                            reason=ranks.reason or NO_RANK_INTERVAL,
-                        ),
-                        decided=ranks.conover_holm < SIGNIFICANT,
-                    )
+    for difference in (*_from_half(report, truth), *_between(report, truth)):
+        if not math.isnan(difference.truth):
+            yield difference
 
 
-def _from_half(
-    measure: Measure, names: tuple[str, str, str, str], share: float, found: Found
-) -> KnownDifference:
-    part, question, first, second = names
-    return KnownDifference(
-        part=part,
-        question=question,
-        measure=measure,
-        first=first,
-        second=second,
-        truth=share - 0.5,
-        found=replace(
-            found, estimate=found.estimate - 0.5, low=found.low - 0.5, high=found.high - 0.5
-        ),
-        decided=found.has_interval and not found.covers(0.5),
-    )
+_Truth = Callable[[Measure, str | None, str, str], float]
 
 
-def _estimates(report: TableReport) -> Iterator[tuple[tuple[str, str, str, str], Found]]:
-    """Give every estimate that a rehearsal knows the truth of, both ways round for pairs."""
-    match report.results:
-        case PairwiseResults(comparisons=comparisons):
-            for pair in comparisons:
-                place = pair.set or "", pair.question
-                share = _of(pair.win_share)
-                yield ("win_share", f"{pair.a}-{pair.b}", *place), share
-                yield ("win_share", f"{pair.b}-{pair.a}", *place), share.turned()
-        case MismatchResults(conditions=matched):
-            for own in matched:
-                key = "own_speech", own.condition, own.set or "", own.question
-                yield key, _of(own.win_share)
-        case RatingResults(conditions=rated):
-            for rating in rated:
-                yield (
-                    ("mean_rating", rating.condition, rating.set or "", rating.question),
-                    _of(rating),
-                )
-        case RankingResults(conditions=ranked):
-            for one in ranked:
-                key = "mean_rank", one.condition, one.set or "", one.question
-                yield key, _of(one.mean_rank)
+def _from_half(report: TableReport, truth: _Truth) -> Iterator[KnownDifference]:
+    """Give the shares of a report, as differences from one half."""
+    for one in _numbers(report):
+        if one.measure in ("win_share", "own_speech"):
+            yield KnownDifference(
+                part=one.set or "",
+                question=one.question,
+                measure=one.measure,
+                first=one.a,
+                second=one.b or "other speech",
+                truth=truth(one.measure, one.set, one.question, _key(one)[-1]) - 0.5,
+                found=replace(
+                    one, estimate=one.estimate - 0.5, low=one.low - 0.5, high=one.high - 0.5
+                ),
+                decided=one.has_interval and not one.covers(0.5),
+            )
 
 
-def _of(found: Estimate) -> Found:
-    return Found(
-        estimate=found.estimate,
-        low=found.low,
-        high=found.high,
-        participants=found.participants,
-        reason=found.reason,
-    )
+def _between(report: TableReport, truth: _Truth) -> Iterator[KnownDifference]:
+    """Give the differences between every two conditions that were rated or ranked."""
+    pairs: list[tuple[Measure, PairPlace, Estimate, bool]] = []
+    if isinstance(report.results, RatingResults):
+        for one in report.results.contrasts:
+            found: Estimate = one.difference
+            decided = found.has_interval and not found.covers(0.0)
+            pairs.append(("mean_rating", one, found, decided))
+    if isinstance(report.results, RankingResults):
+        for ranks in report.results.posthoc:
+            found = Estimate(
+                estimate=-ranks.difference,
+                participants=ranks.n,
+                reason=ranks.reason or NO_RANK_INTERVAL,
+            )
+            pairs.append(("mean_rank", ranks, found, ranks.conover_holm < SIGNIFICANT))
+    for measure, pair, found, decided in pairs:
+        values = [truth(measure, pair.set, pair.question, name) for name in (pair.a, pair.b)]
+        # The smaller a rank, the better.
+        sign = -1 if measure == "mean_rank" else 1
+        yield KnownDifference(
+            part=pair.set or "",
+            question=pair.question,
+            measure=measure,
+            first=pair.a,
+            second=pair.b,
+            truth=sign * (values[0] - values[1]),
+            found=found,
+            decided=decided,
+        )

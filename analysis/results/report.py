@@ -22,6 +22,7 @@ from analysis.results.against_people.result import AgainstPeople
 from analysis.results.family import EVERYTHING, Family, read_family
 from analysis.results.flow import ArmState, Flow, participant_flow
 from analysis.results.grouping import ByQuestion
+from analysis.results.headline import Sensitivity, sensitivity
 from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out, table_rules
 from analysis.results.looks import NOT_LOGGED, LooksBefore
 from analysis.results.mismatch import MismatchResults, mismatch_results
@@ -29,7 +30,6 @@ from analysis.results.pairwise import PairwiseResults, pairwise_results
 from analysis.results.quality import Quality, quality
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results
-from analysis.results.sensitivity import Sensitivity, sensitivity
 from motion.errors import InputError
 
 PROTOCOLS: Final = tuple(LAYOUTS)

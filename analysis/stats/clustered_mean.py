@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,13 +52,26 @@ class Estimate:
     high: float = math.nan
     standard_error: float = math.nan
     p_value: float = math.nan
-    n: int
-    participants: int
-    segments: int
+    n: int = 0
+    participants: int = 0
+    segments: int = 0
     df: float = math.nan
     method: str = ""
     remark: str = ""
     reason: str = ""
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether there is an interval."""
+        return not math.isnan(self.low)
+
+    def covers(self, value: float) -> bool:
+        """Tell whether the interval holds `value`; False where there is none."""
+        return self.low <= value <= self.high
+
+    def turned(self) -> Self:
+        """Return the estimate of the other side's share."""
+        return replace(self, estimate=1 - self.estimate, low=1 - self.high, high=1 - self.low)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,13 @@ from typing import Final
 
 from pydantic import BaseModel
 
+from analysis.results.headline import (
+    AgreedSoFar,
+    HeadlineNumber,
+    agreed_so_far,
+    headline_numbers,
+)
 from analysis.results.plain import rounded
-from analysis.results.so_far import AgreedSoFar, EstimateSoFar, agreed_so_far, estimates_so_far
 from motion.errors import InputError
 from studyapp.researchers.interim.documents import (
     Agreed,
@@ -75,7 +80,7 @@ def results_so_far(folder: StudyFolder) -> ResultsDocument:
         rows=tuple(
             _estimated(task.protocol, one)
             for task in tasks
-            for one in estimates_so_far(task.table, task.left_out)
+            for one in headline_numbers(task.table, task.left_out.analysed)
         ),
     )
 
@@ -106,7 +111,7 @@ def _agreed(task: str, one: AgreedSoFar) -> Agreed:
         question=one.question,
         measure=one.measure,
         agreement=_number(one.estimate, one.low, one.high, one.reason),
-        answers=one.answers,
+        answers=one.n,
         participants=one.participants,
         retest=None
         if retest is None or not retest.n
@@ -115,16 +120,16 @@ def _agreed(task: str, one: AgreedSoFar) -> Agreed:
     )
 
 
-def _estimated(task: str, one: EstimateSoFar) -> Estimated:
+def _estimated(task: str, one: HeadlineNumber) -> Estimated:
     return Estimated(
         task=task,
         set=one.set or "",
         question=one.question,
-        about=one.about,
-        against=one.against,
+        about=one.a,
+        against=one.b,
         measure=one.measure,
         number=_number(one.estimate, one.low, one.high, one.reason),
-        answers=one.answers,
+        answers=one.n,
         participants=one.participants,
         segments=one.segments,
     )

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from analysis.report import wording
-from analysis.report.headline.preference_rows import complement, reference_of
+from analysis.report.headline.preference_rows import reference_of
 from analysis.results.heterogeneity import (
     By,
     ConditionHeterogeneity,
@@ -112,8 +112,8 @@ def _turned(found: Apart, of: PairHeterogeneity) -> Apart:
     return replace(
         found,
         about=_against(of.b, of.a),
-        levels=tuple(complement(level) for level in found.levels),
-        whole=None if found.whole is None else complement(found.whole),
+        levels=tuple(level.turned() for level in found.levels),
+        whole=None if found.whole is None else found.whole.turned(),
     )
 
 

@@ -9,7 +9,7 @@ from analysis.report.by_question import of
 from analysis.report.content import Picture, Section
 from analysis.report.figures.matrix_figure import Won, matrix_pictures
 from analysis.report.figures.preference_figure import preference_pictures
-from analysis.report.headline.preference_rows import PreferenceGroup, complement, pairwise_groups
+from analysis.report.headline.preference_rows import PreferenceGroup, pairwise_groups
 from analysis.report.headline.preference_tables import (
     counts_table,
     further_table,
@@ -163,7 +163,7 @@ def _matrix(
                 share, decided = one.win_share, one.decision.p_holm < SIGNIFICANCE
                 words = share_words(share)
                 found[one.a, one.b] = Won(share=share.estimate, words=words, decided=decided)
-                words = share_words(complement(share))
+                words = share_words(share.turned())
                 found[one.b, one.a] = Won(share=1 - share.estimate, words=words, decided=decided)
     names = dict.fromkeys(name for one in comparisons for name in (one.a, one.b))
     values = {one.condition: one.value for one in next(iter(standing.values()), ())}

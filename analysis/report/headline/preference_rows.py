@@ -12,11 +12,9 @@ from analysis.results.mismatch import MatchedCondition, MismatchResults
 from analysis.results.net_preference import NetPreference
 from analysis.results.pairwise import Comparison, PairwiseResults
 from analysis.results.preference import AsPublished, Decision, Preference, Robustness
-from analysis.results.sensitivity import Number
 from analysis.stats.clustered_mean import Estimate
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
-AnyEstimate = TypeVar("AnyEstimate", bound=Estimate | Number)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,13 +213,8 @@ def _turned(row: PreferenceRow) -> PreferenceRow:
         one=row.other,
         other=row.one,
         levels=row.levels[::-1],
-        win_share=complement(row.win_share),
-        everyone=complement(row.everyone),
+        win_share=row.win_share.turned(),
+        everyone=row.everyone.turned(),
         net=replace(row.net, estimate=-row.net.estimate),
         decision=row.decision.turned(),
     )
-
-
-def complement(share: AnyEstimate) -> AnyEstimate:
-    """Return the same share seen from the other side."""
-    return replace(share, estimate=1 - share.estimate, low=1 - share.high, high=1 - share.low)

@@ -9,12 +9,13 @@ from dataclasses import replace
 from analysis.report import wording
 from analysis.report.by_question import question_name
 from analysis.report.content import Cell, Section, Table, cells
-from analysis.report.headline.preference_rows import complement, reference_of
+from analysis.report.headline.preference_rows import reference_of
 from analysis.report.headline.words import between, counted
 from analysis.report.subject import Subject
+from analysis.results.headline import Sensitivity
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport
-from analysis.results.sensitivity import Number, Sensitivity
+from analysis.stats.clustered_mean import Estimate
 
 _MEASURES = {
     "pairwise": "win share of the first",
@@ -68,9 +69,9 @@ def _turned(one: Sensitivity) -> Sensitivity:
     return replace(
         one,
         conditions=one.conditions[::-1],
-        analysed=complement(one.analysed),
-        as_planned=complement(one.as_planned),
-        everyone=complement(one.everyone),
+        analysed=one.analysed.turned(),
+        as_planned=one.as_planned.turned(),
+        everyone=one.everyone.turned(),
     )
 
 
@@ -101,7 +102,7 @@ def _table(protocol: str, shown: Sequence[Sensitivity], is_planned: bool) -> Tab
 
 
 def _row(one: Sensitivity, is_planned: bool) -> tuple[Cell, ...]:
-    words = wording.share if one.measure == "win share" else _two_decimals
+    words = wording.share if one.measure in ("win_share", "own_speech") else _two_decimals
     return (
         *cells(question_name(one.set or "", one.question), _of(one)),
         *(
@@ -112,7 +113,7 @@ def _row(one: Sensitivity, is_planned: bool) -> tuple[Cell, ...]:
     )
 
 
-def _shown(one: Sensitivity, is_planned: bool) -> tuple[Number, ...]:
+def _shown(one: Sensitivity, is_planned: bool) -> tuple[Estimate, ...]:
     if is_planned:
         return one.analysed, one.everyone
     return one.analysed, one.as_planned, one.everyone
@@ -122,11 +123,11 @@ def _of(one: Sensitivity) -> str:
     return " – ".join(map(wording.name, one.conditions))
 
 
-def _people(number: Number) -> Cell:
+def _people(number: Estimate) -> Cell:
     return Cell(text=str(number.participants), value=number.participants)
 
 
-def _number(number: Number, words: Callable[[float], str]) -> Cell:
+def _number(number: Estimate, words: Callable[[float], str]) -> Cell:
     text = words(number.estimate)
     if not math.isnan(number.low):
         text = f"{text}{wording.NO_BREAK}{between(words(number.low), words(number.high))}"

@@ -10,9 +10,9 @@ from analysis.report import wording
 from analysis.report.by_question import question_name
 from analysis.report.content import Cell, Section, Table
 from analysis.report.subject import Subject
-from analysis.results.known_values import Found, KnownValue, found_values
+from analysis.results.known_values import KnownValue, found_values
 from analysis.results.report import TableReport
-from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.clustered_mean import LEVEL, Estimate
 
 MEASURES: Final = MappingProxyType(
     {
@@ -57,7 +57,7 @@ def truth_section(reports: Sequence[TableReport], subject: Subject) -> Section |
     )
 
 
-def _row(known: KnownValue, found: Found) -> tuple[Cell, ...]:
+def _row(known: KnownValue, found: Estimate) -> tuple[Cell, ...]:
     where = "outside" if found.has_interval else "no interval"
     ends = found.reason or "none"
     if found.has_interval:

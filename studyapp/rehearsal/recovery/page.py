@@ -9,7 +9,8 @@ from analysis.report.content import Cell, Page, Section, Table, cells
 from analysis.report.table_files import write_frame
 from analysis.report.wording import fixed
 from analysis.report.writing import render_page
-from analysis.results.known_values import Found, KnownDifference
+from analysis.results.known_values import KnownDifference
+from analysis.stats.clustered_mean import Estimate
 from motion.files import write_text
 from studyapp.rehearsal.recovery.recovery import Recovery
 from studyapp.rehearsal.recovery.tables import recovery_tables
@@ -191,13 +192,13 @@ def _question(part: str, question: str) -> str:
     return f"{part}: {question}" if part else question
 
 
-def _interval(found: Found) -> str:
+def _interval(found: Estimate) -> str:
     if math.isnan(found.low):
         return found.reason or "none"
     return f"[{fixed(found.low, 2)}, {fixed(found.high, 2)}]"
 
 
-def _where(found: Found, value: float) -> str:
+def _where(found: Estimate, value: float) -> str:
     if not found.has_interval:
         return "no interval"
     return "inside" if found.covers(value) else "outside"

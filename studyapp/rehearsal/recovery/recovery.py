@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from importlib import metadata
 
 from analysis.results.known_values import (
-    Found,
     KnownDifference,
     KnownValue,
     found_differences,
     found_values,
 )
 from analysis.results.report import Settings, Source, TableReport, analyse_answers
+from analysis.stats.clustered_mean import Estimate
 from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.monitoring.study_sessions import Sitting, sittings
@@ -39,7 +39,7 @@ class Recovery:
         The study's.
     seed : int
         The rehearsal's.
-    values : tuple of (KnownValue, Found)
+    values : tuple of (KnownValue, Estimate)
         Every number that was put in and estimated.
     differences : tuple of KnownDifference
         Of any two that were compared, which is found to be the better one.
@@ -53,7 +53,7 @@ class Recovery:
 
     title: str
     seed: int
-    values: tuple[tuple[KnownValue, Found], ...]
+    values: tuple[tuple[KnownValue, Estimate], ...]
     differences: tuple[KnownDifference, ...]
     kinds: tuple[KindRecovered, ...]
     checks: tuple[Check, ...]

@@ -9,8 +9,8 @@ from typing import Final
 
 from scipy.stats import binom
 
-from analysis.results.known_values import Found, KnownDifference, Sign
-from analysis.stats.clustered_mean import LEVEL
+from analysis.results.known_values import KnownDifference, Sign
+from analysis.stats.clustered_mean import LEVEL, Estimate
 from motion.listing import listed
 from studyapp.rehearsal.recovery.people import KindRecovered
 from studyapp.rehearsal.recovery.recovery import Recovery
@@ -173,7 +173,7 @@ def recovery_lines(recovery: Recovery) -> Iterator[str]:
     yield from summary(recovery)
 
 
-def _where(found: Found, value: float) -> str:
+def _where(found: Estimate, value: float) -> str:
     if not found.has_interval:
         return found.reason
     return "" if found.covers(value) else "outside"

@@ -58,7 +58,7 @@ class Agreed(_Plain):
 
 
 class Estimated(_Plain):
-    """One headline number; see `analysis.results.so_far.EstimateSoFar`."""
+    """One headline number; see `analysis.results.headline.HeadlineNumber`."""
 
     task: str
     set: str

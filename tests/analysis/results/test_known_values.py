@@ -4,11 +4,12 @@ import math
 
 import pytest
 
-from analysis.results.known_values import Found, KnownDifference
+from analysis.results.known_values import KnownDifference
+from analysis.stats.clustered_mean import Estimate
 
 
 def difference(truth: float, estimate: float, half: float) -> KnownDifference:
-    found = Found(estimate=estimate, low=estimate - half, high=estimate + half, participants=25)
+    found = Estimate(estimate=estimate, low=estimate - half, high=estimate + half, participants=25)
     return KnownDifference(
         part="",
         question="fit",
@@ -39,12 +40,12 @@ def test_the_better_one_is_found_or_not(
 
 
 def test_an_interval_that_is_not_there_holds_nothing() -> None:
-    found = Found(estimate=0.5, reason="one participant")
+    found = Estimate(estimate=0.5, reason="one participant")
     assert not found.has_interval
     assert not found.covers(0.5)
     assert math.isnan(KnownDifference.half_width.fget(difference(0, 0, math.nan)))  # type: ignore[attr-defined]
 
 
 def test_the_other_sides_share_is_the_mirror_image() -> None:
-    turned = Found(estimate=0.7, low=0.6, high=0.75).turned()
+    turned = Estimate(estimate=0.7, low=0.6, high=0.75).turned()
     assert (turned.estimate, turned.low, turned.high) == pytest.approx((0.3, 0.25, 0.4))

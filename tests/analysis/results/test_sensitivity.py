@@ -11,9 +11,9 @@ import pytest
 from analysis.answers.exclusion_rules import ExclusionRule, answered_too_fast, marked, watched_less
 from analysis.answers.layouts import LAYOUTS
 from analysis.answers.reading import read_answers
+from analysis.results.headline import Sensitivity, sensitivity
 from analysis.results.left_out import leave_out
 from analysis.results.report import analyse_table
-from analysis.results.sensitivity import Sensitivity, sensitivity
 from tests.analysis.results.made_tables import TABLES, ranking_table
 
 PLANNED = watched_less(0.9)

@@ -2,7 +2,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from analysis.results.known_values import Found, KnownDifference, KnownValue
+from analysis.results.known_values import KnownDifference, KnownValue
+from analysis.stats.clustered_mean import Estimate
 from studyapp.rehearsal.recovery.bookkeeping import Check
 from studyapp.rehearsal.recovery.page import recovery_page
 from studyapp.rehearsal.recovery.people import KindRecovered, Person, kinds_recovered
@@ -19,7 +20,7 @@ from studyapp.rehearsal.simulation.kinds import Kind
 KNOWN = KnownValue(
     about="ours-theirs", question="fit", measure="win_share", value=0.6, on_these_segments=0.62
 )
-FOUND = Found(estimate=0.55, low=0.45, high=0.65, participants=25)
+FOUND = Estimate(estimate=0.55, low=0.45, high=0.65, participants=25)
 UNDECIDED = KnownDifference(
     part="",
     question="fit",
@@ -27,7 +28,7 @@ UNDECIDED = KnownDifference(
     first="ours",
     second="theirs",
     truth=0.1,
-    found=Found(estimate=0.05, low=-0.15, high=0.25, participants=25),
+    found=Estimate(estimate=0.05, low=-0.15, high=0.25, participants=25),
     decided=False,
 )
 RIGHT = Check(what="completed, says the report", happened=3, counted=3)
@@ -72,7 +73,7 @@ def test_a_design_that_cannot_answer_is_told_from_bad_luck() -> None:
 
 
 def test_ranks_that_have_no_interval_say_why() -> None:
-    ranks = replace(UNDECIDED, found=Found(estimate=0.1, reason="tested otherwise"))
+    ranks = replace(UNDECIDED, found=Estimate(estimate=0.1, reason="tested otherwise"))
     assert "(tested otherwise)" in difference_in_words(ranks)
 
 

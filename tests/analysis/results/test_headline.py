@@ -10,9 +10,9 @@ import pytest
 from analysis.answers.layouts import LAYOUTS
 from analysis.answers.reading import read_answers
 from analysis.answers.table import AnswerTable
+from analysis.results.headline import agreed_so_far, headline_numbers
 from analysis.results.left_out import LeftOut, leave_out, table_rules
 from analysis.results.report import analyse_table
-from analysis.results.so_far import agreed_so_far, estimates_so_far
 from tests.analysis.results.made_tables import TABLES
 
 PROTOCOLS = sorted(TABLES)
@@ -47,16 +47,16 @@ def test_the_numbers_so_far_are_those_of_the_report(protocol: str, tmp_path: Pat
     table, left_out = given(protocol, tmp_path, TABLES[protocol]())
     results = reported(protocol, tmp_path)
 
-    numbers = estimates_so_far(table, left_out)
+    numbers = headline_numbers(table, left_out.analysed)
     [agreed] = agreed_so_far(table, left_out)
 
-    assert [
-        (one.about, one.against, one.estimate, one.low, one.high, one.answers) for one in numbers
-    ] == headline(protocol, results)
+    assert [(one.a, one.b, one.estimate, one.low, one.high, one.n) for one in numbers] == headline(
+        protocol, results
+    )
     if protocol == "ranking":
         [whole] = results.kendall_w.values()
         assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
-        assert (agreed.answers, agreed.participants, agreed.retest) == (72, 12, None)
+        assert (agreed.n, agreed.participants, agreed.retest) == (72, 12, None)
         return
     [whole], [again] = results.agreement.values(), results.test_retest.values()
     assert (agreed.estimate, agreed.low, agreed.high) == (whole.estimate, whole.low, whole.high)
@@ -73,7 +73,7 @@ def test_agreement_does_not_tell_which_way_people_answer(protocol: str, tmp_path
     [one] = agreed_so_far(*given(protocol, tmp_path, table))
     [other] = agreed_so_far(*given(protocol, tmp_path, opposite))
 
-    numbers = ("estimate", "low", "high", "answers", "participants")
+    numbers = ("estimate", "low", "high", "n", "participants")
     assert [getattr(other, name) for name in numbers] == pytest.approx(
         [getattr(one, name) for name in numbers]
     )
@@ -88,7 +88,9 @@ def test_too_few_answers_give_no_interval_and_say_why(protocol: str, tmp_path: P
 
     table, left_out = given(protocol, tmp_path, alone)
 
-    assert all(one.reason == "one participant" for one in estimates_so_far(table, left_out))
+    assert all(
+        one.reason == "one participant" for one in headline_numbers(table, left_out.analysed)
+    )
     [agreed] = agreed_so_far(table, left_out)
     assert agreed.estimate != agreed.estimate and agreed.reason
 
@@ -98,4 +100,4 @@ def test_without_anybody_who_is_analysed_there_is_nothing(protocol: str, tmp_pat
     table, left_out = given(protocol, tmp_path, TABLES[protocol](participants=2))
     nobody = replace(left_out, kept=left_out.kept.iloc[:0], analysed=left_out.analysed.iloc[:0])
 
-    assert agreed_so_far(table, nobody) == estimates_so_far(table, nobody) == ()
+    assert agreed_so_far(table, nobody) == headline_numbers(table, nobody.analysed) == ()
