@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.participant_facts import KnownFacts, ParticipantFacts, SameAnswer
-from analysis.answers.straight_lining import straight_lining
+from analysis.answers.quality import straight_lining
 from analysis.answers.table import AnswerTable
 
 NOTHING_KNOWN: Final[Mapping[str, KnownFacts]] = MappingProxyType({})

@@ -18,9 +18,13 @@ from analysis.planning.clustered_tests import Findings, clustered_tests
 from analysis.planning.crossed_model import crossed_models
 from analysis.planning.drawn_answers import thresholds_of
 from analysis.planning.part import Opinions, Part
-from analysis.results.net_preference import Expected, expected, net_preference
+from analysis.results.net_preference import (
+    Expected,
+    SidedAnswers,
+    expected,
+    net_preference,
+)
 from analysis.results.preference import FEWEST
-from analysis.results.sided import SidedAnswers
 from analysis.stats.strengths.contrasts import difference_tests
 from analysis.stats.strengths.plackett_luce import plackett_luce
 from motion.errors import InputError
@@ -187,8 +191,8 @@ class DecidingTests:
             return none, none
         first, second = np.array(self.pairs).T
         return (
-            difference_tests(found.worths, found.two_way)[first, second],
-            np.sign(found.worths[first] - found.worths[second]),
+            difference_tests(found.strengths, found.two_way)[first, second],
+            np.sign(found.strengths[first] - found.strengths[second]),
         )
 
 

@@ -16,8 +16,10 @@ from threadpoolctl import threadpool_limits
 from analysis.answers.table import AnswerTable
 from analysis.planning.part import Opinions
 from analysis.results.grouping import codes, parts
-from analysis.results.net_preference import net_preference
-from analysis.results.sided import sided
+from analysis.results.net_preference import (
+    net_preference,
+    sided,
+)
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit
 from motion.errors import InputError
 

@@ -1,8 +1,9 @@
-"""Answers one question of one set at a time."""
+"""Answers one question of one set at a time, and what a result is about."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -14,6 +15,41 @@ from analysis.answers.table import AnswerTable
 Result = TypeVar("Result")
 ByQuestion = Mapping[str, Result] | Mapping[str, Mapping[str, Result]]
 """Results by question; where the table has sets, by set and then by question."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConditionPlace:
+    """One condition and one question.
+
+    Attributes
+    ----------
+    set : str or None
+        None where the table has no sets.
+    condition, question : str
+        What it is about.
+    """
+
+    set: str | None
+    condition: str
+    question: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairPlace:
+    """Two conditions and one question: a against b, a being the one that appeared first.
+
+    Attributes
+    ----------
+    set : str or None
+        None where the table has no sets.
+    a, b, question : str
+        What it is about.
+    """
+
+    set: str | None
+    a: str
+    b: str
+    question: str
 
 
 def parts(table: AnswerTable, answers: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:

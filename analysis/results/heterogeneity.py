@@ -11,10 +11,17 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import codes
-from analysis.results.place import ConditionPlace, PairPlace
-from analysis.stats.effect_cells import Cell, cells
-from analysis.stats.heterogeneity import between_groups, between_segments
+from analysis.results.grouping import (
+    ConditionPlace,
+    PairPlace,
+    codes,
+)
+from analysis.stats.heterogeneity import (
+    Cell,
+    between_groups,
+    between_segments,
+    cells,
+)
 from analysis.stats.holm import holm
 from analysis.stats.min_f import FTest
 

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
+from analysis.results.grouping import PairPlace
 from analysis.results.headline import HeadlineNumber, Measure
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
-from analysis.results.place import PairPlace
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport

@@ -11,16 +11,22 @@ from numpy.typing import NDArray
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.family import EVERYTHING, Family, Member
-from analysis.results.grouping import ByQuestion, by_question, codes, parts, set_name
+from analysis.results.grouping import (
+    ByQuestion,
+    ConditionPlace,
+    by_question,
+    codes,
+    parts,
+    set_name,
+)
 from analysis.results.heterogeneity import (
     ConditionHeterogeneity,
     corrected_tests,
     heterogeneity,
 )
 from analysis.results.left_out import LeftOut
-from analysis.results.place import ConditionPlace
+from analysis.results.net_preference import sided
 from analysis.results.preference import Preference, left_share, preference, with_holm
-from analysis.results.sided import sided
 from analysis.stats.clustered_mean import Estimate
 from analysis.stats.retest import Retest
 

@@ -14,12 +14,19 @@ from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.family import EVERYTHING, Family, Member
-from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
+from analysis.results.grouping import (
+    ByQuestion,
+    PairPlace,
+    by_question,
+    codes,
+    nested,
+    parts,
+    set_name,
+)
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
-from analysis.results.place import PairPlace
+from analysis.results.net_preference import sided
 from analysis.results.preference import Preference, left_share, preference, with_holm
-from analysis.results.sided import sided
 from analysis.results.strengths import (
     StrengthContrast,
     Strengths,

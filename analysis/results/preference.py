@@ -15,13 +15,17 @@ from scipy import stats
 from analysis.answers.columns import ANALYSED_KINDS
 from analysis.results.family import Family, Member
 from analysis.results.grouping import codes, people
-from analysis.results.net_preference import NetPreference, net_preference
-from analysis.results.sided import SidedAnswers, sided
+from analysis.results.net_preference import (
+    NetPreference,
+    SidedAnswers,
+    net_preference,
+    sided,
+)
 from analysis.stats.clustered_mean import Estimate, clustered_mean
 from analysis.stats.min_f import min_f
-from analysis.stats.participant_means import group_means
-from analysis.stats.pooled import pooled_tests
+from analysis.stats.pooled import Pooled, pooled_tests
 from analysis.stats.sign_test import sign_test
+from analysis.stats.values import group_means
 from analysis.stats.wilcoxon import signed_rank
 
 Z_95: Final = float(stats.norm.ppf(0.975))
@@ -55,26 +59,6 @@ class Robustness:
     wilcoxon_p: float
     min_f: float
     min_f_p: float
-    reason: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class AsPublished:
-    """What papers report: all answers taken as independent.
-
-    Attributes
-    ----------
-    binomial_p, wilcoxon_p : float
-        Pooled tests, ties dropped.
-    ignores : tuple of str
-        What they leave out of account.
-    reason : str
-        Why there are none.
-    """
-
-    binomial_p: float
-    wilcoxon_p: float
-    ignores: tuple[str, ...]
     reason: str
 
 
@@ -147,7 +131,7 @@ class Preference:
         In favour of the one.
     robustness : Robustness
         Secondary tests.
-    as_published : AsPublished
+    as_published : Pooled
         What pooled answers would say.
     without_exclusions : Unexcluded
         For comparison.
@@ -163,7 +147,7 @@ class Preference:
     win_share: Estimate
     clmm: NetPreference
     robustness: Robustness
-    as_published: AsPublished
+    as_published: Pooled
     without_exclusions: Unexcluded
     decision: Decision
 
@@ -214,7 +198,7 @@ def preference(
         win_share=share,
         clmm=net,
         robustness=_robustness(of_kept),
-        as_published=_as_published(of_kept),
+        as_published=pooled_tests(of_kept.towards),
         without_exclusions=Unexcluded(
             n=len(of_all.responses), share=_shares(of_all, names), win_share=win_share(of_all)
         ),
@@ -284,16 +268,6 @@ def _robustness(answers: SidedAnswers) -> Robustness:
         min_f=both.statistic,
         min_f_p=both.p_value,
         reason=both.reason or signs.reason or ranks.reason,
-    )
-
-
-def _as_published(answers: SidedAnswers) -> AsPublished:
-    found = pooled_tests(answers.towards)
-    return AsPublished(
-        binomial_p=found.binomial.p_value,
-        wilcoxon_p=found.wilcoxon.p_value,
-        ignores=found.ignores,
-        reason=found.binomial.reason,
     )
 
 

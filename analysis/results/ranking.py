@@ -11,6 +11,8 @@ from analysis.answers.table import AnswerTable
 from analysis.results.family import EVERYTHING, Family
 from analysis.results.grouping import (
     ByQuestion,
+    ConditionPlace,
+    PairPlace,
     codes,
     nested,
     parts,
@@ -23,7 +25,6 @@ from analysis.results.heterogeneity import (
     heterogeneity,
 )
 from analysis.results.left_out import LeftOut
-from analysis.results.place import ConditionPlace, PairPlace
 from analysis.results.strengths import (
     RANKING,
     StrengthContrast,

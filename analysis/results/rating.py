@@ -13,10 +13,18 @@ import pandas as pd
 from analysis.answers.table import AnswerTable
 from analysis.results.agreement import Agreement, agreement_of, retest_of
 from analysis.results.family import EVERYTHING, Family
-from analysis.results.grouping import ByQuestion, by_question, codes, nested, parts, set_name
+from analysis.results.grouping import (
+    ByQuestion,
+    ConditionPlace,
+    PairPlace,
+    by_question,
+    codes,
+    nested,
+    parts,
+    set_name,
+)
 from analysis.results.heterogeneity import PairHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
-from analysis.results.place import ConditionPlace, PairPlace
 from analysis.results.rating_contrasts import (
     RatingContrast,
     rated_cells_of,

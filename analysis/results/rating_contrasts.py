@@ -11,8 +11,10 @@ import numpy as np
 import pandas as pd
 
 from analysis.results.family import Family, Member
-from analysis.results.grouping import codes
-from analysis.results.place import PairPlace
+from analysis.results.grouping import (
+    PairPlace,
+    codes,
+)
 from analysis.results.rating_model import RatingModel
 from analysis.stats.cliffs_delta import cliffs_delta
 from analysis.stats.clustered_mean import Estimate

@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 from analysis.answers.exclusion_rules import ExclusionRule
 from analysis.answers.exclusions import RuleOutcome
 from analysis.answers.layouts import LAYOUTS
+from analysis.answers.quality import Quality, quality
 from analysis.answers.reading import read_answers
 from analysis.answers.table import AnswerTable
 from analysis.measurement.conditions import StudyMetrics
@@ -27,7 +28,6 @@ from analysis.results.left_out import MAX_CATCH_FAILURES, LeftOut, leave_out, ta
 from analysis.results.looks import NOT_LOGGED, LooksBefore
 from analysis.results.mismatch import MismatchResults, mismatch_results
 from analysis.results.pairwise import PairwiseResults, pairwise_results
-from analysis.results.quality import Quality, quality
 from analysis.results.ranking import RankingResults, ranking_results
 from analysis.results.rating import RatingResults, rating_results
 from motion.errors import InputError

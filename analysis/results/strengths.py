@@ -14,16 +14,20 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.results.family import Family, Member
-from analysis.results.grouping import codes, shown_conditions
-from analysis.results.place import PairPlace
+from analysis.results.grouping import (
+    PairPlace,
+    codes,
+    shown_conditions,
+)
 from analysis.stats.clustered_mean import LEVEL
 from analysis.stats.min_f import FTest
-from analysis.stats.participant_means import group_means
 from analysis.stats.sign_test import sign_test
-from analysis.stats.strengths.bradley_terry import BradleyTerry, bradley_terry
+from analysis.stats.strengths.bradley_terry import bradley_terry
 from analysis.stats.strengths.contrasts import difference_tests, omnibus, rank_intervals
-from analysis.stats.strengths.plackett_luce import PlackettLuce, plackett_luce
+from analysis.stats.strengths.fitted import Strengths as Fitted
+from analysis.stats.strengths.plackett_luce import plackett_luce
 from analysis.stats.strengths.votes import Votes
+from analysis.stats.values import group_means
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]
@@ -179,7 +183,7 @@ def strengths_of(
     if not votes.outcome.any():
         found = replace(found, reason="all answers are ties")
     known = not found.reason
-    p_values = _p_values(found.strengths, found, votes)
+    p_values = _p_values(found, votes)
     return Strengths(
         strengths=_named(names, found.strengths, hide=not known),
         tie=found.tie if known and found.tie is not None else math.nan,
@@ -188,15 +192,13 @@ def strengths_of(
         left_error=found.left_error if known else math.nan,
         **vars(
             _standings(
-                found.strengths,
                 found,
                 p_values,
-                found.answers,
                 _segments(answers),
                 "nobody answered with a tie" if known and found.tie is None else "",
             )
         ),
-    ), _contrasts(found.strengths, found, p_values, of, question)
+    ), _contrasts(found, p_values, of, question)
 
 
 def worths_of(
@@ -217,12 +219,12 @@ def worths_of(
     if (rows.groupby("ranking")["rank"].nunique() < 2).all():
         found = replace(found, reason="every ranking ties all that it places")
     known = not found.reason
-    p_values = _p_values(found.worths, found, _votes_of_rankings(rows, names))
+    p_values = _p_values(found, _votes_of_rankings(rows, names))
     return Worths(
-        worths=_named(names, found.worths, hide=not known),
+        worths=_named(names, found.strengths, hide=not known),
         ties=found.ties if known else {},
-        **vars(_standings(found.worths, found, p_values, found.rankings, _segments(answers))),
-    ), _contrasts(found.worths, found, p_values, of, question)
+        **vars(_standings(found, p_values, _segments(answers))),
+    ), _contrasts(found, p_values, of, question)
 
 
 RANKING: Final = ["participant", "segment", "trial"]
@@ -242,12 +244,12 @@ def corrected_contrasts(
     )
 
 
-def _p_values(strengths: Floats, found: BradleyTerry | PlackettLuce, votes: Votes) -> Floats:
+def _p_values(found: Fitted, votes: Votes) -> Floats:
     """Return the p of every two conditions; of different tiers, of the sign test."""
-    count = len(strengths)
+    count = len(found.strengths)
     if found.two_way is None or found.reason:
         return np.full((count, count), math.nan)
-    p_values = difference_tests(strengths, found.two_way)
+    p_values = difference_tests(found.strengths, found.two_way)
     for a, b in combinations(range(count), 2):
         if found.tiers[a] != found.tiers[b]:
             p_values[a, b] = p_values[b, a] = _sign_p(votes, a, b)
@@ -279,16 +281,9 @@ def _votes_of_rankings(rows: pd.DataFrame, names: tuple[str, ...]) -> Votes:
     )
 
 
-def _standings(
-    strengths: Floats,
-    found: BradleyTerry | PlackettLuce,
-    p_values: Floats,
-    answers: int,
-    segments: int,
-    *remarks: str,
-) -> Standings:
+def _standings(found: Fitted, p_values: Floats, segments: int, *remarks: str) -> Standings:
     """Return what Bradley-Terry and Plackett-Luce have in common."""
-    names, errors = found.conditions, found.two_way
+    names, strengths, errors = found.conditions, found.strengths, found.two_way
     low = high = np.full(len(names), math.nan)
     ranks: tuple[tuple[int, int], ...] = ()
     method = ""
@@ -309,9 +304,9 @@ def _standings(
             name: RankInterval(best=best, worst=worst)
             for name, (best, worst) in zip(names, ranks, strict=False)
         },
-        omnibus=_omnibus(strengths, found),
+        omnibus=_omnibus(found),
         log_likelihood=math.nan if found.reason else found.log_likelihood,
-        n=answers,
+        n=found.n,
         participants=found.participants,
         segments=segments,
         method=method,
@@ -320,21 +315,21 @@ def _standings(
     )
 
 
-def _omnibus(strengths: Floats, found: BradleyTerry | PlackettLuce) -> FTest:
+def _omnibus(found: Fitted) -> FTest:
     if found.reason or found.two_way is None:
         return FTest(reason=found.reason or found.remark)
     if found.swept:
         return FTest(reason=found.swept)
-    return omnibus(strengths, found.two_way)
+    return omnibus(found.strengths, found.two_way)
 
 
 def _contrasts(
-    strengths: Floats,
-    found: BradleyTerry | PlackettLuce,
+    found: Fitted,
     p_values: Floats,
     of: str | None,
     question: str,
 ) -> tuple[StrengthContrast, ...]:
+    strengths = found.strengths
     return tuple(
         StrengthContrast(
             set=of,
@@ -348,9 +343,7 @@ def _contrasts(
     )
 
 
-def _tested(
-    difference: float, found: BradleyTerry | PlackettLuce, p: float, pair: tuple[int, int]
-) -> dict[str, Any]:
+def _tested(difference: float, found: Fitted, p: float, pair: tuple[int, int]) -> dict[str, Any]:
     """Return the interval and the test of a difference, or why there is none."""
     if found.reason or found.two_way is None:
         return {"reason": found.reason or found.remark}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.clustered_mean import LEVEL, Clusters, Estimate, with_interval
-from analysis.stats.finite import finite
+from analysis.stats.values import finite
 
 Floats = NDArray[np.float64]
 

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.finite import finite
-from analysis.stats.tied_ranks import ROUNDING
+from analysis.stats.values import (
+    ROUNDING,
+    finite,
+)
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]

@@ -15,8 +15,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.stats.finite import finite
 from analysis.stats.two_way_bootstrap import percentile_interval
+from analysis.stats.values import finite
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.finite import finite
-from analysis.stats.participant_means import group_means
-from analysis.stats.tied_ranks import ROUNDING
+from analysis.stats.values import (
+    ROUNDING,
+    finite,
+    group_means,
+)
 
 Floats = NDArray[np.float64]
 

@@ -7,16 +7,15 @@ once in twenty.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.stats.finite import finite
-from analysis.stats.sign_test import SignTest, sign_test
-from analysis.stats.wilcoxon import SignedRank, signed_rank
+from analysis.stats.sign_test import sign_test
+from analysis.stats.values import finite
+from analysis.stats.wilcoxon import signed_rank
 
 IGNORED: Final = (
     "that one participant's answers resemble each other",
@@ -31,29 +30,24 @@ TIES_IGNORED: Final = "answers 'no difference'"
 
 @dataclass(frozen=True, kw_only=True)
 class Pooled:
-    """What pooled answers would say.
+    """What papers report: all answers taken as independent.
 
     Attributes
     ----------
-    binomial : SignTest
-        Wins against losses, whatever their strength.
-    wilcoxon : SignedRank
+    binomial_p : float
+        Wins against losses, whatever their strength, by the sign test.
+    wilcoxon_p : float
         Signed ranks of all answers.
-    first_percent, second_percent : float
-        Preferences for the first and for the second condition, in percent of all answers: what
-        AMUSE prints; NaN without answers.
-    first_percent_of_decided : float
-        Preferences for the first in percent of those for either; NaN without any.
     ignores : tuple of str
         What these numbers leave out of account, as ends of a sentence.
+    reason : str
+        Why there are none; empty where there are.
     """
 
-    binomial: SignTest
-    wilcoxon: SignedRank
-    first_percent: float
-    second_percent: float
-    first_percent_of_decided: float
+    binomial_p: float
+    wilcoxon_p: float
     ignores: tuple[str, ...]
+    reason: str
 
 
 def pooled_tests(towards_first: NDArray[np.number]) -> Pooled:
@@ -66,12 +60,10 @@ def pooled_tests(towards_first: NDArray[np.number]) -> Pooled:
         difference) to 2 (clearly the first).
     """
     answers = finite(towards_first)
-    signs, count = sign_test(answers), len(answers)
+    signs = sign_test(answers)
     return Pooled(
-        binomial=signs,
-        wilcoxon=signed_rank(answers),
-        first_percent=100 * signs.above / count if count else math.nan,
-        second_percent=100 * signs.below / count if count else math.nan,
-        first_percent_of_decided=100 * signs.estimate,
+        binomial_p=signs.p_value,
+        wilcoxon_p=signed_rank(answers).p_value,
         ignores=(*IGNORED, TIES_IGNORED),
+        reason=signs.reason,
     )

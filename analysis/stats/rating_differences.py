@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.stats.clustered_mean import Clusters, Estimate, clustered_mean, with_interval
-from analysis.stats.finite import finite
+from analysis.stats.values import finite
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.intp]

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.finite import finite
-from analysis.stats.tied_ranks import ROUNDING
+from analysis.stats.values import (
+    ROUNDING,
+    finite,
+)
 
 Floats = NDArray[np.float64]
 
@@ -35,10 +37,10 @@ class SignTest:
         Why there is no test; empty where there is one.
     """
 
-    estimate: float
-    low: float
-    high: float
-    p_value: float
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    p_value: float = math.nan
     above: int
     below: int
     zeros: int
@@ -59,16 +61,8 @@ def sign_test(values: Floats) -> SignTest:
     above, below = int((values > nearly).sum()), int((values < -nearly).sum())
     zeros = len(values) - above - below
     if not above + below:
-        return SignTest(
-            estimate=math.nan,
-            low=math.nan,
-            high=math.nan,
-            p_value=math.nan,
-            above=above,
-            below=below,
-            zeros=zeros,
-            reason="all values are zero" if zeros else "no values",
-        )
+        reason = "all values are zero" if zeros else "no values"
+        return SignTest(above=above, below=below, zeros=zeros, reason=reason)
     test = stats.binomtest(above, above + below)
     interval = test.proportion_ci(0.95)
     return SignTest(

@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.finite import finite
-from analysis.stats.tied_ranks import ROUNDING, tied_ranks
+from analysis.stats.values import (
+    ROUNDING,
+    finite,
+    tied_ranks,
+)
 
 Floats = NDArray[np.float64]
 Zeros = Literal["dropped", "pratt"]
@@ -57,16 +60,16 @@ class SignedRank:
         Why there is no interval; empty where there is one, or where there is no test.
     """
 
-    estimate: float
-    low: float
-    high: float
-    rank_biserial: float
-    statistic: float
-    p_value: float
-    normal_p: float
+    estimate: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    rank_biserial: float = math.nan
+    statistic: float = math.nan
+    p_value: float = math.nan
+    normal_p: float = math.nan
     n: int
     zeros: int
-    tied: bool
+    tied: bool = False
     method: str = ""
     reason: str = ""
     remark: str = ""
@@ -89,18 +92,7 @@ def signed_rank(values: Floats, *, zeros: Zeros = "dropped") -> SignedRank:
     values = finite(values)
     size = np.abs(values)
     nonzero = size > ROUNDING * size.max(initial=0.0)
-    unknown = SignedRank(
-        estimate=math.nan,
-        low=math.nan,
-        high=math.nan,
-        rank_biserial=math.nan,
-        statistic=math.nan,
-        p_value=math.nan,
-        normal_p=math.nan,
-        n=len(values),
-        zeros=int((~nonzero).sum()),
-        tied=False,
-    )
+    unknown = SignedRank(n=len(values), zeros=int((~nonzero).sum()))
     if not len(values):
         return replace(unknown, reason="no values")
     estimate, low, high = pseudo_median(values)

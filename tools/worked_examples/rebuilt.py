@@ -144,7 +144,7 @@ def _pooled(ours: int, others: int, answers: int) -> tuple[float, float]:
         strong, ours - strong, answers - ours - others, others - also_strong, also_strong,
     )  # fmt: skip
     tests = pooled_tests(np.repeat(np.array(sizes), counts))
-    return tests.binomial.p_value, tests.wilcoxon.p_value
+    return tests.binomial_p, tests.wilcoxon_p
 
 
 def _sign_p(ours: int, others: int) -> float:

@@ -18,7 +18,7 @@ from analysis.results.pairwise import PairwiseResults
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.effect_cells import Cell
+from analysis.stats.heterogeneity import Cell
 
 Results = PairwiseResults | RatingResults | RankingResults | MismatchResults
 

@@ -18,7 +18,7 @@ from analysis.report.subject import Subject
 from analysis.results.heterogeneity import KINDS, By
 from analysis.results.report import TableReport
 from analysis.stats.clustered_mean import LEVEL, Estimate
-from analysis.stats.effect_cells import FEW, Cell
+from analysis.stats.heterogeneity import FEW, Cell
 
 MOST_PANELS: Final = 24
 """Effects up to which forest plots are drawn; more of them stand in the tables alone."""

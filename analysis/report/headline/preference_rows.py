@@ -11,8 +11,9 @@ from analysis.report import wording
 from analysis.results.mismatch import MatchedCondition, MismatchResults
 from analysis.results.net_preference import NetPreference
 from analysis.results.pairwise import Comparison, PairwiseResults
-from analysis.results.preference import AsPublished, Decision, Preference, Robustness
+from analysis.results.preference import Decision, Preference, Robustness
 from analysis.stats.clustered_mean import Estimate
+from analysis.stats.pooled import Pooled
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
 
@@ -54,7 +55,7 @@ class PreferenceRow:
     net: NetPreference
     decision: Decision
     robustness: Robustness
-    as_published: AsPublished
+    as_published: Pooled
 
     @property
     def percentages(self) -> tuple[float, ...]:

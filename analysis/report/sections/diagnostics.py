@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from analysis.answers.quality import Quality
 from analysis.report import wording
 from analysis.report.by_question import each_question, question_name
 from analysis.report.content import Cell, Section, Table, cells
@@ -10,7 +11,6 @@ from analysis.results.agreement import Agreement
 from analysis.results.grouping import ByQuestion
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
-from analysis.results.quality import Quality
 from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
 from analysis.stats.rankings.kendall_w import Concordance

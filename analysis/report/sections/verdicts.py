@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from analysis.report import wording
+from analysis.results.grouping import PairPlace
 from analysis.results.mismatch import MatchedCondition, MismatchResults
 from analysis.results.pairwise import Comparison, PairwiseResults
-from analysis.results.place import PairPlace
 from analysis.results.ranking import RankingResults
 from analysis.results.rating import RatingResults
 from analysis.results.rating_contrasts import RatingContrast

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Final
@@ -11,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from analysis.stats.curvature import second_derivatives
 from analysis.stats.ordinal.laplace import Answers, Likelihood, likelihood
 
 Floats = NDArray[np.float64]
@@ -34,6 +34,9 @@ LAST_STEPS: Final = 5
 
 FLAT: Final = 1e-4
 """Largest Newton step, in standard errors, that is left at a maximum."""
+
+STEP: Final = 1e-4
+"""Step of the central differences of a gradient, relative to parameters above 1."""
 
 ROUNDING: Final = 1e-10
 """Relative error of a log-likelihood."""
@@ -276,3 +279,22 @@ def _step(curvature: Floats, gradient: Floats) -> tuple[Floats, float]:
         return np.zeros_like(gradient), math.inf
     step = covariance @ gradient
     return step, float(np.abs(step / np.sqrt(np.diagonal(covariance))).max(initial=0.0))
+
+
+def second_derivatives(gradient: Callable[[Floats], Floats], at: Floats) -> Floats:
+    """Return the matrix of second derivatives by central differences of `gradient`.
+
+    Parameters
+    ----------
+    gradient : callable
+        From parameters, shape (k,), to the gradient there, shape (k,).
+    at : ndarray, shape (k,)
+        Where they are wanted.
+    """
+    columns = []
+    for place in range(len(at)):
+        step = np.zeros_like(at)
+        step[place] = STEP * max(1.0, abs(at[place]))
+        columns.append((gradient(at + step) - gradient(at - step)) / (2 * step[place]))
+    found = np.column_stack(columns)
+    return np.asarray((found + found.T) / 2, np.float64)

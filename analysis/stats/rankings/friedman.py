@@ -18,11 +18,13 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.finite import finite
 from analysis.stats.holm import holm
 from analysis.stats.min_f import FTest
 from analysis.stats.rankings.placements import Placements, condition_columns
-from analysis.stats.tied_ranks import tied_ranks
+from analysis.stats.values import (
+    finite,
+    tied_ranks,
+)
 from analysis.stats.wilcoxon import signed_rank
 
 Floats = NDArray[np.float64]

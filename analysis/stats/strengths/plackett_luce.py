@@ -7,10 +7,9 @@ members' worths times a parameter for ties of that size (Turner, van Etten, Firt
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
@@ -18,8 +17,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from analysis.stats.strengths.choices import Choices, Situation, fit_choices
-from analysis.stats.strengths.identified import links
-from analysis.stats.strengths.two_way import ONE_PARTICIPANT, TwoWayErrors, deviations
+from analysis.stats.strengths.fitted import Strengths, centring, fitted, links, unknown
 from motion.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -29,58 +27,16 @@ Stage = tuple[frozenset[int], frozenset[int]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlackettLuce:
-    """Worths on the log scale; they add up to zero.
+class PlackettLuce(Strengths):
+    """Worths of conditions that were ranked.
 
     Attributes
     ----------
-    conditions : tuple of str
-        In the order of everything else.
-    worths : ndarray, shape (conditions,)
-        Log worths; NaN where they are not identified.
-    covariance : ndarray, shape (conditions, conditions)
-        Clustered by participant (CR0).
-    errors, errors_by_model : ndarray, shape (conditions,)
-        Standard errors: clustered by participant; of the model.
-    two_way : TwoWayErrors or None
-        Errors clustered by participant and segment; None where segments are not known, or there
-        is one of either.
     ties : mapping of int to float
         For each size of tie that occurs, the logarithm of its parameter.
-    log_likelihood : float
-        At the estimates.
-    rankings, participants : int
-        What it rests on.
-    tiers, swept
-        As of `BradleyTerry`.
-    reason : str
-        Why there are no worths; empty where there are. `remark` says why they have no errors.
     """
 
-    conditions: tuple[str, ...]
-    worths: Floats
-    covariance: Floats
-    errors: Floats
-    errors_by_model: Floats
-    two_way: TwoWayErrors | None
-    ties: dict[int, float]
-    log_likelihood: float
-    rankings: int
-    participants: int
-    tiers: NDArray[np.intp]
-    swept: str
-    reason: str = ""
-
-    @property
-    def remark(self) -> str:
-        """Why clustered errors are NaN although there are worths; empty where they are not."""
-        return ONE_PARTICIPANT if self.participants < 2 and not self.reason else ""
-
-    @property
-    def errors_two_way(self) -> Floats:
-        """Standard errors clustered by participant and segment; NaN where there are none."""
-        none = np.full(len(self.conditions), math.nan)
-        return none if self.two_way is None else self.two_way.errors
+    ties: dict[int, float] = field(default_factory=dict)
 
 
 def plackett_luce(
@@ -110,8 +66,15 @@ def plackett_luce(
     made = _stages(rankings, names, cluster)
     stages, beats = made.stages, made.beats
     linked = links(beats, names)
+    count = int(rankings["ranking"].nunique())
     if reason := linked.apart if stages else "no rankings":
-        return _unknown(names, rankings, made.people, reason)
+        return PlackettLuce(
+            conditions=names,
+            **unknown(len(names)),
+            n=count,
+            participants=made.people,
+            reason=reason,
+        )
     sizes = sorted({len(chosen) for _, chosen in stages} - {1})
     left_over = list(dict.fromkeys(still for still, _ in stages))
     sets = {still: _choosable(still, sizes) for still in left_over}
@@ -128,33 +91,15 @@ def plackett_luce(
         way=np.array([sets[still].index(chosen) for still, chosen in stages], np.intp),
         cluster=made.participants,
     )
-    free = len(names) - 1
-    turn = np.eye(len(names))[:, 1:] - 1 / len(names)
-    prior = np.hstack([turn, np.zeros((len(names), len(sizes)))])
+    prior = np.hstack([centring(len(names)), np.zeros((len(names), len(sizes)))])
     fit = fit_choices(choices, prior if linked.swept else None)
-    clustered = turn @ fit.clustered[:free, :free] @ turn.T
-    by_model = turn @ fit.by_model[:free, :free] @ turn.T
+    of_ties = fit.estimates[len(names) - 1 :].tolist()
     return PlackettLuce(
         conditions=names,
-        worths=turn @ fit.estimates[:free],
-        covariance=clustered,
-        errors=deviations(clustered),
-        errors_by_model=deviations(by_model),
-        two_way=None
-        if made.segments is None
-        else TwoWayErrors.of(
-            fit.influences[:, :free] @ turn.T,
-            fit.situation,
-            choices.kind,
-            made.participants,
-            made.segments,
-        ),
-        ties=dict(zip(sizes, fit.estimates[free:].tolist(), strict=True)),
-        log_likelihood=fit.log_likelihood,
-        rankings=int(rankings["ranking"].nunique()),
+        **fitted(linked, fit, choices.kind, made.participants, made.segments),
+        n=count,
         participants=made.people,
-        tiers=linked.tiers,
-        swept=linked.swept,
+        ties=dict(zip(sizes, of_ties, strict=True)),
         reason="" if fit.converged else "the worths did not converge",
     )
 
@@ -236,27 +181,3 @@ def _features(chosen: frozenset[int], count: int, sizes: Sequence[int]) -> Float
     """Return the mean of the members' log worths, and which parameter of ties it has."""
     members = np.eye(count)[sorted(chosen)].mean(axis=0)[1:]
     return np.concatenate([members, [float(len(chosen) == size) for size in sizes]])
-
-
-def _unknown(
-    names: tuple[str, ...],
-    rankings: pd.DataFrame,
-    people: int,
-    reason: str,
-) -> PlackettLuce:
-    none = np.full(len(names), math.nan)
-    return PlackettLuce(
-        conditions=names,
-        worths=none,
-        covariance=np.full((len(names), len(names)), math.nan),
-        errors=none,
-        errors_by_model=none,
-        two_way=None,
-        ties={},
-        log_likelihood=math.nan,
-        rankings=int(rankings["ranking"].nunique()),
-        participants=people,
-        tiers=np.zeros(len(names), np.intp),
-        swept="",
-        reason=reason,
-    )

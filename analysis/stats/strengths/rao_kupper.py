@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from analysis.stats.curvature import second_derivatives
 from analysis.stats.ordinal.links import interval
-from analysis.stats.strengths.bradley_terry import BradleyTerry, centred, unknown
-from analysis.stats.strengths.choices import ChoiceFit
-from analysis.stats.strengths.identified import links
-from analysis.stats.strengths.sandwich import sandwiches
+from analysis.stats.ordinal.maximum import second_derivatives
+from analysis.stats.strengths.bradley_terry import BradleyTerry, centred, without_strengths
+from analysis.stats.strengths.choices import ChoiceFit, sandwiches
+from analysis.stats.strengths.fitted import links
 from analysis.stats.strengths.votes import Votes
 
 Floats = NDArray[np.float64]
@@ -33,7 +32,7 @@ def rao_kupper(votes: Votes, *, left: bool = True) -> BradleyTerry:
     if not reason and not (votes.outcome == 0).any():
         reason = "there is no tie, so that the size of an unseen difference has no estimate"
     if reason:
-        return unknown(votes, reason)
+        return without_strengths(votes, reason)
     count = len(votes.conditions)
     cells, cell = np.unique(
         (votes.left * count + votes.right) * 3 + (1 - votes.outcome), return_inverse=True

@@ -14,9 +14,9 @@ from analysis.stats.equivalence import equivalence
 from analysis.stats.heterogeneity import between_groups, between_segments
 from analysis.stats.min_f import min_f
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
-from analysis.stats.participant_means import group_means
 from analysis.stats.pooled import pooled_tests
 from analysis.stats.sign_test import sign_test
+from analysis.stats.values import group_means
 from analysis.stats.wilcoxon import signed_rank
 from benchmarks.validity.conclusions.conclusion import (
     EFFECT,
@@ -54,8 +54,8 @@ def conclude_preferences(
         "min F'": Conclusion(p_value=min_f(values, study.participants, study.items).p_value),
         "sign test on participant means": Conclusion(p_value=sign_test(by_person).p_value),
         "Wilcoxon on participant means": Conclusion(p_value=signed_rank(by_person).p_value),
-        "pooled binomial": Conclusion(p_value=pooled.binomial.p_value),
-        "pooled Wilcoxon": Conclusion(p_value=pooled.wilcoxon.p_value),
+        "pooled binomial": Conclusion(p_value=pooled.binomial_p),
+        "pooled Wilcoxon": Conclusion(p_value=pooled.wilcoxon_p),
     }
 
 

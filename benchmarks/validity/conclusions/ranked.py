@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from analysis.stats.participant_means import group_means
 from analysis.stats.rankings.friedman import Blocks, friedman
 from analysis.stats.rankings.placements import placements, rank_summaries
 from analysis.stats.strengths.plackett_luce import PlackettLuce, plackett_luce
+from analysis.stats.values import group_means
 from benchmarks.validity.conclusions.conclusion import (
     RANKS_HOLD,
     Conclusion,
@@ -50,13 +50,13 @@ def conclude_rankings(design: Design, generator: np.random.Generator) -> Mapping
     return {
         MEAN_RANK: of_mean(first.mean_rank),
         FIRST: of_mean(first.first_share),
-        WORTH: of_two_way(found.worths, found.two_way),
-        RANKS: of_ranks(found.worths, found.two_way, effect=design.effect),
-        BY_PARTICIPANT: of_error(found.worths[0], found.errors[0]),
+        WORTH: of_two_way(found.strengths, found.two_way),
+        RANKS: of_ranks(found.strengths, found.two_way, effect=design.effect),
+        BY_PARTICIPANT: of_error(found.strengths[0], found.errors[0]),
         MEANS_FRIEDMAN: Conclusion(
             p_value=friedman(Blocks(conditions=RANKED, means=by_person)).p_value
         ),
-        NAIVE_WORTH: of_error(found.worths[0], found.errors_by_model[0]),
+        NAIVE_WORTH: of_error(found.strengths[0], found.errors_by_model[0]),
         NAIVE_FRIEDMAN: Conclusion(
             p_value=friedman(Blocks(conditions=RANKED, means=goodness)).p_value
         ),
@@ -73,7 +73,7 @@ def _truths(design: Design) -> Mapping[str, float]:
         alone = replace(alone, participant_sd=design.spread, item_sd=0.0)
         judged = judgements(alone, len(RANKED), generator)
         placed = ranks(judged, generator)
-        worth = float(_fitted(placed, judged.participants, judged.items).worths[0])
+        worth = float(_fitted(placed, judged.participants, judged.items).strengths[0])
         mean_rank, first = float(placed[:, 0].mean()), float((placed[:, 0] == 1).mean())
     return {
         MEAN_RANK: mean_rank,

@@ -10,8 +10,10 @@ from analysis.planning.drawn_answers import drawn_answers
 from analysis.planning.part import Opinions, Part
 from analysis.planning.power import Effort, Power, power_of
 from analysis.planning.size import Sketch
-from analysis.results.net_preference import net_preference
-from analysis.results.sided import SidedAnswers
+from analysis.results.net_preference import (
+    SidedAnswers,
+    net_preference,
+)
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.holm import holm_rows
 

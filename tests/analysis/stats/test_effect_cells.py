@@ -8,7 +8,7 @@ from scipy import stats
 
 from analysis.stats.clustered_mean import clustered_mean
 from analysis.stats.clustered_variance import ONE_SEGMENT
-from analysis.stats.effect_cells import cells
+from analysis.stats.heterogeneity import cells
 
 
 def made() -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -14,8 +14,8 @@ from analysis.answers.layouts import PAIRWISE
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out
+from analysis.results.net_preference import sided
 from analysis.results.preference import win_share
-from analysis.results.sided import sided
 from analysis.stats.clustered_mean import Estimate
 from motion.segment import EMOTIONS, Segment
 from studyapp.rehearsal.simulation.judgement import judge

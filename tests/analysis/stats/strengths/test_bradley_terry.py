@@ -65,7 +65,7 @@ def test_strengths_and_clustered_errors_agree_with_the_reference(votes: Votes, n
     for ours, theirs in (("tie", "log_nu"), ("tie", "log_theta"), ("left", "left_logit")):
         if theirs in wanted:
             assert getattr(found, ours) == pytest.approx(wanted[theirs], abs=1e-6)
-    assert found.answers == 1800
+    assert found.n == 1800
 
 
 def made_votes(tie_share: float = 0.2, left: float = 0.0, seed: int = 0) -> Votes:
@@ -151,14 +151,14 @@ def test_how_votes_are_counted_changes_nothing(monkeypatch: pytest.MonkeyPatch) 
     votes = made_votes()
     counted = bradley_terry(votes)
 
-    for module in ("votes", "sandwich"):
+    for module in ("votes", "choices"):
         monkeypatch.setattr(f"analysis.stats.strengths.{module}.ROOM", 0)
     monkeypatch.setattr("analysis.stats.strengths.votes.PART", 7)
     single = bradley_terry(replace(votes))
 
     assert single.strengths == pytest.approx(counted.strengths)
     assert single.errors == pytest.approx(counted.errors)
-    assert (single.answers, single.participants) == (counted.answers, counted.participants)
+    assert (single.n, single.participants) == (counted.n, counted.participants)
 
 
 @pytest.mark.parametrize("fit", [bradley_terry, rao_kupper])

@@ -30,10 +30,10 @@ def test_it_finds_what_was_put_in() -> None:
 
     found = plackett_luce(drawn(worths, 800), conditions=tuple(worths))
 
-    assert found.worths == pytest.approx(list(worths.values()), abs=0.2)
-    assert found.worths.sum() == pytest.approx(0, abs=1e-9)
+    assert found.strengths == pytest.approx(list(worths.values()), abs=0.2)
+    assert found.strengths.sum() == pytest.approx(0, abs=1e-9)
     assert (found.errors > 0).all()
-    assert (found.rankings, found.participants) == (800, 20)
+    assert (found.n, found.participants) == (800, 20)
 
 
 def test_of_two_conditions_with_ties_it_is_davidsons_model() -> None:
@@ -54,7 +54,7 @@ def test_of_two_conditions_with_ties_it_is_davidsons_model() -> None:
     pairs = bradley_terry(votes_of(left, right, outcome, people), left=False)
     ranked = plackett_luce(rankings(rows), conditions=pairs.conditions)
 
-    assert ranked.worths == pytest.approx(pairs.strengths, abs=1e-8)
+    assert ranked.strengths == pytest.approx(pairs.strengths, abs=1e-8)
     assert ranked.errors == pytest.approx(pairs.errors, rel=1e-6)
     assert ranked.ties[2] == pytest.approx(pairs.tie, abs=1e-8)
     assert ranked.log_likelihood == pytest.approx(pairs.log_likelihood)
@@ -67,7 +67,7 @@ def test_rankings_that_leave_conditions_out_count_for_those_they_hold() -> None:
     found = plackett_luce(partial, conditions=("a", "b", "c"))
 
     assert not found.reason
-    assert found.worths[0] > found.worths[1] > found.worths[2]
+    assert found.strengths[0] > found.strengths[1] > found.strengths[2]
 
 
 def test_the_last_choice_of_one_says_nothing() -> None:
@@ -82,7 +82,7 @@ def test_a_winner_of_everything_has_a_worth_after_a_prior_and_is_named() -> None
     found = plackett_luce(rankings([(0, "P", "a", 1), (0, "P", "b", 2)]))
 
     assert found.swept == "a never lost to any of the others"
-    assert np.isfinite(found.worths).all()
+    assert np.isfinite(found.strengths).all()
 
 
 def test_a_condition_placed_twice_is_refused() -> None:

@@ -131,6 +131,6 @@ def test_rankings_of_two_conditions_are_votes() -> None:
     ranked = plackett_luce(rows, conditions=("a", "b"))
 
     found = bradley_terry(votes, left=False)
-    assert ranked.worths == pytest.approx(found.strengths, abs=1e-8)
+    assert ranked.strengths == pytest.approx(found.strengths, abs=1e-8)
     assert ranked.errors_two_way == pytest.approx(found.errors_two_way, rel=1e-4)
     assert plackett_luce(rows.drop(columns="segment")).two_way is None

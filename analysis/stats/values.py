@@ -1,0 +1,72 @@
+"""Answers as numbers: finite ones, those that are equal but for rounding, and means by group."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from motion.errors import InputError
+
+Floats = NDArray[np.float64]
+
+ROUNDING: Final = 1e-9
+"""Numbers nearer to each other, relative to the largest, are equal."""
+
+
+def finite(values: NDArray[np.number]) -> NDArray[np.float64]:
+    """Return `values` as floats.
+
+    Raises
+    ------
+    InputError
+        If one of them is missing or infinite.
+    """
+    numbers = np.asarray(values, np.float64)
+    if not np.isfinite(numbers).all():
+        raise InputError(
+            f"value {int(np.argmin(np.isfinite(numbers.ravel()))) + 1} of {numbers.size} is "
+            "missing or infinite",
+            remedy="Leave answers out that are not there",
+        )
+    return numbers
+
+
+def group_means(values: Floats, groups: NDArray[np.generic]) -> Floats:
+    """Return the mean of each group's values, in the order of the groups' names.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        One per answer.
+    groups : ndarray, shape (N,)
+        Whose it is: the participant's, or the segment's.
+    """
+    codes = np.unique(groups, return_inverse=True)[1]
+    counts = np.bincount(codes)
+    return np.asarray(np.bincount(codes, weights=values) / counts, np.float64)
+
+
+def levels(values: Floats) -> NDArray[np.intp]:
+    """Return the number of each value among the different ones, from 0, the smallest.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of any shape; finite.
+    """
+    flat = np.ravel(values)
+    if not flat.size:
+        return np.zeros(np.shape(values), np.intp)
+    order = np.argsort(flat, kind="stable")
+    apart = np.diff(flat[order], prepend=flat[order[0]]) > ROUNDING * np.abs(flat).max()
+    found = np.empty(flat.size, np.intp)
+    found[order] = np.cumsum(apart)
+    return found.reshape(np.shape(values))
+
+
+def tied_ranks(values: Floats) -> Floats:
+    """Return the ranks of `values` along the last axis, from 1; ties share the mean of theirs."""
+    return np.asarray(stats.rankdata(levels(values), axis=-1), np.float64)
