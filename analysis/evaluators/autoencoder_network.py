@@ -8,12 +8,13 @@ and does not state its layers; it has those of Yoon here.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from torch import Tensor, nn
 
-from analysis.evaluators.window_config import LARGEST, WindowConfig
+from analysis.evaluators.clip_windows import LARGEST, WindowConfig
 
 _SLOPE: Final = 0.2
 """Of the leaky rectifiers."""
@@ -96,6 +97,21 @@ class AutoencoderNetwork(nn.Module):
         """Return the windows as they are rebuilt from their vectors, shape (n, T, channels)."""
         rebuilt: Tensor = self.decoder(self.embed(windows))
         return rebuilt.transpose(1, 2)
+
+    def losses(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
+        """Return the errors of a batch, in deviations of the training frames.
+
+        The loss is the mean absolute error of values and of their changes from frame to frame (Yoon
+        et al. 2020).
+        """
+        rebuilt = self(windows)
+        error = nn.functional.l1_loss(rebuilt, windows)
+        change = nn.functional.l1_loss(rebuilt.diff(dim=1), windows.diff(dim=1))
+        return {"loss": error + change, "error": error, "change": change}
+
+    def measured(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
+        """Return the errors of a batch, and that of always giving the mean pose."""
+        return {**self.losses(windows, labels), "error_of_mean": windows.abs().mean()}
 
 
 def _convolved(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Literal, Protocol
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,18 +37,40 @@ _SMALLEST_SHIFT: Final = 1e-4
 """Spread of a landmark's coordinate, in metres, below which it counts as still."""
 
 
-class ClipView(Protocol):
-    """What a network sees of a clip."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ClipView:
+    """What a network sees of a clip: any of these, side by side.
+
+    Attributes
+    ----------
+    joints : tuple of str
+        SMPL-X names of joints whose rotations against their parents are seen, as the first two
+        columns of each matrix (6D; Zhou et al. 2019, "On the Continuity of Rotation Representations
+        in Neural Networks").
+    face : {'arkit', 'expressions'} or None
+        A face as ARKit's 52 weights, or as the jaw's rotation and 100 SMPL-X coefficients.
+    landmarks : FaceLandmarks or None
+        How far each landmark of the face is from where it is in the neutral face, in metres.
+    """
+
+    joints: tuple[str, ...] = ()
+    face: Face | None = None
+    landmarks: FaceLandmarks | None = None
 
     @property
     def channels(self) -> int:
         """How many numbers a frame has."""
-        ...
+        return len(self.floor)
 
     @property
-    def floor(self) -> NDArray[np.float32]:
+    def floor(self) -> FloatArray:
         """Spread of each channel below which it counts as still, shape (channels,)."""
-        ...
+        counts = {
+            _SMALLEST_TURN: 6 * (len(self.joints) + (self.face == "expressions")),
+            _SMALLEST_WEIGHT: {"arkit": 52, "expressions": 100, None: 0}[self.face],
+            _SMALLEST_SHIFT: 0 if self.landmarks is None else 3 * self.landmarks.count,
+        }
+        return np.repeat(np.array([*counts], np.float32), [*counts.values()])
 
     def frames(self, clip: MotionClip) -> FloatArray:
         """Return the clip's frames, shape (T, channels).
@@ -58,149 +80,32 @@ class ClipView(Protocol):
         InputError
             If the clip does not hold what the network looks at.
         """
-        ...
+        parts = []
+        turned = (*self.joints, "jaw") if self.face == "expressions" else self.joints
+        if turned:
+            turns = clip.poses[:, [joint_index(name) for name in turned]]
+            matrices = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix()
+            parts.append(np.swapaxes(matrices[:, :, :2], 1, 2).astype(np.float32))
+        if self.face == "arkit":
+            parts.append(_required(clip.arkit, "ARKit weights"))
+        elif self.face == "expressions":
+            parts.append(_required(clip.expressions, "SMPL-X expression coefficients"))
+        if self.landmarks is not None:
+            parts.append(self.landmarks.shifts(clip))
+        return np.concatenate([part.reshape(len(clip), -1) for part in parts], axis=1)
 
     def described(self) -> str:
         """Return what the channels are, in words."""
-        ...
-
-
-@dataclass(frozen=True)
-class JointRotations:
-    """Rotations of joints against their parents, as the first two columns of each matrix (6D).
-
-    Zhou et al. 2019, "On the Continuity of Rotation Representations in Neural Networks".
-
-    Attributes
-    ----------
-    joints : tuple of str
-        SMPL-X names.
-    """
-
-    joints: tuple[str, ...]
-
-    @property
-    def channels(self) -> int:
-        """Six for each joint."""
-        return 6 * len(self.joints)
-
-    @property
-    def floor(self) -> NDArray[np.float32]:
-        """About half a degree."""
-        return np.full(self.channels, _SMALLEST_TURN, np.float32)
-
-    def frames(self, clip: MotionClip) -> FloatArray:
-        """Return the rotations, shape (T, 6 J)."""
-        turns = clip.poses[:, [joint_index(name) for name in self.joints]]
-        matrices = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix()
-        columns = np.swapaxes(matrices[:, :, :2], 1, 2)
-        return columns.reshape(len(clip), self.channels).astype(np.float32)
-
-    def described(self) -> str:
-        """Say how many joints, and how they are told."""
-        return f"{len(self.joints)} joints, 6D rotations against the parent joint"
-
-
-@dataclass(frozen=True)
-class FaceWeights:
-    """A face as ARKit's 52 weights, or as the jaw's rotation and 100 SMPL-X coefficients.
-
-    Attributes
-    ----------
-    face : {'arkit', 'expressions'}
-        Which of the two.
-    """
-
-    face: Face
-
-    @property
-    def channels(self) -> int:
-        """52, or 6 and 100."""
-        return 52 if self.face == "arkit" else 106
-
-    @property
-    def floor(self) -> NDArray[np.float32]:
-        """Two hundredths of a weight or coefficient, half a degree of the jaw."""
-        still = np.full(self.channels, _SMALLEST_WEIGHT, np.float32)
-        if self.face == "expressions":
-            still[:6] = _SMALLEST_TURN
-        return still
-
-    def frames(self, clip: MotionClip) -> FloatArray:
-        """Return the face, shape (T, 52) or (T, 106)."""
+        parts = []
+        if self.joints:
+            parts.append(f"{len(self.joints)} joints, 6D rotations against the parent joint")
         if self.face == "arkit":
-            return _required(clip.arkit, "ARKit weights")
-        coefficients = _required(clip.expressions, "SMPL-X expression coefficients")
-        jaw = JointRotations(("jaw",)).frames(clip)
-        return np.concatenate([jaw, coefficients], axis=1)
-
-    def described(self) -> str:
-        """Say which face it is."""
-        if self.face == "arkit":
-            return "52 ARKit weights"
-        return "the jaw's 6D rotation and 100 SMPL-X expression coefficients"
-
-
-@dataclass(frozen=True)
-class Together:
-    """Several views at once.
-
-    Attributes
-    ----------
-    parts : tuple of ClipView
-        In the order of the channels.
-    """
-
-    parts: tuple[ClipView, ...]
-
-    @property
-    def channels(self) -> int:
-        """Those of all parts."""
-        return sum(part.channels for part in self.parts)
-
-    @property
-    def floor(self) -> NDArray[np.float32]:
-        """That of each part."""
-        return np.concatenate([part.floor for part in self.parts])
-
-    def frames(self, clip: MotionClip) -> FloatArray:
-        """Return the parts side by side."""
-        return np.concatenate([part.frames(clip) for part in self.parts], axis=1)
-
-    def described(self) -> str:
-        """Say what each part is."""
-        return "; ".join(part.described() for part in self.parts)
-
-
-@dataclass(frozen=True, eq=False)
-class LandmarkShifts:
-    """How far each landmark of the face is from where it is in the neutral face, in metres.
-
-    Attributes
-    ----------
-    landmarks : FaceLandmarks
-        On which face.
-    """
-
-    landmarks: FaceLandmarks
-
-    @property
-    def channels(self) -> int:
-        """Three for each landmark."""
-        return 3 * self.landmarks.count
-
-    @property
-    def floor(self) -> NDArray[np.float32]:
-        """A tenth of a millimetre."""
-        return np.full(self.channels, _SMALLEST_SHIFT, np.float32)
-
-    def frames(self, clip: MotionClip) -> FloatArray:
-        """Return the shifts, shape (T, 3 L)."""
-        return self.landmarks.shifts(clip).reshape(len(clip), self.channels)
-
-    def described(self) -> str:
-        """Say how many landmarks, and of what."""
-        return f"{self.landmarks.count} face landmarks, metres from the neutral face"
+            parts.append("52 ARKit weights")
+        elif self.face == "expressions":
+            parts.append("the jaw's 6D rotation and 100 SMPL-X expression coefficients")
+        if self.landmarks is not None:
+            parts.append(f"{self.landmarks.count} face landmarks, metres from the neutral face")
+        return "; ".join(parts)
 
 
 def _required(values: FloatArray | None, what: str) -> FloatArray:
@@ -250,21 +155,15 @@ def view_of(
     InputError
         If the channels need a face or landmarks and were given none.
     """
-    if channels in ("body", "gesture"):
-        return JointRotations(joints)
     if channels == "landmarks" and landmarks is not None:
-        return LandmarkShifts(landmarks)
-    if channels in ("expression", "both") and face is not None:
-        expression = FaceWeights(face)
-        return (
-            expression
-            if channels == "expression"
-            else Together((JointRotations(joints), expression))
+        return ClipView(landmarks=landmarks)
+    faced = channels in ("expression", "both")
+    if channels == "landmarks" or (faced and face is None):
+        raise InputError(
+            f"a network that looks at {channels!r} needs to know of which face",
+            remedy="Use a file as 'motionjury train evaluator' wrote it",
         )
-    raise InputError(
-        f"a network that looks at {channels!r} needs to know of which face",
-        remedy="Use a file as 'motionjury train evaluator' wrote it",
-    )
+    return ClipView(joints=() if channels == "expression" else joints, face=face if faced else None)
 
 
 def face_of(clip: MotionClip) -> Face:

@@ -1,10 +1,12 @@
-"""What kind of feature network one is: what it sees of a clip, its sizes, what it tells apart."""
+"""What kind of feature network one is, and how each kind is trained by default."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Annotated, Final, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from analysis.evaluators import autoencoder_network, emotion_network
 from analysis.evaluators.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
@@ -19,6 +21,7 @@ from analysis.evaluators.emotion_network import EmotionConfig, EmotionNetwork
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from motion.skeleton import JOINT_NAMES
+from training.config import TrainingConfig
 
 Kind = Literal["emotion", "motion", "face"]
 Size = Literal["full", "tiny"]
@@ -46,8 +49,37 @@ SIZES: Final = MappingProxyType[Kind, MappingProxyType[Size, EmotionConfig | Aut
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Design:
+_AUTOENCODER_FULL: Final = TrainingConfig(
+    steps=20_000, batch_size=128, learning_rate=5e-4, optimizer="adam", validate_every=200
+)
+_AUTOENCODER_TINY: Final = TrainingConfig(
+    steps=1_000, batch_size=64, learning_rate=1e-3, optimizer="adam", validate_every=50
+)
+
+TRAINING: Final = MappingProxyType[tuple[Kind, Size], TrainingConfig](
+    {
+        ("emotion", "full"): TrainingConfig(
+            steps=20_000, batch_size=32, learning_rate=1e-4, weight_decay=0.01, validate_every=200
+        ),
+        ("emotion", "tiny"): TrainingConfig(
+            steps=600, batch_size=32, learning_rate=1e-3, weight_decay=0.01, validate_every=25
+        ),
+        ("motion", "full"): _AUTOENCODER_FULL,
+        ("motion", "tiny"): _AUTOENCODER_TINY,
+        ("face", "full"): _AUTOENCODER_FULL,
+        ("face", "tiny"): _AUTOENCODER_TINY,
+    }
+)
+"""How each kind is trained unless the researcher says otherwise."""
+
+
+class Facts(BaseModel):
+    """What a file says; nothing else, and no number that is not finite."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Design(Facts):
     """What kind of feature network one is.
 
     Attributes
@@ -56,7 +88,7 @@ class Design:
         AMUSE's evaluator M, an autoencoder of motion, or one of face landmarks.
     channels : str
         What it looks at; one of `CHANNELS_OF_KIND` of its kind.
-    config : EmotionConfig or AutoencoderConfig
+    network : EmotionConfig or AutoencoderConfig
         Its sizes and windows.
     joints : tuple of str
         Joints whose rotations it sees.
@@ -75,16 +107,17 @@ class Design:
 
     kind: Kind
     channels: Channels
-    config: EmotionConfig | AutoencoderConfig
-    joints: tuple[str, ...] = ()
-    face: Face | None = None
-    labels: tuple[str, ...] = ()
-    frozen: tuple[str, ...] = ()
+    network: EmotionConfig | AutoencoderConfig
+    joints: tuple[str, ...]
+    face: Face | None
+    labels: tuple[Annotated[str, Field(min_length=1)], ...]
+    frozen: tuple[str, ...]
 
-    def __post_init__(self) -> None:
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
         fits = (
             self.channels in CHANNELS_OF_KIND[self.kind]
-            and isinstance(self.config, EmotionConfig) == (self.kind == "emotion")
+            and isinstance(self.network, EmotionConfig) == (self.kind == "emotion")
             and (len(self.labels) >= 2) == (self.kind == "emotion")
             and set(self.joints) <= set(JOINT_NAMES)
             and bool(self.joints) == bool(JOINTS_OF_CHANNELS[self.channels])
@@ -96,6 +129,7 @@ class Design:
                 "sizes, joints, labels and face",
                 remedy="Use a file as 'motionjury train evaluator' wrote it",
             )
+        return self
 
     def view(self, landmarks: FaceLandmarks | None = None) -> ClipView:
         """Return what it sees of a clip.
@@ -107,21 +141,57 @@ class Design:
         """
         return view_of(self.channels, joints=self.joints, face=self.face, landmarks=landmarks)
 
-    def network(self, channels: int) -> Network:
+    def fresh_network(self, channels: int) -> Network:
         """Return a fresh network for frames of so many channels."""
-        if isinstance(self.config, EmotionConfig):
-            return EmotionNetwork(self.config, channels, len(self.labels))
-        return AutoencoderNetwork(self.config, channels)
+        if isinstance(self.network, EmotionConfig):
+            return EmotionNetwork(self.network, channels, len(self.labels))
+        return AutoencoderNetwork(self.network, channels)
 
     def named(self) -> str:
         """Return what the network is, in words."""
-        if isinstance(self.config, EmotionConfig):
-            return f"emotion classifier (AMUSE's M), {self.config.width} features"
+        if isinstance(self.network, EmotionConfig):
+            return f"emotion classifier (AMUSE's M), {self.network.width} features"
         if self.kind == "face":
-            return f"autoencoder of face landmarks, {self.config.features} features"
-        return f"autoencoder of {_SEEN[self.channels]}, {self.config.features} features"
+            return f"autoencoder of face landmarks, {self.network.features} features"
+        return f"autoencoder of {_SEEN[self.channels]}, {self.network.features} features"
 
 
 _SEEN: Final = MappingProxyType[Channels, str](
     {"gesture": "gestures", "expression": "expressions", "both": "gestures and expressions"}
 )
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluatorRequest:
+    """Which network to train.
+
+    Attributes
+    ----------
+    kind, size : str
+        As `Kind` and `Size`.
+    channels : str
+        One of `CHANNELS_OF_KIND` of its kind.
+    training : TrainingConfig
+        How it is trained.
+    frozen : tuple of str
+        Channels held still in every clip, here and whenever the network looks at one.
+    landmarks : FaceLandmarks or None
+        Needed by the kind ``face``.
+    device : str
+        ``cpu`` or ``cuda``.
+    """
+
+    kind: Kind
+    size: Size
+    channels: Channels
+    training: TrainingConfig
+    frozen: tuple[str, ...] = ()
+    landmarks: FaceLandmarks | None = None
+    device: str = "cpu"
+
+    def __post_init__(self) -> None:
+        if "face" in self.frozen and self.channels in ("expression", "both", "landmarks"):
+            raise InputError(
+                "the face is held still, and the network is to look at it",
+                remedy="Remove 'face' from freeze in study.toml, or train on gestures",
+            )

@@ -8,6 +8,7 @@ released network averages over frames instead, and so does this one.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -15,7 +16,7 @@ from typing import Final
 import torch
 from torch import Tensor, nn
 
-from analysis.evaluators.window_config import LARGEST, WindowConfig
+from analysis.evaluators.clip_windows import LARGEST, WindowConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,6 +116,18 @@ class EmotionNetwork(nn.Module):
         """Return the logits of the emotions, shape (n, emotions), of windows (n, T, channels)."""
         logits: Tensor = self.classifier(self.embed(windows))
         return logits
+
+    def losses(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
+        """Return the cross-entropy of a batch, as AMUSE's appendix D has it."""
+        return {"loss": nn.functional.cross_entropy(self(windows), labels)}
+
+    def measured(self, windows: Tensor, labels: Tensor) -> Mapping[str, Tensor]:
+        """Return the cross-entropy and the accuracy of a batch."""
+        logits = self(windows)
+        return {
+            "loss": nn.functional.cross_entropy(logits, labels),
+            "accuracy": (logits.argmax(dim=1) == labels).double().mean(),
+        }
 
 
 def sinusoids(length: int, width: int) -> Tensor:

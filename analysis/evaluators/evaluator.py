@@ -87,7 +87,7 @@ class Evaluator:
 
     @cached_property
     def _view(self) -> ClipView:
-        return self.file.facts.design().view(self.file.landmarks)
+        return self.file.facts.view(self.file.landmarks)
 
     def embed(self, clip: MotionClip) -> FloatArray:
         """Return the embedding of each window of a clip.
@@ -112,7 +112,7 @@ class Evaluator:
 
         seen = torch.from_numpy(self._windows(clip))
         with torch.inference_mode():
-            return _finite(_by_parts(self.file.network.embed, seen).numpy())
+            return _finite(by_parts(self.file.network.embed, seen).numpy())
 
     def classify(self, clip: MotionClip) -> FloatArray:
         """Return how likely each emotion is in each window of a clip.
@@ -136,7 +136,7 @@ class Evaluator:
             )
         seen = torch.from_numpy(self._windows(clip))
         with torch.inference_mode():
-            return _finite(_by_parts(self.file.network, seen).softmax(dim=1).numpy())
+            return _finite(by_parts(self.file.network, seen).softmax(dim=1).numpy())
 
     def _windows(self, clip: MotionClip) -> FloatArray:
         """Return the clip's windows as the network sees them, shape (n, window, channels)."""
@@ -151,7 +151,7 @@ class Evaluator:
         data = facts.data
         seconds = self.window / self.frame_rate
         described = {
-            "feature network": facts.design().named(),
+            "feature network": facts.named(),
             "network sha256": self.sha256[:_SHOWN_OF_HASH],
             "representation": f"{self._view.described()}, in deviations of the training frames",
             "frame rate": f"{self.frame_rate:g} fps, resampled",
@@ -196,7 +196,7 @@ def load_evaluator(path: Path) -> Evaluator:
     return Evaluator(sha256=sha256, file=file)
 
 
-def _by_parts(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
+def by_parts(network: Callable[[Tensor], Tensor], windows: Tensor) -> Tensor:
     """Return what `network` says of windows, shape (n, ...), a limited number at once."""
     import torch
 

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final, Literal
 
 import torch
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 from torch import Tensor
 
 from analysis.evaluators.autoencoder_network import AutoencoderConfig
-from analysis.evaluators.clip_views import Channels, Face
-from analysis.evaluators.design import SIZES, Design, Kind, Network
+from analysis.evaluators.design import SIZES, Design, Facts, Network
 from analysis.evaluators.emotion_network import EmotionConfig
-from analysis.evaluators.normalisation import Normalisation
+from analysis.evaluators.examples import Normalisation
 from motion.errors import InputError
 from motion.face_landmarks import FaceLandmarks
 from training.weights_file import WeightsFile, read_weights, write_weights
@@ -24,11 +23,7 @@ _FORMAT: Final = 2
 _REMEDY: Final = "Give a file as 'motionjury train evaluator' wrote it, or train again"
 
 
-class _Facts(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class DataFacts(_Facts):
+class DataFacts(Facts):
     """What a network was trained on.
 
     Attributes
@@ -51,7 +46,7 @@ class DataFacts(_Facts):
     held_out: str
 
 
-class TrainingFacts(_Facts):
+class TrainingFacts(Facts):
     """How a network was trained.
 
     Attributes
@@ -72,13 +67,11 @@ class TrainingFacts(_Facts):
     versions: dict[str, str]
 
 
-class EvaluatorFacts(_Facts):
-    """What a file says of its network.
+class EvaluatorFacts(Design):
+    """What a file says of its network: its design, and how it came about.
 
     Attributes
     ----------
-    kind, channels, joints, face, labels, frozen, network
-        As in `analysis.evaluators.design.Design`.
     data : DataFacts
         What it was trained on.
     training : TrainingFacts
@@ -88,51 +81,9 @@ class EvaluatorFacts(_Facts):
     """
 
     format: Literal[2] = _FORMAT
-    kind: Kind
-    channels: Channels
-    joints: tuple[str, ...]
-    face: Face | None
-    labels: tuple[Annotated[str, Field(min_length=1)], ...]
-    frozen: tuple[str, ...]
-    network: EmotionConfig | AutoencoderConfig
     data: DataFacts
     training: TrainingFacts
     held_out: dict[str, float]
-
-    def design(self) -> Design:
-        """Return what kind of network it is."""
-        return Design(
-            kind=self.kind,
-            channels=self.channels,
-            config=self.network,
-            joints=self.joints,
-            face=self.face,
-            labels=self.labels,
-            frozen=self.frozen,
-        )
-
-    @classmethod
-    def of(
-        cls,
-        design: Design,
-        *,
-        data: DataFacts,
-        training: TrainingFacts,
-        held_out: dict[str, float],
-    ) -> EvaluatorFacts:
-        """Return what is said of a network of this design."""
-        return cls(
-            kind=design.kind,
-            channels=design.channels,
-            joints=design.joints,
-            face=design.face,
-            labels=design.labels,
-            frozen=design.frozen,
-            network=design.config,
-            data=data,
-            training=training,
-            held_out=held_out,
-        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -184,15 +135,14 @@ def read_evaluator(path: Path) -> EvaluatorFile:
     found = read_weights(path)
     try:
         facts = _facts(found)
-        design = facts.design()
         landmarks = None
-        if design.channels == "landmarks":
+        if facts.channels == "landmarks":
             arrays = {name: tensor.numpy() for name, tensor in found.part("landmarks").items()}
             landmarks = FaceLandmarks.from_arrays(arrays)
-        channels = design.view(landmarks).channels
+        channels = facts.view(landmarks).channels
         return EvaluatorFile(
             facts=facts,
-            network=_network(found, design, channels),
+            network=_network(found, facts, channels),
             normalisation=_normalisation(found, channels),
             landmarks=landmarks,
         )
@@ -236,7 +186,7 @@ def _lists_as_tuples(sizes: dict[str, Any]) -> dict[str, Any]:
 
 
 def _network(found: WeightsFile, design: Design, channels: int) -> Network:
-    network = design.network(channels)
+    network = design.fresh_network(channels)
     try:
         network.load_state_dict(found.part("network"))
     except RuntimeError as error:

@@ -12,13 +12,47 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from analysis.evaluators.clip_windows import window_starts
-from analysis.evaluators.normalisation import Normalisation
 from training.holdout import held_out_recordings
 
 FloatArray = NDArray[np.float32]
 
 HELD_OUT_SHARE: Final = 0.2
 """Of all recordings, kept back."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Normalisation:
+    """Mean and spread of each channel over all recorded frames.
+
+    Attributes
+    ----------
+    mean, deviation : ndarray, shape (C,), float32
+        In the channels' own units; a deviation is never below the floor it was made with.
+    """
+
+    mean: FloatArray
+    deviation: FloatArray
+
+    @classmethod
+    def of(cls, clips: Sequence[FloatArray], *, floor: FloatArray) -> Normalisation:
+        """Return the normalisation of recorded frames.
+
+        Parameters
+        ----------
+        clips : sequence of ndarray, shape (T, C)
+            At least one frame in all.
+        floor : ndarray, shape (C,)
+            Least deviation of each channel, in its unit: what hardly ever moved is not blown up.
+        """
+        frames = sum(len(clip) for clip in clips)
+        mean = sum(clip.sum(axis=0, dtype=np.float64) for clip in clips) / frames
+        squares = sum(((clip - mean) ** 2).sum(axis=0) for clip in clips)
+        deviation = np.maximum(np.sqrt(squares / frames), floor)
+        return cls(mean=np.asarray(mean, np.float32), deviation=np.asarray(deviation, np.float32))
+
+    def __call__(self, frames: FloatArray) -> FloatArray:
+        """Return frames, shape (T, C), in standard deviations from the mean."""
+        return np.asarray((frames - self.mean) / self.deviation, np.float32)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,18 +8,17 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
-from analysis.evaluators.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
 from analysis.evaluators.clip_views import (
     JOINTS_OF_CHANNELS,
     Face,
     face_of,
     view_of,
 )
-from analysis.evaluators.design import SIZES, Design, Kind
-from analysis.evaluators.emotion_network import EmotionConfig, EmotionNetwork
-from analysis.evaluators.emotion_task import EmotionTask
+from analysis.evaluators.clip_windows import WindowConfig
+from analysis.evaluators.design import SIZES, Design, EvaluatorRequest, Kind, Network
 from analysis.evaluators.evaluator_file import (
     DataFacts,
     EvaluatorFacts,
@@ -27,9 +26,8 @@ from analysis.evaluators.evaluator_file import (
     TrainingFacts,
     write_evaluator,
 )
-from analysis.evaluators.evaluator_request import EvaluatorRequest
 from analysis.evaluators.examples import Split, split
-from analysis.evaluators.reconstruction_task import ReconstructionTask
+from analysis.evaluators.feature_task import FeatureTask
 from analysis.evaluators.training_clips import (
     ClipSource,
     TrainingClips,
@@ -119,7 +117,7 @@ def train_evaluator(
     design = Design(
         kind=request.kind,
         channels=request.channels,
-        config=config,
+        network=config,
         joints=JOINTS_OF_CHANNELS[request.channels],
         face=seer.face,
         labels=labels if request.kind == "emotion" else (),
@@ -138,8 +136,8 @@ def train_evaluator(
     )
     _check_windows(parts, config, clips)
     trained = _trained(request, design, parts, clips, folder, show_training)
-    facts = EvaluatorFacts.of(
-        design,
+    facts = EvaluatorFacts(
+        **dict(design),
         data=DataFacts(
             sha256=clips.sha256,
             clips=len(clips.sources),
@@ -154,7 +152,7 @@ def train_evaluator(
             last_loss=trained.last_loss,
             versions=package_versions(),
         ),
-        held_out=dict(trained.best.measured),
+        held_out=_held_out(trained, parts, request.kind),
     )
     evaluator = EvaluatorFile(
         facts=facts,
@@ -212,9 +210,7 @@ def _left_out(clips: TrainingClips) -> str:
     return f"; {count} could not be used ({first}{', for one' if count > 1 else ''})"
 
 
-def _check_windows(
-    parts: Split, config: EmotionConfig | AutoencoderConfig, clips: TrainingClips
-) -> None:
+def _check_windows(parts: Split, config: WindowConfig, clips: TrainingClips) -> None:
     """Raise where there is too little to learn from, or to tell how well it was learned."""
     for found, needed, what in (
         (len(parts.training), FEWEST_WINDOWS, "to learn from"),
@@ -235,7 +231,7 @@ def _trained(
     clips: TrainingClips,
     folder: RunFolder,
     show: Show | None,
-) -> Trained[EmotionNetwork] | Trained[AutoencoderNetwork]:
+) -> Trained[Network]:
     """Train the network of `design`."""
     settings = {
         "kind": design.kind,
@@ -246,28 +242,29 @@ def _trained(
         "frozen": list(design.frozen),
         "device": request.device,
         "held out": parts.how,
-        **{name: _plain(value) for name, value in asdict(design.config).items()},
+        **{name: _plain(value) for name, value in asdict(design.network).items()},
     }
-    if isinstance(design.config, EmotionConfig):
-        emotion = EmotionTask(
-            config=design.config,
-            emotions=len(design.labels),
-            training=parts.training,
-            held_out=parts.held_out,
-            settings=settings,
-            data_sha256=clips.seen_sha256,
-            device=request.device,
-        )
-        return train(emotion, request.training, folder, show=show)
-    reconstruction = ReconstructionTask(
-        config=design.config,
+    task = FeatureTask(
+        fresh=design.fresh_network,
         training=parts.training,
         held_out=parts.held_out,
         settings=settings,
         data_sha256=clips.seen_sha256,
         device=request.device,
     )
-    return train(reconstruction, request.training, folder, show=show)
+    return train(task, request.training, folder, show=show)
+
+
+def _held_out(trained: Trained[Network], parts: Split, kind: Kind) -> dict[str, float]:
+    """Return what was measured of the windows kept back.
+
+    ``largest_share`` is the accuracy of always naming the most frequent emotion.
+    """
+    measured = dict(trained.best.measured)
+    if kind == "emotion":
+        counts = torch.bincount(parts.held_out.labels)
+        measured["largest_share"] = int(counts.max()) / len(parts.held_out)
+    return measured
 
 
 def _plain(value: object) -> object:

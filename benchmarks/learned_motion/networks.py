@@ -13,8 +13,7 @@ from typing import Final
 import torch
 
 from analysis.evaluators.clip_views import Channels
-from analysis.evaluators.design import Kind
-from analysis.evaluators.evaluator_request import TRAINING, EvaluatorRequest
+from analysis.evaluators.design import TRAINING, EvaluatorRequest, Kind
 from analysis.evaluators.training import train_evaluator
 from analysis.evaluators.training_clips import ClipSource
 from generators.diffsheg.model import Denoiser

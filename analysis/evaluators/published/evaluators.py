@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analysis.evaluators.clip_windows import windows
+from analysis.evaluators.evaluator import by_parts
 from analysis.evaluators.published.presets import PRESETS, Preset
 from analysis.evaluators.published.published_distance import Rule
 from motion.clip import MotionClip
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
     from torch import nn
 
 FloatArray = NDArray[np.float32]
-
-_AT_ONCE: Final = 64
-"""Windows that are embedded together."""
 
 _SHOWN_OF_HASH: Final = 16
 
@@ -91,10 +89,8 @@ class PublishedEvaluator:
 
         given = np.asarray(motion, np.float32)
         self._check(given)
-        starts = range(0, len(given), _AT_ONCE)
         with torch.inference_mode():
-            parts = [self.network(torch.from_numpy(given[s : s + _AT_ONCE])) for s in starts]
-        return np.asarray(torch.cat(parts).numpy())
+            return np.asarray(by_parts(self.network, torch.from_numpy(given)).numpy())
 
     def embed(self, clip: MotionClip) -> FloatArray:
         """Return one row of features for each window, or part of a window, of a clip, (w, d).

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
@@ -70,28 +71,12 @@ class Preset:
     place: tuple[str, ...]
 
 
-def _emage() -> nn.Module:
-    from analysis.evaluators.published.emage_network import EmageNetwork
+def _network(name: str, *sizes: object) -> nn.Module:
+    # Imported here: torch takes seconds to load, and describing a network does without.
+    from analysis.evaluators.published import networks
 
-    return EmageNetwork()
-
-
-def _beat() -> nn.Module:
-    from analysis.evaluators.published.yoon_network import YoonNetwork
-
-    return YoonNetwork(141, (300, 600, 600, 300), (1200, 600, 300))
-
-
-def _ted() -> nn.Module:
-    from analysis.evaluators.published.yoon_network import YoonNetwork
-
-    return YoonNetwork(27, (32, 64, 64, 32), (256, 128, 32))
-
-
-def _talkshow() -> nn.Module:
-    from analysis.evaluators.published.talkshow_network import TalkShowNetwork
-
-    return TalkShowNetwork()
+    made: nn.Module = getattr(networks, name)(*sizes)
+    return made
 
 
 PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
@@ -108,7 +93,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             cut="the whole clip, without its last frames past a multiple of 32; a row of features "
             "for every 16 frames",
             rule="offset",
-            network=_emage,
+            network=partial(_network, "EmageNetwork"),
             place=("model_state",),
         ),
         "beat": Preset(
@@ -125,7 +110,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             shortest=34,
             cut="34 frames, every 10 frames: neighbours overlap",
             rule="pytorch-fid",
-            network=_beat,
+            network=partial(_network, "YoonNetwork", 141, (300, 600, 600, 300), (1200, 600, 300)),
             place=("model_state",),
         ),
         "ted": Preset(
@@ -143,7 +128,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             cut="the first 34 of 42 frames, every 10 frames: neighbours overlap; no window is "
             "filtered out",
             rule="pytorch-fid",
-            network=_ted,
+            network=partial(_network, "YoonNetwork", 27, (32, 64, 64, 32), (256, 128, 32)),
             place=("gen_dict",),
         ),
         "talkshow": Preset(
@@ -157,7 +142,7 @@ PRESETS: Final[Mapping[str, Preset]] = MappingProxyType(
             shortest=4,
             cut="the whole clip; a row of features for every 4 frames",
             rule="pytorch-fid",
-            network=_talkshow,
+            network=partial(_network, "TalkShowNetwork"),
             place=("generator", "g"),
         ),
     }

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from analysis.evaluators.clip_views import Channels
-    from analysis.evaluators.design import Kind, Size
-    from analysis.evaluators.evaluator_request import EvaluatorRequest
+    from analysis.evaluators.design import EvaluatorRequest, Kind, Size
     from analysis.evaluators.training import TrainedEvaluator
     from analysis.evaluators.training_clips import ClipSource
 
@@ -118,8 +117,7 @@ def evaluator(
     Speech2UnifiedExpressions: FLD). An interrupted run goes on when the same command is given.
     """
     # Imported here: torch takes seconds to load, which --help need not wait for.
-    from analysis.evaluators.design import CHANNELS_OF_KIND
-    from analysis.evaluators.evaluator_request import TRAINING, EvaluatorRequest
+    from analysis.evaluators.design import CHANNELS_OF_KIND, TRAINING, EvaluatorRequest
     from motion.face_landmarks import FaceLandmarks
     from studyapp.stimuli.training_recordings import recordings_of
 

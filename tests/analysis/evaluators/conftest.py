@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from analysis.evaluators.design import TRAINING, EvaluatorRequest
 from analysis.evaluators.evaluator import Evaluator, load_evaluator
-from analysis.evaluators.evaluator_request import TRAINING, EvaluatorRequest
 from analysis.evaluators.training import train_evaluator
 from motion.body import read_body
 from motion.face_landmarks import FaceLandmarks

@@ -8,9 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from analysis.evaluators.clip_views import (
     AMUSE_JOINTS,
-    FaceWeights,
-    JointRotations,
-    Together,
+    ClipView,
     face_of,
     view_of,
 )
@@ -28,7 +26,7 @@ def test_amuses_joints_are_the_47_above_the_legs() -> None:
 
 def test_a_rotation_is_the_first_two_columns_of_its_matrix() -> None:
     clip = random_clip(3)
-    seen = JointRotations(("neck", "jaw")).frames(clip)
+    seen = ClipView(joints=("neck", "jaw")).frames(clip)
     turn = Rotation.from_rotvec(clip.poses[2, joint_index("jaw")]).as_matrix()
     np.testing.assert_allclose(seen[2, 6:9], turn[:, 0], atol=1e-6)
     np.testing.assert_allclose(seen[2, 9:12], turn[:, 1], atol=1e-6)
@@ -38,7 +36,7 @@ def test_turns_that_are_the_same_look_the_same() -> None:
     clip = random_clip(3)
     length = np.linalg.norm(clip.poses, axis=2, keepdims=True)
     other_way = clip.poses * (1 - 2 * np.pi / length)
-    view = JointRotations(GESTURE_JOINTS)
+    view = ClipView(joints=GESTURE_JOINTS)
     np.testing.assert_allclose(
         view.frames(clip), view.frames(replace(clip, poses=other_way)), atol=1e-5
     )
@@ -48,8 +46,7 @@ def test_turns_that_are_the_same_look_the_same() -> None:
 def test_gesture_and_face_lie_side_by_side(face: str) -> None:
     clip = random_clip(3)
     view = view_of("both", joints=GESTURE_JOINTS, face=face)
-    gesture, expression = JointRotations(GESTURE_JOINTS), FaceWeights(face)
-    assert isinstance(view, Together)
+    gesture, expression = ClipView(joints=GESTURE_JOINTS), ClipView(face=face)
     assert view.channels == gesture.channels + expression.channels == view.floor.size
     np.testing.assert_array_equal(
         view.frames(clip), np.hstack([gesture.frames(clip), expression.frames(clip)])
@@ -59,7 +56,7 @@ def test_gesture_and_face_lie_side_by_side(face: str) -> None:
 def test_a_face_in_other_terms_is_refused() -> None:
     clip = random_clip(3)
     with pytest.raises(InputError, match="no SMPL-X expression coefficients"):
-        FaceWeights("expressions").frames(replace(clip, expressions=None))
+        ClipView(face="expressions").frames(replace(clip, expressions=None))
     assert face_of(clip) == "arkit"
     assert face_of(replace(clip, arkit=None)) == "expressions"
     with pytest.raises(InputError, match="nothing of the face"):

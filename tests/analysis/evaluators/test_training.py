@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analysis.evaluators.design import TRAINING, EvaluatorRequest
 from analysis.evaluators.evaluator import load_evaluator
-from analysis.evaluators.evaluator_request import TRAINING, EvaluatorRequest
 from analysis.evaluators.training import train_evaluator
 from motion.errors import InputError
 from tests.analysis.evaluators.conftest import trained

@@ -14,7 +14,7 @@ from analysis.evaluators.evaluator_file import (
     EvaluatorFile,
     TrainingFacts,
 )
-from analysis.evaluators.normalisation import Normalisation
+from analysis.evaluators.examples import Normalisation
 from analysis.measurement.clip_features import FEATURES as FEATURES_KIND
 from analysis.measurement.joint_motion import JOINTS as JOINTS_KIND
 from analysis.measurement.joint_motion import joint_motion
@@ -53,17 +53,18 @@ def network(kind: Kind, channels: Channels) -> Evaluator:
     design = Design(
         kind=kind,
         channels=channels,
-        config=SIZES[kind]["tiny"],
+        network=SIZES[kind]["tiny"],
         joints=JOINTS_OF_CHANNELS[channels],
         face="arkit" if channels == "both" else None,
         labels=EMOTIONS if kind == "emotion" else (),
+        frozen=(),
     )
     width = design.view().channels
-    made = design.network(width)
+    made = design.fresh_network(width)
     shapes = {name: list(weight.shape) for name, weight in made.state_dict().items()}
     made.load_state_dict(seeded_weights(shapes))
-    facts = EvaluatorFacts.of(
-        design,
+    facts = EvaluatorFacts(
+        **dict(design),
         data=DataFacts(
             sha256="0" * 64, clips=1, recordings=1, windows=1, held_out_windows=1, held_out=""
         ),

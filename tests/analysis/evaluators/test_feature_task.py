@@ -1,14 +1,15 @@
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from analysis.evaluators.autoencoder_network import AutoencoderConfig
+from analysis.evaluators.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
 from analysis.evaluators.examples import split
-from analysis.evaluators.reconstruction_task import ReconstructionTask
+from analysis.evaluators.feature_task import FeatureTask
 from training.config import TrainingConfig
 from training.group import Group
 from training.learner import Learner
@@ -19,7 +20,7 @@ CONFIG = AutoencoderConfig(window=12, stride=4, features=8)
 
 
 @pytest.fixture
-def task() -> ReconstructionTask:
+def task() -> FeatureTask:
     """Return windows of swings that one angle and one width tell."""
     chance = np.random.default_rng(0)
     times = np.arange(60)[:, None]
@@ -40,8 +41,8 @@ def task() -> ReconstructionTask:
         seed=0,
         device="cpu",
     )
-    return ReconstructionTask(
-        config=CONFIG,
+    return FeatureTask(
+        fresh=partial(AutoencoderNetwork, CONFIG),
         training=parts.training,
         held_out=parts.held_out,
         settings={},
@@ -50,14 +51,14 @@ def task() -> ReconstructionTask:
 
 
 def test_windows_that_were_never_seen_are_rebuilt_better_than_by_the_mean(
-    task: ReconstructionTask, tmp_path: Path
+    task: FeatureTask, tmp_path: Path
 ) -> None:
     config = TrainingConfig(steps=80, batch_size=32, learning_rate=0.01, validate_every=50)
     trained = train(task, config, RunFolder(tmp_path))
     assert trained.best.measured["error"] < 0.5 * trained.best.measured["error_of_mean"]
 
 
-def test_the_loss_is_the_error_of_values_and_of_their_changes(task: ReconstructionTask) -> None:
+def test_the_loss_is_the_error_of_values_and_of_their_changes(task: FeatureTask) -> None:
     network = task.network().eval()
     rows = np.array([0, 5])
     windows, _ = task.training.batch(rows)
@@ -69,7 +70,7 @@ def test_the_loss_is_the_error_of_values_and_of_their_changes(task: Reconstructi
     torch.testing.assert_close(losses["loss"], losses["error"] + losses["change"])
 
 
-def test_a_step_in_parts_comes_to_the_autoencoder_of_one_part(task: ReconstructionTask) -> None:
+def test_a_step_in_parts_comes_to_the_autoencoder_of_one_part(task: FeatureTask) -> None:
     held_out = []
     for accumulate in (1, 4):
         torch.manual_seed(0)
