@@ -16,7 +16,7 @@ from analysis.evaluators import network_names as names
 from analysis.metrics.result import Better
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class TableColumn:
     """One column of a paper's table.
 
@@ -42,81 +42,46 @@ PAPER_TABLES: Final[Mapping[str, tuple[TableColumn, ...]]] = MappingProxyType(
     {
         # Chhatre et al. 2024, table 1; jerk from its supplement.
         "amuse": (
-            TableColumn(
-                metric="semantic-relevant gesture recall (amuse)", label="SRGR", better="higher"
-            ),
-            TableColumn(metric="beat alignment (amuse)", label="BA", better="higher"),
-            TableColumn(metric=names.FGD_OF_EMOTION, label="FGD", better="lower"),
-            TableColumn(metric=names.VARIANCE_OF_EMOTION, label="Div", better="near the reference"),
-            TableColumn(metric=names.EMOTION_ACCURACY, label="GA", better="higher"),
-            TableColumn(
-                metric="jerk (hands, unfiltered)", label="jerk", better="near the reference"
-            ),
+            TableColumn("semantic-relevant gesture recall (amuse)", "SRGR", "higher"),
+            TableColumn("beat alignment (amuse)", "BA", "higher"),
+            TableColumn(names.FGD_OF_EMOTION, "FGD", "lower"),
+            TableColumn(names.VARIANCE_OF_EMOTION, "Div", "near the reference"),
+            TableColumn(names.EMOTION_ACCURACY, "GA", "higher"),
+            TableColumn("jerk (hands, unfiltered)", "jerk", "near the reference"),
         ),
         # Chen et al. 2024, table 1.
         "diffsheg": (
-            TableColumn(metric=names.FMD, label="FMD", better="lower", block="Holistic"),
-            TableColumn(metric=names.FED, label="FED", better="lower", block="Expression"),
-            TableColumn(
-                metric="mean distance between clips (expressions)",
-                label="Div",
-                better="higher",
-                block="Expression",
-            ),
-            TableColumn(metric=names.FGD, label="FGD", better="lower", block="Gesture"),
-            TableColumn(
-                metric="beat alignment (beat)", label="BA", better="higher", block="Gesture"
-            ),
-            TableColumn(
-                metric="percent of correct motion (diffsheg)",
-                label="PCM",
-                better="higher",
-                block="Gesture",
-            ),
-            TableColumn(
-                metric="semantic-relevant gesture recall (diffsheg)",
-                label="SRGR",
-                better="higher",
-                block="Gesture",
-            ),
-            TableColumn(
-                metric="mean distance between clips", label="Div", better="higher", block="Gesture"
-            ),
+            TableColumn(names.FMD, "FMD", "lower", "Holistic"),
+            TableColumn(names.FED, "FED", "lower", "Expression"),
+            TableColumn("mean distance between clips (expressions)", "Div", "higher", "Expression"),
+            TableColumn(names.FGD, "FGD", "lower", "Gesture"),
+            TableColumn("beat alignment (beat)", "BA", "higher", "Gesture"),
+            TableColumn("percent of correct motion (diffsheg)", "PCM", "higher", "Gesture"),
+            TableColumn("semantic-relevant gesture recall (diffsheg)", "SRGR", "higher", "Gesture"),
+            TableColumn("mean distance between clips", "Div", "higher", "Gesture"),
         ),
         # Bhattacharya et al. 2024, table 1.
         "s2ue": (
-            TableColumn(metric="mean absolute error (MALE, s2ue)", label="MALE", better="lower"),
-            TableColumn(metric="mean absolute error (MAJE, s2ue)", label="MAJE", better="lower"),
-            TableColumn(
-                metric="mean acceleration error (MAcE-LM, s2ue)", label="MAcE-LM", better="lower"
-            ),
-            TableColumn(
-                metric="mean acceleration error (MAcE-P, s2ue)", label="MAcE-P", better="lower"
-            ),
-            TableColumn(metric=names.FLD, label="FLD", better="lower"),
-            TableColumn(metric=names.FGD, label="FGD", better="lower"),
+            TableColumn("mean absolute error (MALE, s2ue)", "MALE", "lower"),
+            TableColumn("mean absolute error (MAJE, s2ue)", "MAJE", "lower"),
+            TableColumn("mean acceleration error (MAcE-LM, s2ue)", "MAcE-LM", "lower"),
+            TableColumn("mean acceleration error (MAcE-P, s2ue)", "MAcE-P", "lower"),
+            TableColumn(names.FLD, "FLD", "lower"),
+            TableColumn(names.FGD, "FGD", "lower"),
         ),
         # Liu et al. 2022; the deviation from Liu et al. 2024 (EMAGE).
         "beat": (
-            TableColumn(metric=names.FGD, label="FGD", better="lower"),
-            TableColumn(
-                metric="semantic-relevant gesture recall (beat)", label="SRGR", better="higher"
-            ),
-            TableColumn(metric="beat alignment (beat)", label="BeatAlign", better="higher"),
-            TableColumn(
-                metric="deviation from the mean pose (L1div)", label="L1div", better="higher"
-            ),
+            TableColumn(names.FGD, "FGD", "lower"),
+            TableColumn("semantic-relevant gesture recall (beat)", "SRGR", "higher"),
+            TableColumn("beat alignment (beat)", "BeatAlign", "higher"),
+            TableColumn("deviation from the mean pose (L1div)", "L1div", "higher"),
         ),
         # Kucherenko et al. 2021, and later GENEA challenges.
         "genea": (
-            TableColumn(metric="jerk (genea)", label="jerk", better="near the reference"),
-            TableColumn(
-                metric="acceleration (genea)", label="acceleration", better="near the reference"
-            ),
-            TableColumn(
-                metric="distance of speed histograms (genea)", label="Hellinger", better="lower"
-            ),
-            TableColumn(metric=names.FGD, label="FGD", better="lower"),
+            TableColumn("jerk (genea)", "jerk", "near the reference"),
+            TableColumn("acceleration (genea)", "acceleration", "near the reference"),
+            TableColumn("distance of speed histograms (genea)", "Hellinger", "lower"),
+            TableColumn(names.FGD, "FGD", "lower"),
         ),
     }
 )

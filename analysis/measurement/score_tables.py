@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
+from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -18,52 +20,23 @@ from analysis.measurement.segment_scores import ClipScore
 from motion.errors import InputError
 from motion.files import replacing, write_text
 
-COLUMNS: Final = (
-    "condition",
-    "segment",
-    "metric",
-    "value",
-    "unit",
-    "better",
-    "spread_between_clips",
-    "low",
-    "high",
-    "n",
-    "clips_scored",
-    "clips",
-    "settings",
-    "remark",
-    "reason",
-)
-
-
-Row = tuple[object, ...]
-"""Values in the order of `COLUMNS`."""
-
 _NUMBERS: Final = ("value", "spread_between_clips", "low", "high")
 _COUNTS: Final = ("n", "clips_scored", "clips")
 
-_TYPES: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        name: "float64" if name in _NUMBERS else "Int64" if name in _COUNTS else "str"
-        for name in COLUMNS
-    }
+COLUMNS: Final = (
+    *("condition", "segment", "metric", "value", "unit", "better", "spread_between_clips"),
+    *("low", "high", "n", "clips_scored", "clips", "settings", "remark", "reason"),
 )
 
-_SCHEMA: Final = pa.schema(
-    [
-        (
-            name,
-            pa.float64()
-            if name in _NUMBERS
-            else pa.int64()
-            if name in _COUNTS
-            else pa.dictionary(pa.int32(), pa.string()),
-        )
-        for name in COLUMNS
-    ]
-)
+_TEXT: Final = pa.dictionary(pa.int32(), pa.string())
 """Texts repeat a great deal, so that Parquet holds each once."""
+
+_TYPES: Final[Mapping[str, tuple[str, pa.DataType]]] = MappingProxyType(
+    dict.fromkeys(COLUMNS, ("str", _TEXT))
+    | dict.fromkeys(_NUMBERS, ("float64", pa.float64()))
+    | dict.fromkeys(_COUNTS, ("Int64", pa.int64()))
+)
+"""Of each column, in pandas and in Parquet."""
 
 
 def score_table(metrics: StudyMetrics) -> pd.DataFrame:
@@ -77,12 +50,24 @@ def score_table(metrics: StudyMetrics) -> pd.DataFrame:
         how many things they are a mean over. ``low`` and ``high`` are the 95 % interval of a score
         that has one. A missing value is empty, with its reason.
     """
-    rows = [_of_condition(score) for score in metrics.conditions]
-    words = _Words()
-    rows += [_of_clip(score, words) for score in metrics.clips]
-    columns = {name: [row[place] for row in rows] for place, name in enumerate(COLUMNS)}
-    table = pd.DataFrame({name: pd.Series(columns[name], dtype=_TYPES[name]) for name in COLUMNS})
-    return table
+    rows = chain(
+        (
+            {
+                **_of_condition(score),
+                "segment": "",
+                "settings": _in_words(tuple(score.settings.items())),
+            }
+            for score in metrics.conditions
+        ),
+        map(_of_clip, metrics.clips),
+    )
+    columns: dict[str, list[object]] = {name: [] for name in COLUMNS}
+    for row in rows:
+        for name, values in columns.items():
+            values.append(row.get(name))
+    return pd.DataFrame(
+        {name: pd.Series(columns[name], dtype=kind) for name, (kind, _) in _TYPES.items()}
+    )
 
 
 def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[str, object]:
@@ -106,23 +91,9 @@ def metrics_document(metrics: StudyMetrics, root: Path | None = None) -> dict[st
         ``remedy``; and ``remarks``. A number that does not exist is None, with its reason.
     """
     return {
-        "frame_rate": _number(metrics.frame_rate),
+        "frame_rate": _plain(metrics.frame_rate),
         "conditions": [
-            {
-                "condition": score.condition,
-                "metric": score.name,
-                "value": _number(score.value),
-                "unit": score.unit,
-                "better": score.better,
-                "spread_between_clips": _number(score.spread),
-                "low": None if score.interval is None else _number(score.interval[0]),
-                "high": None if score.interval is None else _number(score.interval[1]),
-                "clips_scored": score.scored,
-                "clips": score.clips,
-                "settings": dict(score.settings),
-                "remark": score.remark,
-                "reason": score.reason,
-            }
+            {name: _plain(value) for name, value in _of_condition(score).items()}
             for score in metrics.conditions
         ],
         "emotions": [
@@ -180,7 +151,8 @@ def _write_csv(metrics: StudyMetrics, path: Path) -> None:
 
 
 def _write_parquet(metrics: StudyMetrics, path: Path) -> None:
-    table = pa.Table.from_pandas(score_table(metrics), schema=_SCHEMA, preserve_index=False)
+    schema = pa.schema([(name, kind) for name, (_, kind) in _TYPES.items()])
+    table = pa.Table.from_pandas(score_table(metrics), schema=schema, preserve_index=False)
     with replacing(path) as draft:
         parquet.write_table(table.replace_schema_metadata(_metadata(metrics)), draft)
 
@@ -201,9 +173,13 @@ def _metadata(metrics: StudyMetrics) -> dict[str, str]:
 
 def _write_json(metrics: StudyMetrics, path: Path) -> None:
     document = metrics_document(metrics)
-    words = _Words()
     document["clips"] = [
-        _plain(dict(zip(COLUMNS, _of_clip(score, words), strict=True))) for score in metrics.clips
+        {
+            name: _plain(value)
+            for name, value in _of_clip(score).items()
+            if name == "value" or _plain(value) not in ("", None)
+        }
+        for score in metrics.clips
     ]
     write_text(path, json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
@@ -213,76 +189,50 @@ _WRITERS: Final[Mapping[str, Callable[[StudyMetrics, Path], None]]] = MappingPro
 )
 
 
-def _of_condition(score: ConditionScore) -> Row:
+def _of_condition(score: ConditionScore) -> dict[str, object]:
     low, high = score.interval or (None, None)
-    return (
-        score.condition,
-        "",
-        score.name,
-        score.value,
-        score.unit,
-        score.better,
-        score.spread,
-        low,
-        high,
-        None,
-        score.scored,
-        score.clips,
-        _in_words(score.settings),
-        score.remark,
-        score.reason,
-    )
+    return {
+        "condition": score.condition,
+        "metric": score.name,
+        "value": score.value,
+        "unit": score.unit,
+        "better": score.better,
+        "spread_between_clips": score.spread,
+        "low": low,
+        "high": high,
+        "clips_scored": score.scored,
+        "clips": score.clips,
+        "settings": dict(score.settings),
+        "remark": score.remark,
+        "reason": score.reason,
+    }
 
 
-def _of_clip(score: ClipScore, words: _Words) -> Row:
+def _of_clip(score: ClipScore) -> dict[str, object]:
     result = score.result
     low, high = result.interval or (None, None)
-    return (
-        score.condition,
-        score.segment,
-        result.name,
-        result.value,
-        result.unit,
-        result.better,
-        None,
-        low,
-        high,
-        result.n,
-        None,
-        None,
-        words.of(result.settings),
-        result.remark,
-        result.reason,
-    )
-
-
-def _plain(row: Mapping[str, object]) -> dict[str, object]:
-    """Return a row as JSON holds it: no NaN, nothing that does not apply."""
-    values = {
-        name: _number(value) if isinstance(value, float) else value for name, value in row.items()
-    }
-    return {name: value for name, value in values.items() if value not in ("", None)} | {
-        "value": values["value"]
+    return {
+        "condition": score.condition,
+        "segment": score.segment,
+        "metric": result.name,
+        "value": result.value,
+        "unit": result.unit,
+        "better": result.better,
+        "low": low,
+        "high": high,
+        "n": result.n,
+        "settings": _in_words(tuple(result.settings.items())),
+        "remark": result.remark,
+        "reason": result.reason,
     }
 
 
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+def _plain(value: object) -> object:
+    """Return a value as JSON holds it, which knows no NaN."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _in_words(settings: Mapping[str, str]) -> str:
-    return "; ".join(f"{key}: {value}" for key, value in settings.items())
-
-
-class _Words:
-    """Settings in words, made once for all scores that share the mapping: there are many."""
-
-    def __init__(self) -> None:
-        self._made: dict[int, tuple[Mapping[str, str], str]] = {}
-
-    def of(self, settings: Mapping[str, str]) -> str:
-        """Return what `settings` are, in words."""
-        held = self._made.get(id(settings))
-        if held is None:
-            held = self._made[id(settings)] = (settings, _in_words(settings))
-        return held[1]
+@lru_cache(maxsize=1024)
+def _in_words(settings: tuple[tuple[str, str], ...]) -> str:
+    """Return settings in words, one text for all scores that share them: there are many."""
+    return "; ".join(f"{key}: {value}" for key, value in settings)
