@@ -36,12 +36,19 @@ SERIES: Final = (
     *(BLUE, VERMILLION, "#009e73", "#cc79a7", ORANGE, SKY),
     *("#7a5195", "#8c6d31", "#6b7785", "#b2182b", "#1b7837", "#40648f"),
 )
-"""One colour for each of twelve conditions; marks and line styles tell them apart as well."""
+"""One colour for each of twelve conditions; marks tell them apart as well."""
+
+_MARKERS: Final = "osD^vP<>Xhp*"
 
 _TO_SIDES: Final = LinearSegmentedColormap.from_list("sides", FIVE)
 _DEEPENING: Final = LinearSegmentedColormap.from_list(
     "deepening", ("#e4edf4", "#9fcbe6", "#4a9fd0", "#0072b2", "#084b78")
 )
+
+
+def sign_of(place: int) -> tuple[str, str]:
+    """Return the colour and the marker of one of several conditions or questions."""
+    return SERIES[place % len(SERIES)], _MARKERS[place % len(_MARKERS)]
 
 
 def between_sides(place: float) -> str:

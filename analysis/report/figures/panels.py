@@ -1,32 +1,46 @@
-"""Where panels stand: two beside each other, their rows named, on sheets that fit a page.
+"""Figures of panels: on sheets for a page, and once more in one column for a narrow screen.
 
-A panel shows one question. All panels of a figure have the same rows, named once on the left.
+Matplotlib's constrained layout finds the places; a figure gets the height that its panels need.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final, Literal
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
 
+import matplotlib as mpl
+import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from analysis.report.figures.ink import SOFT
-from analysis.report.figures.sheet import Sheet, fitted, inches_of
-from analysis.report.figures.svg import WIDTH
-
-TALLEST: Final = 9.0
-"""Height in inches that a figure may have on a page of A4."""
+from analysis.report import wording
+from analysis.report.content import Picture
+from analysis.report.figures.fitting import fitted
+from analysis.report.figures.ink import MARK, SOFT, STYLE
+from analysis.report.figures.svg import WIDTH, About, Drawing, picture
 
 TITLE_SIZE: Final = 9.0
 LABEL_SIZE: Final = 8.0
 SMALL_SIZE: Final = 7.0
 
-_GAP: Final = 0.18
-_TITLE_LINE: Final = 0.16
 _ROW_LINE: Final = 0.135
-_AXIS: Final = 0.42
-_BETWEEN: Final = 0.12
+"""Height in inches of a line of a row's name."""
+
+_AROUND: Final = 0.85
+"""Height in inches that a panel's title, axis and what it shows take at most."""
+
+_LEGEND_COLUMN: Final = 1.4
+"""Width in inches that a word of a legend needs at least."""
+
+_LEGEND_SIGN: Final = 0.38
+"""Width in inches that a sign and the space around it take."""
+
+Hints = dict[str, str]
+"""What a reader sees who points at a part of a figure, by the part's gid."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,11 +52,9 @@ class Format:
     width, tallest : float
         Of a sheet.
     labels : float
-        For the rows' names, at the left.
-    columns : int
-        Panels beside each other, at most.
-    lines : int
-        Of a row's name, at most.
+        For the rows' names, at the left, at most.
+    columns, lines : int
+        Panels beside each other, and lines of a row's name, at most.
     """
 
     width: float
@@ -52,142 +64,179 @@ class Format:
     lines: int
 
 
-WIDE: Final = Format(width=WIDTH, tallest=TALLEST, labels=1.3, columns=2, lines=2)
+WIDE: Final = Format(width=WIDTH, tallest=9.0, labels=1.3, columns=3, lines=2)
 """A page of A4, and the screen of a computer."""
 
 NARROW: Final = Format(width=3.6, tallest=1000.0, labels=0.95, columns=1, lines=3)
 """The screen of a telephone, which scrolls."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class RowName:
+class Row(NamedTuple):
     """What stands at the left of a row: its name, and a word below it such as 'n = 23'."""
 
     name: str
     below: str = ""
 
     def text(self, room: Format) -> str:
-        """Return both, broken into lines that leave a margin."""
-        lines = [fitted(self.name, room.labels - 0.1, size=LABEL_SIZE, lines=room.lines)]
-        return "\n".join([*lines, self.below] if self.below else lines)
+        """Return both, broken into lines."""
+        name = fitted(self.name, room.labels - 0.1, size=LABEL_SIZE, lines=room.lines)
+        return f"{name}\n{self.below}" if self.below else name
+
+
+class Panel(NamedTuple):
+    """Where one panel is drawn: its axes, the beginning of its gids, and its width in inches."""
+
+    axes: Sequence[Axes]
+    prefix: str
+    inches: float
+    is_first: bool
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
-    """Where one panel stands, in inches from the upper left corner of its sheet.
+class PanelFigure:
+    """What a figure shows, whatever its panels draw.
 
     Attributes
     ----------
-    number : int
-        Of the panel, from 0.
-    left, top, width, height : float
-        Of what it draws in.
-    head : float
-        Room for its title above that.
-    first : bool
-        Whether the rows' names stand at its left.
+    told : mapping of str to str
+        By question, or whatever else heads a panel: what it shows in words, with the numbers.
+    draw : callable
+        Draws what a question's panel shows, and returns the panel's hints.
+    rows : sequence of Row
+        From the top, the same in every panel; () for none.
+    height : float
+        Of a panel in inches; 0 for what the rows need.
+    widths : tuple of float
+        Shares of a panel's width that its axes take.
+    columns : int
+        Panels beside each other on a wide sheet, at most.
+    legend : sequence of Artist
+        Signs with their words as labels.
     """
 
-    number: int
-    left: float
-    top: float
-    width: float
-    height: float
-    head: float
-    first: bool
+    told: Mapping[str, str]
+    draw: Callable[[Panel, str], Hints]
+    rows: Sequence[Row] = ()
+    height: float = 0.0
+    widths: tuple[float, ...] = (1.0,)
+    columns: int = 2
+    legend: Sequence[Artist] = ()
+
+    def panel_height(self, room: Format) -> float:
+        """Return the height of a panel in inches."""
+        if self.height:
+            return self.height
+        lines = max(row.text(room).count("\n") + 1 for row in self.rows)
+        return len(self.rows) * max(lines * _ROW_LINE + 0.08, 0.29)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Plan:
-    """One sheet: its height, and the places of its panels."""
+def panel_pictures(figure: PanelFigure, about: About) -> tuple[Picture, ...]:
+    """Draw a figure on as many sheets as it needs."""
+    questions = list(figure.told)
+    foot = 0.3 * math.ceil(len(figure.legend) * _LEGEND_COLUMN / WIDE.width) + 0.2
+    lines = max(1, int((WIDE.tallest - foot) / (figure.panel_height(WIDE) + _AROUND)))
+    per_sheet = lines * min(figure.columns, WIDE.columns)
+    sheets = [questions[k : k + per_sheet] for k in range(0, len(questions), per_sheet)]
+    found = []
+    for number, shown in enumerate(sheets, start=1):
+        own = about
+        if len(sheets) > 1:
+            which = f"{about.caption} ({number} of {len(sheets)})"
+            own = replace(about, name=f"{about.name}-{number}", caption=which)
+        wide, narrow = (draw_sheet(figure, shown, about.mark, room) for room in (WIDE, NARROW))
+        told = " ".join(figure.told[question] for question in shown)
+        found.append(picture(wide, own, told, narrow=narrow))
+    return tuple(found)
 
-    height: float
-    places: tuple[Place, ...]
 
-
-def plans(
-    titles: Sequence[str],
-    names: Sequence[RowName],
-    *,
-    foot: float = 0.0,
-    room: Format = WIDE,
-) -> list[Plan]:
-    """Share panels out to as many sheets as they need.
+def draw_sheet(
+    what: PanelFigure, questions: Sequence[str], mark: str = "", room: Format = WIDE
+) -> Drawing:
+    """Draw the panels of some questions.
 
     Parameters
     ----------
-    titles : sequence of str
-        One for each panel.
-    names : sequence of RowName
-        Of the rows.
-    foot : float, optional
-        Room at the bottom of each sheet, in inches, such as for a legend.
+    what : PanelFigure
+        All that is shown.
+    questions : sequence of str
+        Those whose panels the sheet has.
+    mark : str, optional
+        Written on top, so that a copied figure keeps it; empty for none.
     room : Format, optional
-        Of a sheet.
+        Of the sheet.
     """
-    columns = min(len(titles), room.columns)
-    width = (room.width - room.labels - (columns - 1) * _GAP) / columns
-    head = _title_lines(titles, width) * _TITLE_LINE + 0.06
-    rows = row_height(names, room) * len(names)
-    line = head + rows + _AXIS + _BETWEEN
-    lines = -(-len(titles) // columns)
-    per_sheet = int(min(max(1, (room.tallest - foot) // line), lines))
-    found = []
-    for start in range(0, lines, per_sheet):
-        inside = min(per_sheet, lines - start)
-        places = [
-            Place(
-                number=number,
-                left=room.labels + (number % columns) * (width + _GAP),
-                top=(number // columns - start) * line + head,
-                width=width,
-                height=rows,
-                head=head,
-                first=number % columns == 0,
-            )
-            for number in range(start * columns, min((start + inside) * columns, len(titles)))
-        ]
-        found.append(Plan(height=inside * line - _BETWEEN + foot, places=tuple(places)))
-    return found
+    columns = min(what.columns, room.columns, len(questions))
+    lines = math.ceil(len(questions) / columns)
+    high, axes_each = what.panel_height(room), len(what.widths)
+    inches = (room.width - (room.labels if what.rows else 0.6)) / columns - 0.15
+    hints: Hints = {}
+    with mpl.rc_context(STYLE):
+        size = (room.width, lines * (high + 2) + 2)
+        layout = ConstrainedLayoutEngine(h_pad=0.06)
+        figure = Figure(figsize=size, layout=layout)
+        grid = figure.subplots(
+            lines, columns * axes_each, squeeze=False, width_ratios=what.widths * columns
+        )
+        for number, question in enumerate(questions):
+            line, column = divmod(number, columns)
+            axes = grid[line, column * axes_each : (column + 1) * axes_each]
+            title = fitted(wording.heading(question), inches, size=TITLE_SIZE, lines=3, bold=True)
+            axes[0].set_title(title, loc="left", fontsize=TITLE_SIZE, fontweight="bold")
+            for one, other in zip(axes, grid[0], strict=False):
+                _name_rows(one, what.rows, room, named=not column and one is axes[0])
+                if what.rows and number:
+                    one.sharex(other)
+            panel = Panel(tuple(axes), str(number), inches, not column)
+            hints |= what.draw(panel, question)
+        for unused in grid[-1, (len(questions) - (lines - 1) * columns) * axes_each :]:
+            unused.remove()
+        _add_legend(figure, what.legend, room)
+        if mark:
+            figure.suptitle(mark, x=0.0, ha="left", color=MARK, fontsize=7.5, fontweight="bold")
+        _fit_height(figure, layout, grid[0, 0], high, lines)
+    return Drawing(figure=figure, hints=hints)
 
 
-def row_height(names: Sequence[RowName], room: Format = WIDE) -> float:
-    """Return the height that every row needs, in inches."""
-    lines = max(name.text(room).count("\n") + 1 for name in names)
-    return max(lines * _ROW_LINE + 0.08, 0.29)
+def _name_rows(axes: Axes, rows: Sequence[Row], room: Format, *, named: bool) -> None:
+    if not rows:
+        return
+    axes.set_ylim(len(rows) - 0.5, -0.5)
+    axes.set_yticks([])
+    if named:
+        axes.set_yticks(
+            np.arange(len(rows)), labels=[row.text(room) for row in rows], fontsize=LABEL_SIZE
+        )
+    axes.tick_params(axis="y", length=0)
 
 
-def write_title(sheet: Sheet, place: Place, title: str) -> None:
-    """Write a panel's title above it."""
-    text = fitted(title, place.width, size=TITLE_SIZE, lines=2, bold=True)
-    sheet.write(
-        place.left,
-        # The baseline of several lines is that of the last one.
-        place.top - place.head + 0.12 + text.count("\n") * _TITLE_LINE,
-        text,
-        fontsize=TITLE_SIZE,
-        fontweight="bold",
-        va="baseline",
-        linespacing=1.1,
+def _add_legend(figure: Figure, signs: Sequence[Artist], room: Format) -> None:
+    if not signs:
+        return
+    lines = math.ceil(len(signs) / int(room.width / _LEGEND_COLUMN))
+    columns = math.ceil(len(signs) / lines)
+    wide = room.width / columns - _LEGEND_SIGN
+    figure.legend(
+        handles=list(signs),
+        labels=[fitted(str(sign.get_label()), wide, size=7.5, lines=2) for sign in signs],
+        loc="outside lower center",
+        ncols=columns,
+        frameon=False,
+        fontsize=7.5,
+        handlelength=1.0,
+        columnspacing=1.2,
+        labelspacing=0.4,
     )
 
 
-def write_names(sheet: Sheet, place: Place, names: Sequence[RowName], room: Format) -> None:
-    """Write the rows' names at the left of a panel that is the first of its line."""
-    if not place.first:
-        return
-    height = place.height / len(names)
-    for row, name in enumerate(names):
-        text = name.text(room)
-        sheet.write(
-            place.left - 0.08,
-            place.top + (row + 0.5) * height,
-            text,
-            fontsize=LABEL_SIZE,
-            ha="right",
-            va="center" if "\n" in text else "center_baseline",
-            linespacing=1.1,
-        )
+def _fit_height(
+    figure: Figure, layout: ConstrainedLayoutEngine, axes: Axes, wanted: float, lines: int
+) -> None:
+    """Give the panels of so many lines the height that they are to have, and fix the layout."""
+    layout.execute(figure)
+    given = axes.get_position().height * figure.get_figheight()
+    figure.set_figheight(figure.get_figheight() + lines * (wanted - given))
+    layout.execute(figure)
+    figure.set_layout_engine("none")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,10 +245,10 @@ class Scale:
 
     Attributes
     ----------
-    limits : (float, float)
-        How far it goes.
+    limits : (float, float) or None
+        How far it goes; None for as far as the panels of a sheet need.
     ticks : mapping of float to str
-        Where its ticks are, and what they are called.
+        Where its ticks are, and what they are called; {} for round numbers.
     label : str
         What it shows.
     ends : (str, str)
@@ -208,83 +257,56 @@ class Scale:
         Where a line goes through all rows.
     """
 
-    limits: tuple[float, float]
-    ticks: Mapping[float, str]
+    limits: tuple[float, float] | None = None
+    ticks: Mapping[float, str] | None = None
     label: str = ""
     ends: tuple[str, str] = ("", "")
     line: float | None = None
 
-
-def dress(axes: Axes, rows: int, scale: Scale) -> None:
-    """Give axes their scale; rows lie at 0, 1, … from the top."""
-    axes.set_xlim(*scale.limits)
-    axes.set_ylim(rows - 0.5, -0.5)
-    axes.set_yticks([])
-    axes.set_xticks(list(scale.ticks), labels=list(scale.ticks.values()))
-    axes.tick_params(axis="x", labelsize=SMALL_SIZE, pad=1.5)
-    axes.set_xlabel(scale.label, fontsize=SMALL_SIZE + 0.5, labelpad=2.0)
-    ends: dict[float, Literal["left", "right"]] = {
-        scale.limits[0]: "left",
-        scale.limits[1]: "right",
-    }
-    for place, text in zip(scale.ticks, axes.get_xticklabels(), strict=True):
-        # Words at the ends stay within the panel, so that neighbours do not touch.
-        text.set_horizontalalignment(ends.get(place, "center"))
-    if any(scale.ends):
-        _write_ends(axes, scale.ends)
-    if scale.line is not None:
-        axes.axvline(scale.line, color=SOFT, linewidth=0.7, zorder=0)
+    def dress(self, axes: Axes, inches: float) -> None:
+        """Give axes of so many inches their scale."""
+        if self.limits is not None:
+            axes.set_xlim(*self.limits)
+        if self.ticks is None:
+            axes.locator_params(axis="x", nbins=4, steps=(1, 2, 5, 10))
+        else:
+            axes.set_xticks(list(self.ticks), labels=list(self.ticks.values()))
+        axes.tick_params(axis="x", labelsize=SMALL_SIZE, pad=1.5)
+        axes.set_xlabel(self.label, fontsize=SMALL_SIZE + 0.5, labelpad=2.0)
+        for where, end in zip((0.0, 1.0), self.ends, strict=True):
+            if not end:
+                continue
+            words = fitted(end, inches / 2 - 0.17, size=SMALL_SIZE + 0.5, lines=2)
+            axes.annotate(
+                f"{words} →" if where else f"← {words}",
+                (where, 0),
+                xycoords="axes fraction",
+                xytext=(0, -13),
+                textcoords="offset points",
+                ha="right" if where else "left",
+                va="top",
+                fontsize=SMALL_SIZE + 0.5,
+            )
+        if self.line is not None:
+            axes.axvline(self.line, color=SOFT, linewidth=0.7, zorder=0)
 
 
 def write_beside(axes: Axes, row: int, words: str, below: str, *, bold: bool = False) -> None:
     """Write words, and smaller ones under them, at the right of a row of a panel."""
-    sizes = (8.5 if bold else 8.0, SMALL_SIZE - 0.5)
-    heights = (4.4, -5.2) if below else (0.0, 0.0)
-    for text, size, height in zip((words, below), sizes, heights, strict=True):
-        axes.annotate(
-            text,
-            (1, row),
-            xycoords=axes.get_yaxis_transform(),
-            xytext=(8, height),
-            textcoords="offset points",
-            va="center",
-            fontsize=size,
-            fontweight="bold" if bold and text == words else "normal",
-            annotation_clip=False,
-        )
-
-
-def _write_ends(axes: Axes, ends: tuple[str, str]) -> None:
-    figure = axes.get_figure(root=True)
-    wide = WIDTH if figure is None else figure.get_figwidth()
-    room, size = axes.get_position().width * wide - 0.4, SMALL_SIZE + 0.5
-    # The shorter of the two leaves the longer one what it does not need.
-    shorter = min(room / 2, *(inches_of(text, size) for text in ends))
-    left, right = (fitted(text, room - shorter, size=size, lines=2) for text in ends)
-    for where, side, text in ((0.0, "left", f"← {left}"), (1.0, "right", f"{right} →")):
-        axes.annotate(
-            text,
-            (where, 0),
-            xycoords="axes fraction",
-            xytext=(0, -13),
-            textcoords="offset points",
-            ha=side,
-            va="top",
-            fontsize=SMALL_SIZE + 0.5,
-        )
-
-
-def numbered(name: str, plan_count: int) -> Iterator[str]:
-    """Give each sheet of a figure its name: one alone keeps the name as it is."""
-    if plan_count == 1:
-        yield name
-        return
-    for number in range(1, plan_count + 1):
-        yield f"{name}-{number}"
-
-
-def _title_lines(titles: Sequence[str], width: float) -> int:
-    return max(
-        fitted(title, width, size=TITLE_SIZE, lines=2, bold=True).count("\n") + 1
-        for title in titles
-    )
+    high = 4.4 if below else 0.0
+    size, weight = (8.5, "bold") if bold else (8.0, "normal")
+    for text, height, style in (
+        (words, high, {"fontsize": size, "fontweight": weight}),
+        (below, -5.2, {"fontsize": SMALL_SIZE - 0.5}),
+    ):
+        if text:
+            axes.annotate(
+                text,
+                (1, row),
+                xycoords=axes.get_yaxis_transform(),
+                xytext=(8, height),
+                textcoords="offset points",
+                va="center",
+                annotation_clip=False,
+                **style,
+            )

@@ -32,50 +32,57 @@ class Drawing:
     hints: Mapping[str, str]
 
 
-def picture(
-    figure: Figure,
-    *,
-    name: str,
-    title: str,
-    alt: str,
-    caption: str,
-    data: str = "",
-    hints: Mapping[str, str] | None = None,
-    narrow: Drawing | None = None,
-) -> Picture:
-    """Return a figure for the page and for the folder of figures.
+@dataclass(frozen=True, kw_only=True)
+class About:
+    """What stands around a figure.
 
-    Parameters
+    Attributes
     ----------
-    figure : Figure
-        Drawn under `analysis.report.figures.ink.STYLE`.
     name : str
         Of its file, and prefix of its ids: letters, digits and '-'.
     title : str
         What it is, in a few words.
-    alt : str
-        What it shows, with its numbers, for those who cannot see it.
     caption : str
         What stands under it.
-    data : str, optional
-        File in the report's ``tables`` folder with its numbers.
-    hints : mapping of str to str, optional
-        Text shown on hover, by the gid of the artist it belongs to.
+    data : str
+        File in the report's ``tables`` folder with its numbers; empty for none.
+    mark : str
+        Written on top of it; empty for none.
+    """
+
+    name: str
+    title: str
+    caption: str
+    data: str = ""
+    mark: str = ""
+
+
+def picture(wide: Drawing, about: About, told: str, *, narrow: Drawing | None = None) -> Picture:
+    """Return a figure for the page and for the folder of figures.
+
+    Parameters
+    ----------
+    wide : Drawing
+        Drawn under `analysis.report.figures.ink.STYLE`.
+    about : About
+        What stands around it.
+    told : str
+        What it shows, with its numbers, for those who cannot see it.
     narrow : Drawing, optional
         The same once more, for the page on a narrow screen.
     """
-    svg = inline_svg(figure, name=name, title=title, alt=alt, hints=hints)
+    svg = inline_svg(wide.figure, name=about.name, title=about.title, alt=told, hints=wide.hints)
     if narrow is not None:
         small = inline_svg(
-            narrow.figure, name=f"{name}-narrow", title=title, alt=alt, hints=narrow.hints
+            narrow.figure,
+            name=f"{about.name}-narrow",
+            title=about.title,
+            alt=told,
+            hints=narrow.hints,
         )
         svg = _of_class(svg, "wide") + _of_class(small, "narrow")
     return Picture(
-        svg=svg,
-        caption=caption,
-        data=data,
-        name=name,
-        pdf=as_pdf(figure),
+        svg=svg, caption=about.caption, data=about.data, name=about.name, pdf=as_pdf(wide.figure)
     )
 
 
@@ -89,7 +96,7 @@ def inline_svg(
 ) -> Markup:
     """Return `figure` as an ``svg`` element for the body of an HTML page.
 
-    See `picture` for the parameters; without a title, `alt` alone names the figure.
+    Its ids begin with `name`; without a title, `alt` alone names the figure.
     """
     stream = io.StringIO()
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}), _any_letters():

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from analysis.report import wording
 from analysis.report.content import Picture, Section, Table, cells
-from analysis.report.figures.dot_figure import Dot, dot_pictures, round_ticks, spread
-from analysis.report.figures.panels import RowName, Scale
+from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.panels import Row, Scale
+from analysis.report.figures.svg import About
 from analysis.report.headline.apart import Apart, taken_apart
 from analysis.report.headline.words import between, counted, number
 from analysis.report.subject import Subject
@@ -34,21 +35,29 @@ _DATA: Final = "heterogeneity.csv"
 class _Measure:
     """How effects of one kind are called and written."""
 
-    axis: str
+    scale: Scale
     says: str
     written: Callable[[float], str]
 
 
 _MEASURES: Final = {
     "win_share": _Measure(
-        axis="win share", says="win share, .5 for no preference", written=wording.share
+        scale=Scale(
+            limits=(0, 1),
+            ticks={0: "0", 0.25: ".25", 0.5: ".5", 0.75: ".75", 1: "1"},
+            label="win share",
+        ),
+        says="win share, .5 for no preference",
+        written=wording.share,
     ),
     "difference": _Measure(
-        axis="difference in scores",
+        scale=Scale(label="difference in scores"),
         says="mean difference of paired ratings in scores, 0 for none",
         written=number,
     ),
-    "mean_rank": _Measure(axis="mean rank", says="mean rank, 1 is best", written=number),
+    "mean_rank": _Measure(
+        scale=Scale(label="mean rank"), says="mean rank, 1 is best", written=number
+    ),
 }
 
 
@@ -116,43 +125,31 @@ def _forest(found: Sequence[Apart], by: By, mark: str) -> tuple[Picture, ...]:
     of = [one for one in found if one.by == by]
     names = _levels(of)
     measure = _MEASURES[of[0].measure]
-    panels = {one.heading: _dots(one, names, measure) for one in of}
     return dot_pictures(
-        panels,
-        [*(RowName(name=wording.name(name)) for name in names), RowName(name=_ALL[by])],
-        _scale(of, [dot for dots in panels.values() for dot in dots], measure),
-        name=f"by-{by}",
-        title=f"Effects by {by}",
-        told={heading: _told(heading, dots) for heading, dots in panels.items()},
-        caption=f"By {by}: {measure.says}, with {LEVEL:.0%} intervals, clustered by participant "
-        "and segment, of one segment by participant alone; after exclusions. Hollow: "
-        f"descriptive, {FEW} segments or fewer. Diamond: over all.",
-        data=_DATA,
-        mark=mark,
+        {one.heading: _dots(one, names, measure) for one in of},
+        [*(Row(wording.name(name)) for name in names), Row(_ALL[by])],
+        replace(measure.scale, line=of[0].null),
+        About(
+            name=f"by-{by}",
+            title=f"Effects by {by}",
+            caption=f"By {by}: {measure.says}, with {LEVEL:.0%} intervals, clustered by "
+            "participant and segment, of one segment by participant alone; after exclusions. "
+            f"Hollow: descriptive, {FEW} segments or fewer. Diamond: over all.",
+            data=_DATA,
+            mark=mark,
+        ),
     )
-
-
-def _scale(found: Sequence[Apart], dots: Sequence[Dot], measure: _Measure) -> Scale:
-    if found[0].measure == "win_share":
-        return Scale(
-            limits=(0, 1),
-            ticks={0: "0", 0.25: ".25", 0.5: ".5", 0.75: ".75", 1: "1"},
-            label=measure.axis,
-            line=0.5,
-        )
-    limits = spread(dots, around=found[0].null)
-    return Scale(limits=limits, ticks=round_ticks(limits), label=measure.axis, line=found[0].null)
 
 
 def _dots(of: Apart, names: Sequence[str], measure: _Measure) -> list[Dot]:
     by_name = {level.level: level for level in of.levels}
-    dots = [_dot(by_name.get(name), name, measure) for name in names]
-    return [*dots, _dot(of.whole, "over all", measure, whole=True)]
+    dots = [_dot(by_name.get(name), measure) for name in names]
+    return [*dots, _dot(of.whole, measure, whole=True)]
 
 
-def _dot(found: Estimate | None, name: str, measure: _Measure, *, whole: bool = False) -> Dot:
+def _dot(found: Estimate | None, measure: _Measure, *, whole: bool = False) -> Dot:
     if found is None or not found.n:
-        return Dot(estimate=math.nan, words="–", hint=f"{name}: no answers", whole=whole)
+        return Dot(words="–", hint="no answers", whole=whole)
     written = measure.written(found.estimate)
     inside = (
         f"no interval: {found.reason}"
@@ -164,14 +161,10 @@ def _dot(found: Estimate | None, name: str, measure: _Measure, *, whole: bool = 
         low=found.low,
         high=found.high,
         words=written,
-        hint=f"{name}: {written} {inside}, {wording.count(found.segments, 'segment')}",
+        hint=f"{written} {inside}, {wording.count(found.segments, 'segment')}",
         descriptive=isinstance(found, Cell) and found.descriptive,
         whole=whole,
     )
-
-
-def _told(heading: str, dots: Sequence[Dot]) -> str:
-    return f"{wording.heading(heading)}. {'; '.join(dot.hint for dot in dots)}."
 
 
 def _tests(found: Sequence[Apart]) -> Table:

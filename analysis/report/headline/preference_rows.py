@@ -105,6 +105,17 @@ class PreferenceGroup:
         )
 
 
+def levels(one: str, other: str) -> tuple[str, ...]:
+    """Return what the five answers are called."""
+    return (
+        f"clearly {one}",
+        f"slightly {one}",
+        "no difference",
+        f"slightly {other}",
+        f"clearly {other}",
+    )
+
+
 def pairwise_groups(results: PairwiseResults, reference: str | None) -> tuple[PreferenceGroup, ...]:
     """Return the comparisons of each set, seen from the reference where there is one."""
     found = []

@@ -7,8 +7,7 @@ from typing import Final
 
 from analysis.report import wording
 from analysis.report.content import Cell, Table, cells
-from analysis.report.figures.preference_figure import levels
-from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow
+from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow, levels
 from analysis.report.headline.words import (
     CLUSTERED,
     counted,

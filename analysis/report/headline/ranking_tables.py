@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 
 from analysis.report import wording
 from analysis.report.content import Table, cells
-from analysis.report.figures.ranking_figures import ordinal
 from analysis.report.headline.words import (
     CLUSTERED,
     between,
@@ -21,6 +20,12 @@ from analysis.results.ranking import RankContrast, RankedCondition
 from analysis.stats.clustered_mean import LEVEL
 from analysis.stats.rankings.friedman import Friedman
 from analysis.stats.rankings.kendall_w import Concordance
+
+
+def ordinal(place: int) -> str:
+    """Return a place as '1st', '2nd', '3rd', '4th'."""
+    ending = "th" if 10 < place % 100 < 14 else {1: "st", 2: "nd", 3: "rd"}.get(place % 10, "th")
+    return f"{place}{ending}"
 
 
 def place_table(conditions: Sequence[RankedCondition], *, name: str, data: str) -> Table:
@@ -118,7 +123,7 @@ def rank_table(
     )
 
 
-def posthoc_table(contrasts: Sequence[RankContrast], *, name: str, data: str) -> Table:
+def posthoc_table(contrasts: Sequence[RankContrast], *, name: str) -> Table:
     """Return every two conditions after Friedman's test, secondary."""
     return Table(
         caption=f"{of_set(contrasts[0].set)}Every two conditions after Friedman's test, secondary: "
@@ -150,7 +155,7 @@ def posthoc_table(contrasts: Sequence[RankContrast], *, name: str, data: str) ->
             for c in contrasts
         ),
         name=name,
-        data=data,
+        data="posthoc.csv",
     )
 
 

@@ -80,14 +80,14 @@ def interval_table(conditions: Sequence[RatedCondition], *, name: str, data: str
     )
 
 
-def contrast_table(contrasts: Sequence[RatingContrast], *, name: str, data: str) -> Table:
+def contrast_table(contrasts: Sequence[RatingContrast], *, name: str) -> Table:
     """Return the headline test: how much better each condition is rated than each other one."""
     return Table(
         caption=f"{of_set(contrasts[0].set)}How much better the first condition is rated than the "
         f"second, in scores: mean difference of paired ratings with its {LEVEL:.0%} interval, "
         f"clustered by participant and segment ({CLUSTERED}); n: "
         "pairs of ratings. p is corrected by Holm over the report's family of tests. "
-        "of the report. Cliff's δ: how often the first is rated higher minus how often lower. "
+        "Cliff's δ: how often the first is rated higher minus how often lower. "
         "After exclusions.",
         header=(
             *("question", "first", "second", "n", "difference", f"{LEVEL:.0%} interval"),
@@ -119,7 +119,7 @@ def contrast_table(contrasts: Sequence[RatingContrast], *, name: str, data: str)
             )
         ),
         name=name,
-        data=data,
+        data="contrasts.csv",
     )
 
 
@@ -128,7 +128,6 @@ def model_table(
     models: Mapping[str, RatingModel],
     *,
     name: str,
-    data: str,
 ) -> Table:
     """Return the same contrasts in the mixed model, beside the headline."""
     return Table(
@@ -155,7 +154,7 @@ def model_table(
             ),
         ),
         name=name,
-        data=data,
+        data="contrasts.csv",
     )
 
 

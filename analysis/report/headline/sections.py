@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from analysis.report.content import Picture, Section
-from analysis.report.headline.mismatch import mismatch_sections
-from analysis.report.headline.pairwise import pairwise_sections
-from analysis.report.headline.ranking import ranking_sections
-from analysis.report.headline.rating import rating_sections
+from analysis.report.headline.preferences import mismatch_sections, pairwise_sections
+from analysis.report.headline.rankings import ranking_sections
+from analysis.report.headline.ratings import rating_sections
 from analysis.report.subject import Subject
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults

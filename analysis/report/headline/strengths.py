@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 from analysis.report import wording
 from analysis.report.content import Cell, Picture, Table, cells
-from analysis.report.figures.dot_figure import Dot, dot_pictures, round_ticks, spread
-from analysis.report.figures.panels import RowName, Scale
+from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.panels import Row, Scale
+from analysis.report.figures.svg import About
 from analysis.report.headline.words import (
     between,
     counted,
@@ -47,75 +48,45 @@ class Standing:
 
 
 def strength_pictures(
-    standings: Mapping[str, Sequence[Standing]],
-    *,
-    axis: str,
-    name: str,
-    title: str,
-    caption: str,
-    data: str,
-    mark: str,
+    standings: Mapping[str, Sequence[Standing]], axis: str, about: About
 ) -> tuple[Picture, ...]:
     """Draw a panel per question and a row per condition, the strongest on the first one on top.
 
     Parameters
     ----------
     standings : mapping of str to sequence of Standing
-        By question.
+        By question; nothing is drawn without any.
     axis : str
         What the values are.
-    name, title, caption, data
-        See `analysis.report.figures.svg.picture`.
-    mark : str
-        Written on top; empty for none.
+    about : About
+        What stands around the figure.
     """
+    if not standings:
+        return ()
     first = next(iter(standings.values()))
     values = {one.condition: one.value for one in first if not math.isnan(one.value)}
     names = dict.fromkeys(one.condition for found in standings.values() for one in found)
     order = sorted(names, key=lambda one: -values.get(one, -math.inf))
-    panels = {question: _dots(order, found) for question, found in standings.items()}
-    limits = spread([dot for dots in panels.values() for dot in dots], around=0.0)
-    return dot_pictures(
-        panels,
-        [RowName(name=wording.name(one)) for one in order],
-        Scale(limits=limits, ticks=round_ticks(limits), label=axis, line=0.0),
-        name=name,
-        title=title,
-        told={question: _told(question, found) for question, found in standings.items()},
-        caption=caption,
-        data=data,
-        mark=mark,
-    )
-
-
-def _dots(order: Sequence[str], standings: Sequence[Standing]) -> list[Dot]:
-    by_name = {one.condition: one for one in standings}
-    return [_dot(by_name.get(name)) for name in order]
+    panels = {}
+    for question, found in standings.items():
+        by_name = {one.condition: one for one in found}
+        panels[question] = [_dot(by_name.get(name)) for name in order]
+    rows = [Row(wording.name(one)) for one in order]
+    return dot_pictures(panels, rows, Scale(label=axis, line=0.0), about)
 
 
 def _dot(one: Standing | None) -> Dot:
     if one is None or math.isnan(one.value):
-        return Dot(estimate=math.nan, words="–")
+        return Dot(words="–", hint="not known")
+    inside = "" if math.isnan(one.low) else f" {between(number(one.low), number(one.high))}"
     return Dot(
         estimate=one.value,
         low=one.low,
         high=one.high,
         words=number(one.value),
         below=f"rank {one.ranks}" if one.ranks != "–" else "",
-        hint=f"{wording.name(one.condition)}: {_words(one)}",
+        hint=f"{number(one.value)}{inside}, rank {one.ranks}",
     )
-
-
-def _words(one: Standing) -> str:
-    if math.isnan(one.value):
-        return "not known"
-    inside = "" if math.isnan(one.low) else f" {between(number(one.low), number(one.high))}"
-    return f"{number(one.value)}{inside}, rank {one.ranks}"
-
-
-def _told(question: str, standings: Sequence[Standing]) -> str:
-    parts = [f"{wording.name(one.condition)}: {_words(one)}" for one in standings]
-    return f"{wording.heading(question)}. {'; '.join(parts)}."
 
 
 def standings(fitted: Fitted) -> tuple[Standing, ...]:
@@ -195,10 +166,9 @@ def _values(fitted: Fitted) -> Mapping[str, float]:
 def contrasts_table(
     contrasts: Sequence[StrengthContrast],
     fitted: Mapping[str, Fitted],
-    *,
     what: str,
+    *,
     name: str,
-    data: str,
 ) -> Table:
     """Return how much stronger the first of every two conditions is.
 
@@ -210,7 +180,7 @@ def contrasts_table(
         What they are differences of, by question.
     what : str
         What those are called.
-    name, data
+    name : str
         See `analysis.report.content.Table`.
     """
     shared = any(_share_ranks(one, fitted[one.question]) for one in contrasts)
@@ -261,7 +231,7 @@ def contrasts_table(
             *((RANKS_ARE_WIDER,) if shared else ()),
         ),
         name=name,
-        data=data,
+        data="contrasts.csv",
     )
 
 

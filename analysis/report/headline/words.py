@@ -62,9 +62,9 @@ def counted(value: float, text: str, *, best: bool = False, second: bool = False
     )
 
 
-def suffix(set_number: int | None) -> str:
-    """Return what a set adds to the names of its files."""
-    return "" if set_number is None else f"-set-{set_number}"
+def suffix(name: str | None, number: int) -> str:
+    """Return what the set of that name and number adds to the names of its files."""
+    return "" if name is None else f"-set-{number}"
 
 
 def in_set(name: str | None, heading: str) -> str:

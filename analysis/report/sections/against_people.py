@@ -11,13 +11,11 @@ from analysis.measurement.paper_tables import PAPER_TABLES
 from analysis.report import wording
 from analysis.report.by_question import each_question, question_name
 from analysis.report.content import Cell, Picture, Section, Table
-from analysis.report.figures.agreement_figure import MOST, agreement_figure
-from analysis.report.figures.correlation_figure import (
-    correlation_figure,
-    correlation_words,
-    interval_words,
-    one_word,
-)
+from analysis.report.figures.agreement_figure import MOST, agreement_pictures
+from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.panels import Row, Scale
+from analysis.report.figures.svg import About
+from analysis.report.headline.words import between
 from analysis.report.sections.metric import PAPER_OF, is_detail
 from analysis.report.sections.metric_ranking import ARROWS
 from analysis.report.subject import Subject
@@ -65,6 +63,15 @@ _READING: Final = tuple(
 )
 _FILE: Final = "metrics_against_people.csv"
 _MOST_NAMED: Final = 5
+_MOST_ROWS: Final = 24
+"""Metrics that one sheet of the forest has."""
+
+_CORRELATION: Final = Scale(
+    limits=(-1.05, 1.05),
+    ticks={-1: "−1", -0.5: "−.5", 0: "0", 0.5: ".5", 1: "1"},
+    ends=("disagrees", "agrees"),
+    line=0.0,
+)
 
 
 def against_people_section(report: TableReport, subject: Subject) -> Section | None:
@@ -117,8 +124,8 @@ def how_little(found: SamplingRange) -> str:
     )
     return (
         f"With {found.conditions} conditions, a true Kendall's τ of {wording.share(found.tau)} "
-        f"would show as anything from {one_word(found.low)} to {one_word(found.high)} in 95 of 100 "
-        f"studies, even if preferences and scores were known without error{inside}."
+        f"would show as anything from {_correlation(found.low)} to {_correlation(found.high)} in "
+        f"95 of 100 studies, even if preferences and scores were known without error{inside}."
     )
 
 
@@ -157,7 +164,7 @@ def _leaving_out_zero(
     if not known:
         return f"There is no interval {where}."
     clear = [
-        f"{metric.metric} on {one.name} ({correlation_words(number)})"
+        f"{metric.metric} on {one.name} ({_correlation_words(number)})"
         for one, metric, number in known
         if number.low > 0 or number.high < 0
     ]
@@ -186,43 +193,93 @@ def _scatters(
         names = [place.condition for metric in drawn for place in metric.places]
         order = [name for name in subject.conditions if name in names]
         left = f" The first {MOST} of {len(drawn)} metrics." if len(drawn) > MOST else ""
-        yield agreement_figure(
+        yield from agreement_pictures(
             drawn[:MOST],
             list(dict.fromkeys([*order, *names])),
-            preference=_UPRIGHT[report.protocol],
-            name=f"metrics-against-people-{number}",
-            title=f"Metrics against preference: {one.name}",
-            caption=f"{wording.heading(one.name)}: each metric against people's preference "
-            f"({one.found.preference}; lines: 95 % of resamples of {subject.people} and "
-            "segments). Axes run towards what the metric calls better, so where both agree marks "
-            f"rise.{left}",
-            data=_FILE,
-            mark=subject.mark,
+            _UPRIGHT[report.protocol],
+            About(
+                name=f"metrics-against-people-{number}",
+                title=f"Metrics against preference: {one.name}",
+                caption=f"{wording.heading(one.name)}: each metric against people's preference "
+                f"({one.found.preference}; lines: 95 % of resamples of {subject.people} and "
+                "segments). Axes run towards what the metric calls better, so where both agree "
+                f"marks rise.{left}",
+                data=_FILE,
+                mark=subject.mark,
+            ),
         )
 
 
 def _forests(asked: Sequence[_Question], subject: Subject) -> Iterator[Picture]:
     for number, of in enumerate(dict.fromkeys(one.set for one in asked), start=1):
         questions = {one.question: one.metrics for one in asked if one.set == of}
-        known = [
-            found
-            for metrics in questions.values()
+        found = {
+            (question, metric.metric): metric
+            for question, metrics in questions.items()
             for metric in metrics
-            for found in (metric.kendall, metric.within)
-        ]
-        if all(math.isnan(found.low) for found in known):
+        }
+        if all(math.isnan(one.low) for m in found.values() for one in (m.kendall, m.within)):
             continue
         where = f", set {wording.name(of)}" if of else ""
-        yield from correlation_figure(
-            questions,
-            name=f"metric-correlations-{number}" if of else "metric-correlations",
-            title=f"Correlations of metrics with preference{where}",
-            caption=f"Agreement of each metric with people{where}, with 95 % intervals: over "
-            "conditions, and over clips within conditions. Hollow marks have no interval; the "
-            "notes under the table say why.",
-            data=_FILE,
-            mark=subject.mark,
-        )
+        names = list(dict.fromkeys(metric for _, metric in found))
+        sheets = -(-len(names) // _MOST_ROWS)
+        for sheet in range(sheets):
+            start, end = (len(names) * (sheet + k) // sheets for k in (0, 1))
+            rows = [[found.get((q, name)) for q in questions] for name in names[start:end]]
+            about = About(
+                name="metric-correlations"
+                + (f"-{number}" if of else "")
+                + (f"-{sheet + 1}" if sheets > 1 else ""),
+                title=f"Correlations of metrics with preference{where}",
+                caption=f"Agreement of each metric with people{where}, with 95 % intervals: over "
+                "conditions, and over clips within conditions. Hollow marks have no interval; the "
+                "notes under the table say why.",
+                data=_FILE,
+                mark=subject.mark,
+            )
+            yield from dot_pictures(
+                {
+                    "Over conditions: Kendall's τ-b": [
+                        [_dot(metric.kendall if metric else None) for metric in row] for row in rows
+                    ],
+                    "Within conditions: r": [
+                        [_dot(metric.within if metric else None) for metric in row] for row in rows
+                    ],
+                },
+                [Row(name) for name in names[start:end]],
+                _CORRELATION,
+                about,
+                series=[wording.heading(question) for question in questions],
+            )
+
+
+def _dot(found: RankCorrelation | WithinCorrelation | None) -> Dot:
+    if found is None or math.isnan(found.estimate):
+        return Dot(hint="–")
+    return Dot(
+        estimate=found.estimate,
+        low=found.low,
+        high=found.high,
+        hint=_correlation_words(found),
+        descriptive=math.isnan(found.low),
+    )
+
+
+def _correlation_words(found: RankCorrelation | WithinCorrelation) -> str:
+    """Return a correlation with its interval where it has one, '.52 [.11, .79]'."""
+    inside = "" if math.isnan(found.low) else f" {_interval_words(found)}"
+    return f"{_correlation(found.estimate)}{inside}"
+
+
+def _interval_words(found: RankCorrelation | WithinCorrelation) -> str:
+    return between(_correlation(found.low), _correlation(found.high))
+
+
+def _correlation(value: float) -> str:
+    """Return a correlation as a share, '1' and '−1' without decimals."""
+    if not math.isnan(value) and abs(value) > 0.995:
+        return "1" if value > 0 else "−1"
+    return wording.share(value)
 
 
 def _table(asked: Sequence[_Question], protocol: str) -> Table:
@@ -271,10 +328,10 @@ def _cells(
         note = f"({reasons.setdefault(found.reason, len(reasons) + 1)})"
     if math.isnan(found.estimate):
         return Cell(text="–"), Cell(text=f"–{wording.NO_BREAK}{note}")
-    estimate = Cell(text=one_word(found.estimate), value=found.estimate)
+    estimate = Cell(text=_correlation(found.estimate), value=found.estimate)
     if math.isnan(found.low):
         return estimate, Cell(text=f"–{wording.NO_BREAK}{note}")
-    return estimate, Cell(text=interval_words(found))
+    return estimate, Cell(text=_interval_words(found))
 
 
 def _left_out(asked: Sequence[_Question]) -> Iterator[str]:

@@ -1,113 +1,46 @@
 from __future__ import annotations
 
-from itertools import combinations
-
-import pytest
-
-from analysis.report.figures.dot_figure import Dot, dot_pictures, round_ticks, spread
-from analysis.report.figures.panels import (
-    NARROW,
-    WIDE,
-    Format,
-    RowName,
-    Scale,
-    plans,
-    row_height,
-)
+from analysis.report.figures.dots import Dot, dot_pictures
+from analysis.report.figures.panels import NARROW, WIDE, Row, Scale
+from analysis.report.figures.svg import About
 from tests.analysis.report.headline.reading import drawn
 
-LONG = "a condition with a name of so many words that no figure has room for all of them"
+SCALE = Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share")
+ABOUT = About(name="forest", title="A forest", caption="Effects.")
 
 
-@pytest.mark.parametrize("room", [WIDE, NARROW], ids=["wide", "narrow"])
-@pytest.mark.parametrize("questions", [1, 2, 3, 8])
-@pytest.mark.parametrize("rows", [1, 2, 12])
-@pytest.mark.parametrize("name", ["ours", LONG])
-def test_panels_never_overlap_and_sheets_fit_a_page(
-    room: Format, questions: int, rows: int, name: str
-) -> None:
-    titles = [f"Question {k} {name}" for k in range(questions)]
-    names = [RowName(name=f"{k} {name}", below="n = 23") for k in range(rows)]
-    sheets = plans(titles, names, foot=0.4, room=room)
-    assert [place.number for sheet in sheets for place in sheet.places] == list(range(questions))
-    for sheet in sheets:
-        assert sheet.height <= room.tallest
-        for place in sheet.places:
-            assert place.left >= room.labels
-            assert place.left + place.width <= room.width + 1e-9
-            assert place.top - place.head >= -1e-9
-            assert place.top + place.height <= sheet.height - 0.4
-        for one, other in combinations(sheet.places, 2):
-            beside = one.left + one.width < other.left or other.left + other.width < one.left
-            below = one.top + one.height < other.top - other.head
-            assert beside or below
+def test_a_rows_name_is_broken_into_the_lines_that_there_are() -> None:
+    long = Row("a condition with a name of so many words that no figure has room for it", "n = 23")
 
-
-def test_rows_are_as_high_as_their_longest_name_needs() -> None:
-    short, long = RowName(name="ours"), RowName(name=LONG, below="n = 23")
     assert long.text(WIDE).count("\n") == 2
+    assert long.text(NARROW).count("\n") == 3
     assert "…" in long.text(WIDE)
-    assert row_height([short, long]) > row_height([short])
-
-
-@pytest.mark.parametrize(
-    ("limits", "ticks"),
-    [
-        ((0.0, 1.0), {0.0: "0.0", 0.2: "0.2", 0.4: "0.4", 0.6: "0.6", 0.8: "0.8", 1.0: "1.0"}),
-        ((-1.3, 2.2), {-1.0: "−1", 0.0: "0", 1.0: "1", 2.0: "2"}),
-        ((-130, 20), {-100.0: "−100", -50.0: "−50", 0.0: "0"}),
-        ((3.01, 3.02), {k / 1000: f"{k / 1000:.3f}" for k in range(3010, 3021, 2)}),
-    ],
-)
-def test_ticks_are_round_numbers(limits: tuple[float, float], ticks: dict[float, str]) -> None:
-    assert round_ticks(limits) == ticks
-
-
-def test_an_axis_holds_every_interval() -> None:
-    low, high = spread([Dot(estimate=1.0, low=-2.0, high=4.0), Dot(estimate=float("nan"))])
-    assert low < -2.0
-    assert high > 4.0
-    assert spread([], around=0.0) == (-0.5, 0.5)
+    assert Row("ours").text(WIDE) == "ours"
 
 
 def test_marks_tell_what_is_descriptive_and_what_is_the_whole() -> None:
     dots = [
-        Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint="anger: .40", descriptive=True),
-        Dot(estimate=0.5, low=0.3, high=0.7, words=".50", hint="over all: .50", whole=True),
+        Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint=".40", descriptive=True),
+        Dot(estimate=0.5, low=0.3, high=0.7, words=".50", hint=".50", whole=True),
     ]
-    (picture,) = dot_pictures(
-        {"emotion": dots},
-        [RowName(name="anger"), RowName(name="all emotions")],
-        Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share"),
-        name="forest",
-        title="A forest",
-        told={"emotion": "Emotion. anger: .40; over all: .50."},
-        caption="",
-        data="",
-        mark="Rehearsal",
-    )
+    about = About(name="forest", title="A forest", caption="", mark="Rehearsal")
+
+    (picture,) = dot_pictures({"emotion": dots}, [Row("anger"), Row("all")], SCALE, about)
+
     svg = drawn(picture)
     hollow, full = (svg.find(id=f"forest-dot0-{row}") for row in (0, 1))
     assert "var(--paper" in str(hollow)
     assert "var(--paper" not in str(full)
-    assert {"anger", "all emotions", "Rehearsal", "win share"} <= {
-        t.get_text() for t in svg("text")
-    }
+    assert {"anger", "all", "Rehearsal", "win share"} <= {t.get_text() for t in svg("text")}
+    assert svg.desc is not None
+    assert svg.desc.get_text() == "Emotion. anger: .40; all: .50."
 
 
 def test_a_narrow_screen_gets_the_same_panels_one_below_the_other() -> None:
-    dots = [Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint="ours: .40")]
-    (picture,) = dot_pictures(
-        {"emotion": dots, "rhythm": dots},
-        [RowName(name="ours")],
-        Scale(limits=(0, 1), ticks={0: "0", 1: "1"}, label="win share"),
-        name="forest",
-        title="A forest",
-        told={"emotion": "Emotion.", "rhythm": "Rhythm."},
-        caption="",
-        data="",
-        mark="",
-    )
+    dots = [Dot(estimate=0.4, low=0.1, high=0.7, words=".40", hint=".40")]
+
+    (picture,) = dot_pictures({"emotion": dots, "rhythm": dots}, [Row("ours")], SCALE, ABOUT)
+
     wide, narrow = (drawn(picture, place) for place in (0, 1))
     assert (wide["class"], narrow["class"]) == (["wide"], ["narrow"])
     sizes = [list(map(float, str(svg["viewbox"]).split()))[2:] for svg in (wide, narrow)]
@@ -117,3 +50,20 @@ def test_a_narrow_screen_gets_the_same_panels_one_below_the_other() -> None:
     assert said[0] == said[1]
     ids = [{tag["id"] for tag in svg(id=True)} for svg in (wide, narrow)]
     assert not ids[0] & ids[1]
+
+
+def test_panels_that_a_page_has_no_room_for_stand_on_further_sheets() -> None:
+    dots = [Dot(estimate=0.4, hint=".40")] * 12
+    questions = [f"question {number}" for number in range(5)]
+
+    pictures = dot_pictures(dict.fromkeys(questions, dots), [Row("ours")] * 12, SCALE, ABOUT)
+
+    assert [picture.name for picture in pictures] == ["forest-1", "forest-2"]
+    assert pictures[1].caption == "Effects. (2 of 2)"
+    shown = [text.get_text() for picture in pictures for text in drawn(picture)("text")]
+    assert [text for text in shown if text.startswith("Question")] == [
+        question.capitalize() for question in questions
+    ]
+    for picture in pictures:
+        height = float(str(drawn(picture)["viewbox"]).split()[3]) / 72
+        assert height <= WIDE.tallest

@@ -18,7 +18,7 @@ from analysis.report.figures.ink import (
     place_colours,
     scale_colours,
 )
-from analysis.report.figures.svg import inline_svg, picture
+from analysis.report.figures.svg import About, Drawing, inline_svg, picture
 
 
 def drawn(name: str = "one") -> Picture:
@@ -28,12 +28,9 @@ def drawn(name: str = "one") -> Picture:
         axes.plot([0, 1], [0, 1], gid="line")
         axes.set_title("a < b & c")
         return picture(
-            figure,
-            name=name,
-            title='It says "hi"',
-            alt="a is 1 & b is 2",
-            caption="",
-            hints={"line": "1 < 2"},
+            Drawing(figure=figure, hints={"line": "1 < 2"}),
+            About(name=name, title='It says "hi"', caption=""),
+            "a is 1 & b is 2",
         )
 
 
@@ -50,7 +47,8 @@ def test_letters_of_every_script_are_drawn_without_a_warning() -> None:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(2, 1))
         figure.subplots().set_title("条件 条件")
-    found = picture(figure, name="one", title="", alt="", caption="")
+    about = About(name="one", title="", caption="")
+    found = picture(Drawing(figure=figure, hints={}), about, "")
     assert "条件" in found.svg
     assert found.pdf
 

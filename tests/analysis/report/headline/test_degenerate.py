@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.figures.preference_figure import preference_pictures
+from analysis.report.figures.svg import About
 from analysis.report.headline.apart import taken_apart
 from analysis.report.headline.heterogeneity import heterogeneity_section
 from analysis.report.headline.preference_rows import pairwise_groups
+from analysis.report.headline.preferences import preference_pictures
 from analysis.report.headline.sections import first_picture, headline_sections
 from analysis.report.subject import Subject
 from analysis.results.pairwise import PairwiseResults
@@ -71,7 +72,7 @@ def test_a_comparison_without_analysed_answers_says_so_among_the_others(analyse:
     results = analyse("pairwise", table).results
     assert isinstance(results, PairwiseResults)
     (group,) = pairwise_groups(results, None)
-    (picture,) = preference_pictures(group, name="preferences", data="", mark="")
+    (picture,) = preference_pictures(group, About(name="preferences", title="Answers", caption=""))
     assert "no answers" in drawn(picture).get_text()
     assert "other against static: no answers" in told(picture)
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import combinations
-from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 import matplotlib as mpl
 import pytest
@@ -15,37 +14,31 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from analysis.report.content import Picture
-from analysis.report.figures import matrix_figure, panel_figure
-from analysis.report.figures.bar_figure import Bar, BarFigure, Part, bar_pictures
-from analysis.report.figures.dot_figure import Dot, dot_pictures
+from analysis.report.figures import panels
+from analysis.report.figures.agreement_figure import agreement_pictures
+from analysis.report.figures.bars import Bar, Part, Won, bar_pictures, matrix_pictures
+from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.ink import FIVE, STYLE
-from analysis.report.figures.matrix_figure import Won, matrix_pictures
-from analysis.report.figures.panels import RowName, Scale
-from analysis.report.figures.rating_figures import cumulative_pictures
-from analysis.report.figures.svg import Drawing
-from analysis.results.rating import RatedCondition
-
-Drawn = Callable[[ModuleType], list[Figure]]
+from analysis.report.figures.panels import Row, Scale
+from analysis.report.figures.svg import About, Drawing
+from analysis.results.against_people.result import MetricAgainstPeople, Place
 
 LONG = "a condition whose name is so long that it has to be broken into several lines"
-FIXED: dict[str, Any] = {"name": "n", "title": "t", "caption": "c", "data": "", "mark": "Rehearsal"}
+ABOUT = About(name="n", title="t", caption="c", mark="Rehearsal")
+NONE = cast(Any, None)
 
 
 @pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch) -> Drawn:
-    """Return what keeps the figures that a module draws, before they are written."""
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """Return the figures that are drawn, wide and narrow, before they are written."""
+    figures: list[Figure] = []
 
-    def keep(module: ModuleType) -> list[Figure]:
-        figures: list[Figure] = []
+    def picture(wide: Drawing, about: About, told: str, *, narrow: Drawing) -> Picture:
+        figures.extend([wide.figure, narrow.figure])
+        return Picture(svg=Markup(""), caption="")
 
-        def picture(figure: Figure, *, narrow: Drawing, **_: object) -> Picture:
-            figures.extend([figure, narrow.figure])
-            return Picture(svg=Markup(""), caption="")
-
-        monkeypatch.setattr(module, "picture", picture)
-        return figures
-
-    return keep
+    monkeypatch.setattr(panels, "picture", picture)
+    return figures
 
 
 def texts(figure: Figure) -> Iterator[tuple[Text, mpl.transforms.BboxBase]]:
@@ -54,8 +47,17 @@ def texts(figure: Figure) -> Iterator[tuple[Text, mpl.transforms.BboxBase]]:
     with mpl.rc_context({**STYLE, "text.hinting": "no_hinting"}):
         renderer = FigureCanvasAgg(figure).get_renderer()
         figure.draw(renderer)
+        beyond = {
+            id(tick.label1)
+            for axes in figure.axes
+            for axis in (axes.xaxis, axes.yaxis)
+            for tick in axis.get_major_ticks()
+            if not min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())
+        }
         for text in figure.findobj(Text):
-            if isinstance(text, Text) and text.get_text().strip() and text.get_visible():
+            if not isinstance(text, Text) or id(text) in beyond:
+                continue
+            if text.get_text().strip() and text.get_visible():
                 yield text, text.get_window_extent(renderer)
 
 
@@ -76,58 +78,62 @@ def check(figures: list[Figure]) -> None:
             assert wide <= 4 or high <= 10, (one, other)
 
 
-def rows(count: int) -> tuple[RowName, ...]:
-    return tuple(RowName(name=f"{k} {LONG}", below="n = 1234") for k in range(count))
+def rows(count: int) -> tuple[Row, ...]:
+    return tuple(Row(f"{k} {LONG}", "n = 1234") for k in range(count))
 
 
-@pytest.mark.parametrize(("panels", "count"), [(1, 1), (2, 12), (3, 2)])
-def test_bars(drawn: Drawn, panels: int, count: int) -> None:
-    figures = drawn(panel_figure)
+@pytest.mark.parametrize(("questions", "count"), [(1, 1), (2, 12), (3, 2)])
+def test_bars(drawn: list[Figure], questions: int, count: int) -> None:
     bar = Bar(
         start=-60,
-        parts=tuple(Part(percent=20.0, hint="") for _ in FIVE),
+        parts=tuple(Part(percent=20.0, colour=colour, hint="") for colour in FIVE),
         estimate=0.98,
         low=0.9,
         high=1.0,
         words="12.34",
         below="[12.30, 12.40]",
     )
-    questions = [f"question {k} {LONG}" for k in range(panels)]
     bar_pictures(
-        BarFigure(
-            panels=dict.fromkeys(questions, (bar,) * count),
-            told=dict.fromkeys(questions, "told"),
-            rows=rows(count),
-            colours=FIVE,
-            legend=tuple(f"slightly {k} {LONG}" for k in range(5)),
-            bars=Scale(
-                limits=(-60, 60), ticks={-60: "60 %", 0: "0", 60: "60 %"}, ends=(LONG, LONG)
-            ),
-            estimates=Scale(limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share"),
-        ),
-        **FIXED,
+        {f"question {k} {LONG}": (bar,) * count for k in range(questions)},
+        rows(count),
+        {f"slightly {k} {LONG}": colour for k, colour in enumerate(FIVE)},
+        Scale(limits=(-60, 60), ticks={-60: "60 %", 0: "0", 60: "60 %"}, ends=(LONG, LONG)),
+        Scale(limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share"),
+        ABOUT,
     )
-    check(figures)
+    check(drawn)
 
 
-@pytest.mark.parametrize(("panels", "count"), [(1, 3), (4, 12)])
-def test_dots(drawn: Drawn, panels: int, count: int) -> None:
-    figures = drawn(panel_figure)
-    questions = [f"question {k} {LONG}" for k in range(panels)]
+@pytest.mark.parametrize(("questions", "count"), [(1, 3), (4, 12)])
+def test_dots(drawn: list[Figure], questions: int, count: int) -> None:
     dot = Dot(estimate=-1.5, low=-2.0, high=2.0, words="−12.34", below="rank 10–12")
     dot_pictures(
-        {question: [dot] * count for question in questions},
+        {f"question {k} {LONG}": [dot] * count for k in range(questions)},
         rows(count),
-        Scale(limits=(-2, 2), ticks={-2: "−2", 0: "0", 2: "2"}, label="strength in logits"),
-        told=dict.fromkeys(questions, "told"),
-        **FIXED,
+        Scale(label="strength in logits", line=0.0),
+        ABOUT,
     )
-    check(figures)
+    check(drawn)
+    for axes in drawn[0].axes:
+        low, high = axes.get_xlim()
+        assert low < dot.low
+        assert dot.high < high
+
+
+def test_several_dots_of_a_row(drawn: list[Figure]) -> None:
+    dots = [Dot(estimate=0.2, low=-0.5, high=0.8), Dot(estimate=0.9), Dot()]
+    dot_pictures(
+        {"over conditions": [dots] * 20, "within conditions": [dots] * 20},
+        [Row(f"{k} {LONG}") for k in range(20)],
+        Scale(limits=(-1, 1), ends=("disagrees", "agrees")),
+        ABOUT,
+        series=[f"question {k} {LONG}" for k in range(3)],
+    )
+    check(drawn)
 
 
 @pytest.mark.parametrize("count", [2, 12])
-def test_matrices(drawn: Drawn, count: int) -> None:
-    figures = drawn(matrix_figure)
+def test_matrices(drawn: list[Figure], count: int) -> None:
     names = [f"{k} {LONG}" for k in range(count)]
     shares = {
         (one, other): Won(share=1.0, words="", decided=True)
@@ -135,29 +141,29 @@ def test_matrices(drawn: Drawn, count: int) -> None:
         for other in names
         if one != other
     }
-    matrix_pictures({f"question {LONG}": shares, "another": shares}, names, **FIXED)
-    check(figures)
+    matrix_pictures({f"question {LONG}": shares, "another": shares}, names, ABOUT)
+    check(drawn)
 
 
-def test_curves(drawn: Drawn) -> None:
-    figures = drawn(panel_figure)
-    conditions = [
-        RatedCondition(
-            set=None,
-            condition=f"{k} {LONG}",
-            question=question,
-            n=10,
-            estimate=3.0,
-            sd=1.0,
-            low=2.0,
-            high=4.0,
-            counts=dict.fromkeys(range(1, 6), 2),
-            at_least={score: 120.0 - 20 * score for score in range(1, 6)},
-            participants=2,
-            segments=2,
+def test_metrics_beside_preference(drawn: list[Figure]) -> None:
+    names = [f"{k} {LONG}" for k in range(12)]
+    metrics = [
+        MetricAgainstPeople(
+            metric=f"metric {k} {LONG}",
+            unit="m/s",
+            better=better,
+            conditions=12,
+            recorded=0.3,
+            left_out={},
+            places=tuple(
+                Place(condition=name, score=123.4 * at, preference=-at, low=-at - 1, high=-at + 1)
+                for at, name in enumerate(names)
+            ),
+            kendall=NONE,
+            spearman=NONE,
+            within=NONE,
         )
-        for question in ("match", "sync")
-        for k in range(12)
+        for k, better in enumerate(("higher", "lower", "near the reference", "lower"))
     ]
-    cumulative_pictures(conditions, name="c", data="", mark="Rehearsal")
-    check(figures)
+    agreement_pictures(metrics, names, "strength (logits)", ABOUT)
+    check(drawn)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.figures.rating_figures import distribution_pictures
+from analysis.report.headline.ratings import distribution_pictures
 from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
 from tests.analysis.report.headline.reading import (
@@ -57,13 +57,14 @@ def test_the_legend_says_what_the_scores_are_called(sections: Sections) -> None:
         assert label in said
 
 
-def test_cumulative_curves_are_the_shares_that_reach_a_score(
+def test_the_parts_tell_how_many_ratings_reach_their_score(
     results: RatingResults, sections: Sections
 ) -> None:
-    said = told(named_picture(sections["rating"][0], "cumulative-set-1"))
+    said = told(named_picture(sections["rating"][0], "ratings-set-1"))
     for one in (c for c in results.conditions if c.set == "1"):
-        assert f"{one.at_least[3]:.0f} % at least 3" in said
-        assert f"{one.condition}: 100 % at least 1" in said
+        given = f"score 3: {one.counts[3]} of {one.n} ratings ({100 * one.counts[3] / one.n:.0f} %"
+        assert f"{given}; {one.at_least[3]:.0f} % at least 3)" in said
+    assert said.count("100 % at least 1") == 3
 
 
 def test_the_best_mean_is_bold_and_the_second_best_underlined(
@@ -94,6 +95,6 @@ def test_scales_that_differ_are_said_under_the_figure(
     conditions = [c for c in results.conditions if c.set == "1"]
     twice = [*conditions, *(replace(c, question="sync") for c in conditions)]
     labels = {"match": SCALE, "sync": tuple("abcde")}
-    (picture,) = distribution_pictures(twice, labels, name="r", data="", mark="")
+    (picture,) = distribution_pictures(twice, labels, name="r", mark="")
     assert "Sync: 1 a, 2 b, 3 c, 4 d, 5 e." in picture.caption
     assert "1 (worst)" in words(picture)

@@ -1,72 +1,16 @@
-"""A figure laid out in inches from its top left corner, and words that fit where they stand."""
+"""Words that fit where they stand."""
 
 from __future__ import annotations
 
 import warnings
 from functools import cache
-from typing import Any, Final
+from typing import Final
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
-from matplotlib.text import Text
 from matplotlib.textpath import TextToPath
-
-from analysis.report.figures.ink import MARK
-from analysis.report.figures.svg import WIDTH
 
 POINTS: Final = 72.0
 """Points in an inch."""
-
-_MARK_ROOM: Final = 0.2
-
-
-class Sheet:
-    """A figure of the report's width; its mark, if it has one, stands above everything else.
-
-    Parameters
-    ----------
-    height : float
-        In inches, without the mark.
-    mark : str
-        Written on top, so that a copied figure keeps it; empty for none.
-    width : float, optional
-        In inches.
-    """
-
-    def __init__(self, height: float, *, mark: str = "", width: float = WIDTH) -> None:
-        self._above = _MARK_ROOM if mark else 0.0
-        self._width, self._height = width, height + self._above
-        self.figure = Figure(figsize=(self._width, self._height))
-        if mark:
-            self.figure.text(
-                0.0,
-                1 - 0.02 / self._height,
-                mark,
-                va="top",
-                color=MARK,
-                fontsize=7.5,
-                fontweight="bold",
-            )
-
-    def panel(self, left: float, top: float, width: float, height: float, **settings: Any) -> Axes:
-        """Return axes with their upper left corner at `left`, `top`."""
-        bottom = self._height - self._above - top - height
-        return self.figure.add_axes(
-            (
-                left / self._width,
-                bottom / self._height,
-                width / self._width,
-                height / self._height,
-            ),
-            **settings,
-        )
-
-    def write(self, left: float, top: float, text: str, **settings: Any) -> Text:
-        """Write text at `left`, `top`; where its box lies there, `ha` and `va` say."""
-        return self.figure.text(
-            left / self._width, 1 - (top + self._above) / self._height, text, **settings
-        )
 
 
 def fitted(text: str, inches: float, *, size: float, lines: int = 1, bold: bool = False) -> str:
@@ -94,11 +38,6 @@ def fitted(text: str, inches: float, *, size: float, lines: int = 1, bold: bool 
     if rest:
         found[-1] = _ended(f"{found[-1]} {rest[0]}", room, bold)
     return "\n".join(found)
-
-
-def inches_of(text: str, size: float) -> float:
-    """Return the width of text in inches, in a font of `size` points."""
-    return _wide(text, bold=False) * size / POINTS
 
 
 def _line(words: list[str], room: float, bold: bool) -> tuple[str, list[str]]:

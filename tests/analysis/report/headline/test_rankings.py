@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.figures.ranking_figures import ordinal
+from analysis.report.headline.ranking_tables import ordinal
 from analysis.results.ranking import RankingResults
 from analysis.results.report import TableReport
 from tests.analysis.report.headline.reading import edges, named_picture, named_table, told
@@ -38,7 +38,7 @@ def test_parts_of_a_bar_are_as_wide_as_places_were_reached(
 def test_mean_ranks_first_places_and_worths_stand_in_one_section(
     results: RankingResults, section: Section
 ) -> None:
-    assert [picture.name for picture in section.pictures] == ["places", "first-places", "worths"]
+    assert [picture.name for picture in section.pictures] == ["places", "worths"]
     for row, one in zip(named_table(section, "ranks").rows, results.conditions, strict=True):
         assert row[3].value == one.mean_rank.estimate
         assert row[6].value == one.first_share.estimate

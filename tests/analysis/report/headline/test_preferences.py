@@ -1,12 +1,16 @@
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import pytest
 
 from analysis.report import wording
 from analysis.report.content import Section
+from analysis.report.headline import preferences
 from analysis.report.headline.preference_rows import pairwise_groups
+from analysis.report.headline.sections import headline_sections
+from analysis.report.subject import Subject
+from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport
 from tests.analysis.report.headline.reading import (
@@ -40,7 +44,7 @@ def test_every_part_of_every_bar_tells_its_count(
             one.counts.values(),
             strict=False,
         ):
-            assert any(text.startswith(f"{level}: {count} of {one.n}") for text in said)
+            assert any(f"{level}: {count} of {one.n}" in text for text in said)
 
 
 def test_bars_are_as_wide_as_their_share_and_centred_on_no_difference(
@@ -150,11 +154,13 @@ def test_as_published_is_labelled_and_says_what_it_ignores(
     ]
 
 
-def test_a_matrix_holds_both_sides_of_every_comparison(
-    all_pairs: TableReport, sections: Sections
+def test_where_bars_are_too_many_a_matrix_holds_both_sides_of_every_comparison(
+    all_pairs: TableReport, subject: Callable[..., Subject], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (section,) = sections["all pairs"]
-    said = hints(named_picture(section, "win-share-matrix"))
+    monkeypatch.setattr(preferences, "MOST_BARS", 2)
+    (section,) = headline_sections(all_pairs, subject("pairwise"))
+    assert [picture.name for picture in section.pictures] == ["win-share-matrix", "strengths"]
+    said = hints(section.pictures[0])
     assert len(said) == 2 * 3 * 2
     for one in results(all_pairs).comparisons:
         share = one.win_share.estimate
@@ -183,3 +189,18 @@ def test_a_mark_stays_with_every_figure(sections: Sections) -> None:
     (section,) = sections["all pairs"]
     for picture in section.pictures:
         assert "no person answered" in drawn(picture).get_text()
+
+
+def test_own_speech_stands_on_the_left_of_every_condition(
+    matched: TableReport, sections: Sections
+) -> None:
+    assert isinstance(matched.results, MismatchResults)
+    (section,) = sections["mismatch"]
+    picture = named_picture(section, "own-speech")
+    said = hints(picture)
+    for one in matched.results.conditions:
+        assert f"clearly own speech: {one.counts['own_strong']} of {one.n}" in " ".join(said)
+    assert any(text.startswith("truth") for text in words(picture))
+    table = named_table(section, "own-speech")
+    best = {row[0].text: row[1].value for row in table.rows}
+    assert best == pytest.approx({c.condition: c.share["own"] for c in matched.results.conditions})

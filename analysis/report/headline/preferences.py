@@ -1,0 +1,289 @@
+"""Preferences as AMUSE shows them, and what several conditions allow beyond that.
+
+Pairwise comparisons, and the same motion with its own and with other speech.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from analysis.report import wording
+from analysis.report.by_question import of
+from analysis.report.content import Picture, Section, Table
+from analysis.report.figures.bars import Bar, Part, Won, bar_pictures, matrix_pictures
+from analysis.report.figures.ink import FIVE
+from analysis.report.figures.panels import Row, Scale
+from analysis.report.figures.svg import About
+from analysis.report.headline.preference_rows import (
+    PreferenceGroup,
+    PreferenceRow,
+    levels,
+    mismatch_groups,
+    pairwise_groups,
+)
+from analysis.report.headline.preference_tables import (
+    counts_table,
+    further_table,
+    sums_table,
+    win_share_table,
+)
+from analysis.report.headline.strengths import (
+    Standing,
+    contrasts_table,
+    standings,
+    standings_table,
+    strength_pictures,
+)
+from analysis.report.headline.words import (
+    in_set,
+    interval,
+    of_set,
+    share_words,
+    suffix,
+    why_no_figure,
+)
+from analysis.report.subject import Subject
+from analysis.results.mismatch import MismatchResults
+from analysis.results.pairwise import Comparison, PairwiseResults
+from analysis.stats.clustered_mean import LEVEL
+
+MOST_BARS: Final = 15
+"""Comparisons up to which each has its bar; more of them are shown as a matrix."""
+
+SIGNIFICANCE: Final = 0.05
+
+_PAIRS: Final = "comparisons.csv"
+_CONDITIONS: Final = "conditions.csv"
+_SHARES: Final = Scale(
+    limits=(0, 1), ticks={0: "0", 0.5: ".5", 1: "1"}, label="win share", line=0.5
+)
+
+
+def pairwise_sections(results: PairwiseResults, subject: Subject) -> tuple[Section, ...]:
+    """Return one section for each set.
+
+    Parameters
+    ----------
+    results : PairwiseResults
+        What was found.
+    subject : Subject
+        Its reference, if it has one, is what all other conditions are compared with.
+    """
+    found = []
+    for number, group in enumerate(pairwise_groups(results, subject.reference), start=1):
+        end = suffix(group.set, number)
+        reason = _why_no_figure(group)
+        found.append(
+            Section(
+                anchor=f"headline{end}",
+                heading=in_set(group.set, "What was preferred"),
+                paragraphs=(reason,) if reason else (),
+                pictures=() if reason else _pictures(results, group, subject.mark, end),
+                tables=(
+                    sums_table(group, name=f"preferences{end}", data=_PAIRS),
+                    win_share_table(group, name=f"win-shares{end}", data=_PAIRS),
+                    counts_table(group, name=f"counts{end}", data=_PAIRS),
+                    further_table(group, name=f"as-published{end}", data=_PAIRS),
+                    *_strength_tables(results, group, end),
+                ),
+            )
+        )
+    return tuple(found)
+
+
+def mismatch_sections(results: MismatchResults, subject: Subject) -> tuple[Section, ...]:
+    """Return one section for each set."""
+    found = []
+    for number, group in enumerate(mismatch_groups(results), start=1):
+        end = suffix(group.set, number)
+        reason = _why_no_figure(group)
+        about = _about(group, f"own-speech{end}", _CONDITIONS, subject.mark)
+        found.append(
+            Section(
+                anchor=f"headline{end}",
+                heading=in_set(group.set, "Whether the motion fits its own speech"),
+                paragraphs=(
+                    reason
+                    or "A win share of .5 is what a condition gets whose motion fits any speech as "
+                    "well as its own; a higher one says that its motion belongs to what is said.",
+                ),
+                pictures=() if reason else preference_pictures(group, about),
+                tables=(
+                    win_share_table(group, name=f"win-shares{end}", data=_CONDITIONS),
+                    sums_table(group, name=f"own-speech{end}", data=_CONDITIONS),
+                    counts_table(group, name=f"counts{end}", data=_CONDITIONS),
+                    further_table(group, name=f"as-published{end}", data=_CONDITIONS),
+                ),
+            )
+        )
+    return tuple(found)
+
+
+def _why_no_figure(group: PreferenceGroup) -> str:
+    return why_no_figure(
+        answers=sum(row.n for row in group.rows),
+        participants=max(row.attentive for row in group.rows),
+        tied=group.all_tied,
+    )
+
+
+def _strength_tables(
+    results: PairwiseResults, group: PreferenceGroup, end: str
+) -> tuple[Table, ...]:
+    strengths = of(results.bradley_terry, group.set)
+    if not strengths:
+        return ()
+    standing = standings_table(
+        strengths,
+        what="strength",
+        caption=f"{of_set(group.set)}Bradley–Terry strengths over all comparisons (Davidson's "
+        "ties, left-side term), in logits that add up to zero, and the ranks that each condition "
+        f"may have at {LEVEL:.0%}. After exclusions.",
+        name=f"strengths{end}",
+        data="bradley_terry.csv",
+    )
+    contrasts = [one for one in results.contrasts if one.set == group.set]
+    if len({name for one in contrasts for name in (one.a, one.b)}) < 3:
+        return (standing,)
+    name = f"contrasts{end}"
+    return standing, contrasts_table(contrasts, strengths, "strengths", name=name)
+
+
+def _pictures(
+    results: PairwiseResults, group: PreferenceGroup, mark: str, end: str
+) -> tuple[Picture, ...]:
+    bars = _about(group, f"preferences{end}", _PAIRS, mark)
+    if group.heading == "against":
+        return preference_pictures(group, bars)
+    fitted = of(results.bradley_terry, group.set)
+    standing = {
+        question: found
+        for question in group.questions
+        if question in fitted and (found := standings(fitted[question]))
+    }
+    comparisons = [one for one in results.comparisons if one.set == group.set]
+    strengths = About(
+        name=f"strengths{end}",
+        title="Bradley–Terry strengths",
+        caption=f"{of_set(group.set)}Bradley–Terry strengths over all comparisons (Davidson's "
+        f"ties, left-side term), which add up to zero, with {LEVEL:.0%} intervals one at a time, "
+        "and the ranks that each condition may have.",
+        data="bradley_terry.csv",
+        mark=mark,
+    )
+    return (
+        *(
+            preference_pictures(group, bars)
+            if len(group.labels) <= MOST_BARS
+            else _matrix(comparisons, standing, group, mark, end)
+        ),
+        *strength_pictures(standing, "strength in logits", strengths),
+    )
+
+
+def preference_pictures(group: PreferenceGroup, about: About) -> tuple[Picture, ...]:
+    """Draw answers as bars around 'no difference', win shares beside: AMUSE's Figure 6."""
+    by_place = {(row.label, row.question): row for row in group.rows}
+    panels = {
+        question: [_bar(by_place.get((label, wording.name(question)))) for label in group.labels]
+        for question in group.questions
+    }
+    sides = [
+        abs(end)
+        for bars in panels.values()
+        for bar in bars
+        for end in (bar.start, bar.start + sum(part.percent for part in bar.parts))
+    ]
+    reach = min(100, max(60, math.ceil(max(sides)) + 5))
+    people = {
+        label: max(row.attentive for row in group.rows if row.label == label)
+        for label in group.labels
+    }
+    return bar_pictures(
+        panels,
+        [Row(label, f"n = {people[label]}") for label in group.labels],
+        dict(zip(levels(group.one, group.other), FIVE, strict=True)),
+        Scale(
+            limits=(-reach, reach),
+            ticks={-50: "50 %", 0: "0", 50: "50 %"},
+            ends=(group.one.removeprefix("the "), group.other.removeprefix("the ")),
+            line=0,
+        ),
+        _SHARES,
+        about,
+    )
+
+
+def _about(group: PreferenceGroup, name: str, data: str, mark: str) -> About:
+    return About(
+        name=name,
+        title=f"Answers for {group.one} and for {group.other}",
+        caption=f"{of_set(group.set)}"
+        f"Answers in %, around “no difference”: {group.one} to the left, {group.other} to the "
+        "right; after exclusions; n: participants analysed. Right: win share of "
+        f"{group.one} (preferences plus half of “no difference”) with its {LEVEL:.0%} interval, "
+        "clustered by participant and segment; .5 means that neither is preferred.",
+        data=data,
+        mark=mark,
+    )
+
+
+def _bar(row: PreferenceRow | None) -> Bar:
+    if row is None or not row.n:
+        return Bar()
+    percents, share = row.percentages, row.win_share
+    return Bar(
+        start=-(percents[0] + percents[1] + percents[2] / 2),
+        parts=tuple(
+            Part(
+                percent=percent,
+                colour=colour,
+                hint=f"{level}: {count} of {row.n} answers ({percent:.0f} %)",
+            )
+            for percent, colour, count, level in zip(
+                percents, FIVE, row.levels, levels(row.one, row.other), strict=True
+            )
+        ),
+        estimate=share.estimate,
+        low=share.low,
+        high=share.high,
+        words=wording.share(share.estimate),
+        below=interval(share) or "no interval",
+    )
+
+
+def _matrix(
+    comparisons: Sequence[Comparison],
+    standing: Mapping[str, Sequence[Standing]],
+    group: PreferenceGroup,
+    mark: str,
+    end: str,
+) -> tuple[Picture, ...]:
+    shares: dict[str, dict[tuple[str, str], Won]] = {name: {} for name in group.questions}
+    for one in comparisons:
+        if not one.n:
+            continue
+        decided = one.decision.p_holm < SIGNIFICANCE
+        turned = one.win_share.turned()
+        for pair, share in (((one.a, one.b), one.win_share), ((one.b, one.a), turned)):
+            shares[one.question][pair] = Won(
+                share=share.estimate, words=share_words(share), decided=decided
+            )
+    names = dict.fromkeys(name for one in comparisons for name in (one.a, one.b))
+    values = {one.condition: one.value for one in next(iter(standing.values()), ())}
+    return matrix_pictures(
+        shares,
+        sorted(names, key=lambda name: -values.get(name, 0.0)),
+        About(
+            name=f"win-share-matrix{end}",
+            title="Win shares of every two conditions",
+            caption=f"{of_set(group.set)}Win share of the row's condition against the column's "
+            "(preferences plus half of “no difference”), after exclusions; columns are numbered "
+            "as the rows, which stand in the order of their strengths. Bold: the test decides at "
+            f"{SIGNIFICANCE:g} after Holm's correction. Intervals are in the table.",
+            data=_PAIRS,
+            mark=mark,
+        ),
+    )
