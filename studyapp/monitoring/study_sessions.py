@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session
 from studyapp.database.tables import Place, StudySession, Trial, Video
 from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.session.served_study import ServedStudy
+from studyapp.session.state import state_of
 
 Standing = Literal["done", "replaced", "active", "stale", "unwatched", "lapsed", "withdrawn"]
 STANDINGS: Final[tuple[Standing, ...]] = get_args(Standing)
@@ -30,7 +31,7 @@ class _Row(NamedTuple):
     completed_at: datetime | None
     withdrawn_at: datetime | None
     outcome: str | None
-    placed: bool
+    place: int | None
     excluded: bool
     trials: int
     settled: int
@@ -106,14 +107,11 @@ def present_ones(all_of_them: Sequence[Sitting]) -> list[Sitting]:
 
 
 def _standing(row: _Row, silent_since: datetime) -> Standing:
-    if row.withdrawn_at is not None:
-        return "withdrawn"
-    if row.completed_at is not None:
-        return "done" if row.placed else "replaced"
-    if row.outcome is not None:
-        return "unwatched"
-    if not row.placed:
-        return "lapsed"
+    state = state_of(row)
+    if state == "completed":
+        return "replaced" if row.place is None else "done"
+    if state in ("withdrawn", "unwatched", "lapsed"):
+        return state
     return "stale" if row.last_active_at < silent_since else "active"
 
 
@@ -143,7 +141,7 @@ def _query(only: int | None) -> Select[*tuple[Any, ...]]:
             StudySession.completed_at,
             StudySession.withdrawn_at,
             StudySession.outcome,
-            Place.id.is_not(None),
+            Place.id,
             by_hand.c.study_session_id.is_not(None),
             func.coalesce(of_trials.c.trials, 0),
             func.coalesce(of_trials.c.settled, 0),

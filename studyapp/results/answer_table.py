@@ -101,7 +101,7 @@ def _tables(study: Study, stored: StoredAnswers) -> dict[str, pd.DataFrame]:
         ]
         rows = rows.merge(single, on=["trial", "stimulus"], validate="many_to_one")
         return {study.protocol: _table(study.protocol, _each_stimulus(study, rows))}
-    rows = rows.merge(_sides(stored.stimuli), on="trial", validate="many_to_one")
+    rows = rows.merge(sides(stored.stimuli), on="trial", validate="many_to_one")
     if study.protocol == "pairwise":
         return {"pairwise": _table("pairwise", _pairs(rows))}
     tables = {}
@@ -140,9 +140,10 @@ def _word(value: object) -> str:
     return str(value)
 
 
-def _sides(stimuli: pd.DataFrame) -> pd.DataFrame:
+def sides(stimuli: pd.DataFrame) -> pd.DataFrame:
     """Return what each trial showed on the left and on the right; trials with a pair only."""
     columns = ["trial", "condition", "segment", "speech"]
+    stimuli = stimuli[stimuli.groupby("trial")["number"].transform("size") == 2]
     left, right = (stimuli.loc[stimuli["number"] == number, columns] for number in (1, 2))
     return left.merge(right, on="trial", suffixes=("_left", "_right"))
 

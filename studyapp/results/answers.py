@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 from sqlalchemy.orm import Session
 
@@ -39,6 +39,9 @@ class Answers:
     origin: Source | Literal["none"]
     stored: StoredAnswers | None
     stated: Study | None
+
+
+NO_ANSWERS: Final = Answers(origin="none", stored=None, stated=None)
 
 
 def answers_to_report(folder: StudyFolder) -> Answers:
@@ -79,11 +82,14 @@ def read_answers(folder: StudyFolder, origin: Source) -> Answers:
         return answers_in(session, origin)
 
 
-def answers_in(session: Session | None, origin: Source) -> Answers:
-    """Return the answers in a `snapshot`, for whoever reads more of the same state."""
+def answers_in(session: Session | None, origin: Source, *, in_full: bool = False) -> Answers:
+    """Return the answers in a `snapshot`, for whoever reads more of the same state.
+
+    For `in_full` see `stored_answers`.
+    """
     if session is None:
-        return Answers(origin="none", stored=None, stated=None)
-    stored = stored_answers(session)
+        return NO_ANSWERS
+    stored = stored_answers(session, in_full=in_full)
     sessions = stored.study_sessions
     versions = sessions.loc[of_present_design(sessions), "version"]
     stated = None if versions.empty else stated_study(session, int(versions.min()))
@@ -100,7 +106,7 @@ def _shared(folder: StudyFolder, origin: Source) -> Answers:
             )
     shared = read_shared_answers(folder.shared_answers)
     if shared.origin != origin:
-        return Answers(origin="none", stored=None, stated=None)
+        return NO_ANSWERS
     found = "none" if shared.stored.answers.empty else origin
     return Answers(origin=found, stored=shared.stored, stated=shared.stated)
 

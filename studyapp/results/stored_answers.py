@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
@@ -14,7 +14,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from sqlalchemy import Select, case, exists, func, select
+from sqlalchemy import ColumnElement, Select, case, exists, func, select
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import (
@@ -32,10 +32,21 @@ from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.researchers.looks import COMMAND_LINE
 from studyapp.session.arrival.intake import present_intake
 from studyapp.session.exclusion import JUDGED
+from studyapp.session.state import state_of
 from studyapp.session.videos.watch_evidence import watched_share
 
 ROWS: Final = 20_000
 """Rows that are fetched at once."""
+
+_IN_FULL: Final = (
+    StudySession.conditions,
+    StudySession.consented_at,
+    StudySession.started_at,
+    StudySession.completed_at,
+    StudySession.withdrawn_at,
+    StudySession.outcome,
+    Place.id.label("place"),
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,13 +59,16 @@ class StoredAnswers:
         One row for each: `study_session`, `version`, `arm`, `arm_design`, `withdrawn`,
         `completed` (bool), `trials` and `settled`, how many of them are done with, `placed`
         (bool), `excluded_because`, a researcher's reason (empty where nobody excluded them), and
-        `excluded_after_look`, whether results had been looked at before that (bool).
+        `excluded_after_look`, whether results had been looked at before that (bool). In full also
+        `state` (see `studyapp.session.state.state_of`), `conditions`, `consented_at`,
+        `started_at`, `completed_at` and `unplayable`, how many trials were left out.
     trials : DataFrame
         One row for each trial that has an answer: `trial`, `study_session`, `position`, `kind`,
         `part`, `segment`, `emotion`, `speaker`, `expected`, `instructed` (NaN for none),
-        `seconds`, `watched` (in [0, 1]).
+        `seconds`, `watched` (in [0, 1]); in full also `shown_at`.
     answers : DataFrame
-        One row for each answer: `trial`, `question`, `stimulus` (0 for the whole trial), `value`.
+        One row for each answer: `trial`, `question`, `stimulus` (0 for the whole trial), `value`;
+        in full also `reasons` and `answered_at`.
     stimuli : DataFrame
         One row for each stimulus judged in `trials`: `trial`, `number`, `condition`, `segment`,
         `speech` (empty for silence).
@@ -87,10 +101,21 @@ class StoredAnswers:
         )
 
 
-def stored_answers(session: Session) -> StoredAnswers:
-    """Read what was answered, whole study sessions or not, from one state of the database."""
+def stored_answers(
+    session: Session, *, withdrawn: bool = False, in_full: bool = False
+) -> StoredAnswers:
+    """Read what was answered, whole study sessions or not, from one state of the database.
+
+    Parameters
+    ----------
+    withdrawn : bool
+        Whether trials and answers are those that were kept of who withdrew, and no others.
+    in_full : bool
+        Whether columns are there which exports alone have. Some of them lead to people, so that
+        no other lab is given them.
+    """
     with _garbage_left():
-        return _read(session)
+        return _read(session, withdrawn, in_full)
 
 
 @contextmanager
@@ -105,10 +130,13 @@ def _garbage_left() -> Iterator[None]:
             gc.enable()
 
 
-def _read(session: Session) -> StoredAnswers:
+def _read(session: Session, withdrawn: bool, in_full: bool) -> StoredAnswers:
+    whose = whose_answers(withdrawn)
     return StoredAnswers(
-        study_sessions=_study_sessions(session),
-        trials=_trials(session).merge(_watched(session), on="trial", how="left"),
+        study_sessions=_study_sessions(session, in_full),
+        trials=_trials(session, whose, in_full).merge(
+            _watched(session, whose), on="trial", how="left"
+        ),
         answers=_frame(
             session,
             select(
@@ -116,10 +144,11 @@ def _read(session: Session) -> StoredAnswers:
                 Response.question,
                 func.coalesce(Response.stimulus, 0).label("stimulus"),
                 Response.value,
+                *((Response.reasons, Response.answered_at) if in_full else ()),
             )
             .join(Trial, Trial.id == Response.trial_id)
             .join(StudySession, StudySession.id == Trial.study_session_id)
-            .where(StudySession.withdrawn_at.is_(None))
+            .where(whose)
             .order_by(StudySession.id, Trial.position, Response.id),
         ),
         stimuli=_frame(
@@ -133,12 +162,19 @@ def _read(session: Session) -> StoredAnswers:
                     func.coalesce(TrialStimulus.speech, "").label("speech"),
                 )
                 .join(Trial, Trial.id == TrialStimulus.trial_id)
-                .where(TrialStimulus.number > 0)
+                .where(TrialStimulus.number > 0),
+                whose,
             ).order_by(TrialStimulus.trial_id, TrialStimulus.number),
         ),
         looks=_looks(session),
-        more_places=_more_places(session),
+        more_places=present_intake(session).more_places,
     )
+
+
+def whose_answers(withdrawn: bool) -> ColumnElement[bool]:
+    """Choose the study sessions of who withdrew, or all others."""
+    gone = StudySession.withdrawn_at
+    return gone.is_not(None) if withdrawn else gone.is_(None)
 
 
 def _looks(session: Session) -> pd.DataFrame:
@@ -164,16 +200,13 @@ def _looks(session: Session) -> pd.DataFrame:
     return found.astype(dict.fromkeys(("finished", "planned", "answers"), "int64"))
 
 
-def _more_places(session: Session) -> int:
-    return present_intake(session).more_places
-
-
-def _study_sessions(session: Session) -> pd.DataFrame:
+def _study_sessions(session: Session, in_full: bool) -> pd.DataFrame:
     planned = (
         select(
             Trial.study_session_id.label("owner"),
             func.count().label("trials"),
             (func.count(Trial.answered_at) + func.count(Trial.unplayable_at)).label("settled"),
+            func.count(Trial.unplayable_at).label("unplayable"),
             *(
                 func.count(case((Trial.kind == kind, Trial.unplayable_at))).label(
                     f"left_out_{kind}"
@@ -185,8 +218,7 @@ def _study_sessions(session: Session) -> pd.DataFrame:
         .subquery()
     )
     excluded = standing_exclusions().subquery()
-    found = _frame(
-        session,
+    query = (
         select(
             StudySession.id.label("study_session"),
             StudyVersion.number.label("version"),
@@ -202,18 +234,24 @@ def _study_sessions(session: Session) -> pd.DataFrame:
             Place.id.is_not(None).label("placed"),
             func.coalesce(excluded.c.reason, "").label("excluded_because"),
             exists().where(Look.at <= excluded.c.at).label("excluded_after_look"),
+            *(_IN_FULL if in_full else ()),
+            *((func.coalesce(planned.c.unplayable, 0).label("unplayable"),) if in_full else ()),
         )
         .join(StudyVersion, StudyVersion.id == StudySession.version_id)
         .outerjoin(planned, planned.c.owner == StudySession.id)
         .outerjoin(Place, Place.study_session_id == StudySession.id)
         .outerjoin(excluded, excluded.c.study_session_id == StudySession.id)
-        .order_by(StudySession.id),
+        .order_by(StudySession.id)
     )
+    rows: Sequence[Any] = session.execute(query).all()
+    found = pd.DataFrame(rows, columns=[column.key for column in query.selected_columns])
+    if in_full:
+        found["state"] = [state_of(row) for row in rows]
     truths = ("withdrawn", "completed", "unwatched", "placed", "excluded_after_look")
     return found.astype(dict.fromkeys(truths, bool))
 
 
-def _trials(session: Session) -> pd.DataFrame:
+def _trials(session: Session, whose: ColumnElement[bool], in_full: bool) -> pd.DataFrame:
     found = _frame(
         session,
         _of_answered(
@@ -229,16 +267,20 @@ def _trials(session: Session) -> pd.DataFrame:
                 Trial.expected,
                 Trial.instructed,
                 Trial.seconds,
-            )
+                *((Trial.shown_at,) if in_full else ()),
+            ),
+            whose,
         ).order_by(Trial.study_session_id, Trial.position),
     )
     return found.astype(dict.fromkeys(("expected", "instructed", "seconds"), "float64"))
 
 
-def _of_answered(query: Select[*tuple[object, ...]]) -> Select[*tuple[object, ...]]:
-    """Keep what belongs to answered trials of those who did not withdraw."""
+def _of_answered(
+    query: Select[*tuple[object, ...]], whose: ColumnElement[bool]
+) -> Select[*tuple[object, ...]]:
+    """Keep what belongs to answered trials."""
     return query.join(StudySession, StudySession.id == Trial.study_session_id).where(
-        StudySession.withdrawn_at.is_(None), Trial.answered_at.is_not(None)
+        whose, Trial.answered_at.is_not(None)
     )
 
 
@@ -266,18 +308,19 @@ class _Video(NamedTuple):
     watch_record: _Record | None
 
 
-def _watched(session: Session) -> pd.DataFrame:
+def _watched(session: Session, whose: ColumnElement[bool]) -> pd.DataFrame:
     """Return which share of the videos of each answered trial was watched."""
-    rows = list(_shares(session))
+    rows = list(_shares(session, whose))
     found = pd.DataFrame(rows, columns=["trial", "watched"])
     return found.astype({"trial": "int64", "watched": "float64"})
 
 
-def _shares(session: Session) -> Iterator[tuple[int, float]]:
+def _shares(session: Session, whose: ColumnElement[bool]) -> Iterator[tuple[int, float]]:
     query = _of_answered(
         select(Trial.id, Video.duration, Video.sent_at, WatchRecord.intervals)
         .join(Video, Video.trial_id == Trial.id)
-        .outerjoin(WatchRecord, WatchRecord.video_id == Video.id)
+        .outerjoin(WatchRecord, WatchRecord.video_id == Video.id),
+        whose,
     ).order_by(Trial.id)
     found = session.execute(query.execution_options(yield_per=ROWS)).partitions()
     rows: Iterator[tuple[Any, ...]] = (tuple(row) for block in found for row in block)

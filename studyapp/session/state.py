@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from datetime import datetime
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Final, Literal, Protocol
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -53,7 +53,31 @@ def find(session: Session, token: str, *, to_change: bool = True) -> StudySessio
     return found
 
 
-def state_of(study_session: StudySession) -> State:
+class Stands(Protocol):
+    """What must be known of a study session to tell where it stands; each may be None."""
+
+    @property
+    def withdrawn_at(self) -> datetime | None:
+        """When they withdrew."""
+
+    @property
+    def completed_at(self) -> datetime | None:
+        """When the last answer was stored."""
+
+    @property
+    def outcome(self) -> str | None:
+        """How it ended."""
+
+    @property
+    def place(self) -> object | None:
+        """What they hold."""
+
+    @property
+    def started_at(self) -> datetime | None:
+        """When they saw the first trial."""
+
+
+def state_of(study_session: Stands) -> State:
     """Return where `study_session` stands.
 
     ``instructed`` has agreed but not yet begun, ``unwatched`` was ended since too many videos did

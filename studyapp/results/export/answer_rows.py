@@ -1,65 +1,26 @@
-"""Export: what participants answered, as tables that hold no token and no name."""
+"""Export: what participants answered, as tables that hold no token and no name.
+
+Cells stand under the headings of `answer_columns` and `other_columns`; the codebook is made from
+those. Of what is read here and has no heading there, nothing is exported.
+"""
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Iterator
 
 import pandas as pd
-from sqlalchemy import ColumnElement, select
-from sqlalchemy.orm import Session, selectinload
+from sqlalchemy import select
+from sqlalchemy.orm import Session
 
-from studyapp.database.tables import FormAnswer, StudySession, Trial, TrialStimulus, Video
-from studyapp.session.state import state_of
-from studyapp.session.videos.watch_evidence import watched_share
-
-PAIR_COLUMNS: Final = (
-    "comparison",
-    "reference",
-    "other",
-    "left_condition",
-    "right_condition",
-    "left_speech",
-    "right_speech",
-)
-
-EXPORT_COLUMNS: Final = (
-    *("study_session", "comparison", "reference", "other", "segment", "emotion", "speaker"),
-    *("kind", "position", "question", "left_condition", "right_condition", "value"),
-    *("expected", "seconds", "watched", "answered_at", "instructed"),
-    "version",
-    "arm",
-    "part",
-    "stimulus",
-    "condition",
-    "speech",
-    "left_speech",
-    "right_speech",
-    "reasons",
-    "shown_at",
-)
-"""What all protocols have to say; where one has nothing to say, its columns are empty."""
-
-STUDY_SESSION_COLUMNS: Final = (
-    "study_session",
-    "version",
-    "arm",
-    "state",
-    "consented_at",
-    "started_at",
-    "completed_at",
-    "presentations",
-    "answered",
-    "unplayable",
-)
-
-FORM_COLUMNS: Final = ("study_session", "stage", "question", "value")
+from studyapp.database.tables import FormAnswer
+from studyapp.results.answer_table import sides
+from studyapp.results.stored_answers import StoredAnswers, whose_answers
 
 
-def responses_table(session: Session, *, withdrawn: bool = False) -> pd.DataFrame:
+def answers_table(stored: StoredAnswers) -> pd.DataFrame:
     """Return every stored answer, one row per answered question and stimulus.
 
-    Answers of all kinds of trial and of unfinished study sessions are included; those of
-    participants who withdrew are not. With `withdrawn`, only theirs are, as far as they were kept.
+    Answers of all kinds of trial and of unfinished study sessions are included.
 
     Of a trial that shows two stimuli, `left_…` and `right_…` say what was A and B, and
     `comparison` names the pair: `reference` is the one the study puts first. Of a catch trial,
@@ -68,157 +29,85 @@ def responses_table(session: Session, *, withdrawn: bool = False) -> pd.DataFram
     number), `condition` and `speech`, which are empty for answers about the whole trial. The
     `reasons` ticked for an order stand beside each of its ranks.
 
+    Parameters
+    ----------
+    stored : StoredAnswers
+        In full.
+
     Returns
     -------
     DataFrame
-        Columns `EXPORT_COLUMNS`, ordered by study session, position and answer.
+        Ordered by study session, position and answer.
     """
-    rows = []
-    for study_session in session.scalars(
-        select(StudySession)
-        .where(_chosen(withdrawn))
-        .order_by(StudySession.id)
-        .options(
-            selectinload(StudySession.version),
-            selectinload(StudySession.trials).selectinload(Trial.responses),
-            selectinload(StudySession.trials).selectinload(Trial.stimuli),
-            selectinload(StudySession.trials)
-            .selectinload(Trial.videos)
-            .selectinload(Video.watch_record),
-        )
-    ):
-        for trial in study_session.trials:
-            rows.extend(_rows(study_session, trial))
-    return pd.DataFrame(rows, columns=list(EXPORT_COLUMNS))
+    own = stored.study_sessions[["study_session", "version", "arm", "conditions"]]
+    trials = stored.trials.merge(own, on="study_session")
+    pairs = _pairs(trials.merge(sides(stored.stimuli), on="trial"))
+    about = stored.stimuli.rename(columns={"number": "stimulus"}).drop(columns="segment")
+    rows = stored.answers.merge(trials, on="trial").merge(pairs, on="trial", how="left")
+    rows = rows.merge(about, on=["trial", "stimulus"], how="left")
+    numbers = rows["expected"].astype("Int64").astype("string")
+    return rows.assign(
+        stimulus=rows["stimulus"].replace(0, None),
+        expected=rows["side"].where(rows["side"].notna(), numbers),
+        reasons=[" ".join(reasons) for reasons in rows["reasons"]],
+    )
 
 
-def _rows(study_session: StudySession, trial: Trial) -> list[dict[str, object]]:
-    """Return one row for each answer of `trial`."""
-    of_the_trial = {
-        "study_session": str(study_session.id),
-        "version": study_session.version.number,
-        "arm": study_session.arm,
-        "segment": trial.segment,
-        "emotion": trial.emotion,
-        "speaker": trial.speaker,
-        "kind": trial.kind,
-        "part": trial.part,
-        "position": trial.position,
-        "expected": "" if trial.expected is None else str(trial.expected),
-        "instructed": "" if trial.instructed is None else str(trial.instructed),
-        "shown_at": trial.shown_at.isoformat() if trial.shown_at else "",
-        "seconds": trial.seconds,
-        "watched": round(watched_share(trial.videos), 4),
-        **_pair(study_session, trial),
-    }
-    stimuli = {shown.number: shown for shown in trial.stimuli}
-    return [
-        {
-            **of_the_trial,
-            "question": response.question,
-            "value": response.value,
-            "reasons": " ".join(response.reasons),
-            "answered_at": response.answered_at.isoformat(),
-            **_about(stimuli.get(response.stimulus or 0) if response.stimulus else None),
+def _pairs(trials: pd.DataFrame) -> pd.DataFrame:
+    """Return the columns about a pair, one row for each trial that shows one."""
+    columns = ["trial", "left_condition", "right_condition", "left_speech", "right_speech"]
+    named = trials.rename(
+        columns={
+            f"{what}_{side}": f"{side}_{what}"
+            for what in ("condition", "speech")
+            for side in ("left", "right")
         }
-        for response in sorted(trial.responses, key=lambda response: response.id)
-    ]
+    )
+    order = list(_in_order(trials))
+    return named[columns].assign(
+        comparison=[
+            arm if len(conditions) == 2 else "-".join(pair)
+            for arm, conditions, pair in zip(
+                trials["arm"], trials["conditions"], order, strict=True
+            )
+        ],
+        reference=[reference for reference, _ in order],
+        other=[other for _, other in order],
+        side=trials["expected"].map({1.0: "left", 2.0: "right"}),
+    )
 
 
-def _about(shown: TrialStimulus | None) -> dict[str, object]:
-    """Return what an answer is about; empty columns where it is about the whole trial."""
-    if shown is None:
-        return {"stimulus": "", "condition": "", "speech": ""}
-    return {
-        "stimulus": str(shown.number),
-        "condition": shown.condition,
-        "speech": shown.speech or "",
-    }
+def _in_order(trials: pd.DataFrame) -> Iterator[tuple[str, str]]:
+    """Yield the two conditions of each trial, the reference first."""
+    for left, right, expected, conditions in zip(
+        *(trials[name] for name in ("condition_left", "condition_right", "expected", "conditions")),
+        strict=True,
+    ):
+        if pd.isna(expected):
+            reference, other = sorted((left, right), key=conditions.index)
+        else:
+            reference, other = (left, right) if expected == 1 else (right, left)
+        yield reference, other
 
 
-def _pair(study_session: StudySession, trial: Trial) -> dict[str, object]:
-    """Return the columns about a pair; empty ones where a trial shows none."""
-    judged = [shown for shown in trial.stimuli if shown.number > 0]
-    if len(judged) != 2:
-        return dict.fromkeys(PAIR_COLUMNS, "")
-    left, right = judged
-    order = study_session.conditions
-    shown = [left.condition, right.condition]
-    if trial.expected is not None:
-        reference = shown[trial.expected - 1]
-        other = shown[2 - trial.expected]
-    else:
-        reference, other = sorted(shown, key=order.index)
-    one_pair = len(order) == 2
-    return {
-        "comparison": study_session.arm if one_pair else f"{reference}-{other}",
-        "reference": reference,
-        "other": other,
-        "left_condition": left.condition,
-        "right_condition": right.condition,
-        "left_speech": left.speech or "",
-        "right_speech": right.speech or "",
-        "expected": "" if trial.expected is None else ("left", "right")[trial.expected - 1],
-    }
-
-
-def study_sessions_table(session: Session) -> pd.DataFrame:
+def participants_table(stored: StoredAnswers) -> pd.DataFrame:
     """Return every study session and where it stands, for the participant flow.
 
-    Returns
-    -------
-    DataFrame
-        Columns `STUDY_SESSION_COLUMNS`; `state` is ``instructed``, ``started``, ``completed``,
-        ``unwatched``, ``withdrawn`` or ``lapsed`` (silent for so long that the place was given
-        back); moments are ISO 8601 in UTC, empty where there is none.
+    `state` is ``instructed``, ``started``, ``completed``, ``unwatched``, ``withdrawn`` or
+    ``lapsed`` (silent for so long that the place was given back).
     """
-    rows = [
-        (
-            str(study_session.id),
-            study_session.version.number,
-            study_session.arm,
-            state_of(study_session),
-            study_session.consented_at.isoformat(),
-            study_session.started_at.isoformat() if study_session.started_at else "",
-            study_session.completed_at.isoformat() if study_session.completed_at else "",
-            len(study_session.trials),
-            sum(trial.answered_at is not None for trial in study_session.trials),
-            sum(trial.unplayable_at is not None for trial in study_session.trials),
-        )
-        for study_session in session.scalars(
-            select(StudySession)
-            .order_by(StudySession.id)
-            .options(
-                selectinload(StudySession.trials),
-                selectinload(StudySession.place),
-                selectinload(StudySession.version),
-            )
-        )
-    ]
-    return pd.DataFrame(rows, columns=list(STUDY_SESSION_COLUMNS))
-
-
-def _chosen(withdrawn: bool) -> ColumnElement[bool]:
-    if withdrawn:
-        return StudySession.withdrawn_at.is_not(None)
-    return StudySession.withdrawn_at.is_(None)
+    found = stored.study_sessions
+    return found.rename(columns={"trials": "presentations"}).assign(
+        answered=found["settled"] - found["unplayable"]
+    )
 
 
 def form_answers_table(session: Session, *, withdrawn: bool = False) -> pd.DataFrame:
     """Return what participants said about themselves, one row per answered question.
 
-    Returns
-    -------
-    DataFrame
-        Columns `FORM_COLUMNS`; who withdrew is left out. With `withdrawn`, nobody else is in it.
+    Who withdrew is left out. With `withdrawn`, nobody else is in it.
     """
-    rows = [
-        (str(answer.study_session_id), answer.stage, answer.question, answer.value)
-        for answer in session.scalars(
-            select(FormAnswer)
-            .join(FormAnswer.study_session)
-            .where(_chosen(withdrawn))
-            .order_by(FormAnswer.study_session_id, FormAnswer.id)
-        )
-    ]
-    return pd.DataFrame(rows, columns=list(FORM_COLUMNS))
+    columns = (FormAnswer.study_session_id, FormAnswer.stage, FormAnswer.question, FormAnswer.value)
+    query = select(*columns).join(FormAnswer.study_session).where(whose_answers(withdrawn))
+    rows = session.execute(query.order_by(FormAnswer.study_session_id, FormAnswer.id)).all()
+    return pd.DataFrame(rows, columns=["study_session", "stage", "question", "value"])

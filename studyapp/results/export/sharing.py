@@ -38,6 +38,7 @@ from studyapp.results.export.tables import ExportedTable, exported_tables
 from studyapp.results.logged_looks import note_way_out, with_looks_before
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.shared_answers import write_shared_answers
+from studyapp.results.stored_answers import stored_answers
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 
@@ -144,7 +145,12 @@ def _stored(folder: StudyFolder, origin: Source) -> _Stored:
         return _Stored(
             answers=answers,
             judged=judged,
-            tables={each.about.name: each for each in exported_tables(session, key, judged)},
+            tables={
+                each.about.name: each
+                for each in exported_tables(
+                    session, stored_answers(session, in_full=True), key, judged
+                )
+            },
             versions=session.scalars(select(StudyVersion).order_by(StudyVersion.number)).all(),
         )
 

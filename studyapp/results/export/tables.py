@@ -16,9 +16,9 @@ from studyapp.researchers.audit import told_detail
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.answer_columns import ANSWERS
 from studyapp.results.export.answer_rows import (
+    answers_table,
     form_answers_table,
-    responses_table,
-    study_sessions_table,
+    participants_table,
 )
 from studyapp.results.export.columns import TableColumns
 from studyapp.results.export.exclusion import Judged
@@ -32,6 +32,7 @@ from studyapp.results.export.other_columns import (
 )
 from studyapp.results.export.typed import typed
 from studyapp.results.export.watching_rows import refusals_table, watching_table
+from studyapp.results.stored_answers import StoredAnswers, stored_answers
 
 TRIAL: Final = ["study_session", "position"]
 
@@ -53,17 +54,23 @@ class ExportedTable:
 
 
 def exported_tables(
-    session: Session, key: PseudonymKey, judged: Judged
+    session: Session, stored: StoredAnswers, key: PseudonymKey, judged: Judged
 ) -> tuple[ExportedTable, ...]:
-    """Return all tables but that of the recruiter's names, the answers first."""
+    """Return all tables but that of the recruiter's names, the answers first.
+
+    Parameters
+    ----------
+    stored : StoredAnswers
+        In full, of the same state of the database.
+    """
     watching = watching_table(session)
-    answers = judged.mark_answers(_with_watching(responses_table(session), watching))
+    answers = judged.mark_answers(_with_watching(answers_table(stored), watching))
     analysed: list[Any] = [
         None if pd.isna(excluded) else (not excluded and kind in ANALYSED_KINDS)
         for excluded, kind in zip(answers["excluded"], answers["kind"], strict=True)
     ]
     answers = answers.assign(analysed=pd.Series(analysed, index=answers.index, dtype=object))
-    people = judged.mark_participants(study_sessions_table(session))
+    people = judged.mark_participants(participants_table(stored))
     form, refusals = form_answers_table(session), refusals_table(session)
     names = pseudonyms(session, key)
     return (
@@ -78,7 +85,7 @@ def exported_tables(
 
 def withdrawn_tables(session: Session, key: PseudonymKey) -> tuple[ExportedTable, ...]:
     """Return what was kept of participants who withdrew; no rule is applied to it."""
-    answers = responses_table(session, withdrawn=True)
+    answers = answers_table(stored_answers(session, withdrawn=True, in_full=True))
     form = form_answers_table(session, withdrawn=True)
     names = pseudonyms(session, key)
     return (_table(ANSWERS, answers, names), _table(FORM, form, names))

@@ -2,42 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 import pandas as pd
 from sqlalchemy import or_, select
 from sqlalchemy.orm import Session, selectinload
 
 from studyapp.database.tables import RefusalLine, StudySession, Trial, Video
+from studyapp.results.export.other_columns import REFUSALS, WATCHING
 from studyapp.session.videos.watch_evidence import NOTHING_PLAYED, length, watched_so_far
-
-WATCHING_COLUMNS: Final = (
-    "study_session",
-    "version",
-    "arm",
-    "part",
-    "position",
-    "kind",
-    "segment",
-    "video",
-    "stimuli",
-    "conditions",
-    "made_from",
-    "duration",
-    "watched",
-    "sent_at",
-    "times_played",
-    "rate",
-    "hidden_seconds",
-    "silent_seconds",
-    "stalls",
-    "stalled_seconds",
-    "frames",
-    "dropped_share",
-    "unplayable_at",
-)
-
-REFUSAL_COLUMNS: Final = ("study_session", "at", "kind", "detail")
 
 
 def watching_table(session: Session) -> pd.DataFrame:
@@ -49,8 +20,8 @@ def watching_table(session: Session) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Columns `WATCHING_COLUMNS`, ordered by study session, position and video. `video` is 0
-        for the reference; `stimuli` and `conditions` say what it shows, from left to right.
+        Columns of `WATCHING`, ordered by study session, position and video. `video` is 0 for the
+        reference; `stimuli` and `conditions` say what it shows, from left to right.
         `watched` is the share that counts as watched, in [0, 1]; `sent_at` is when the video was
         first sent, empty where it never was, and then nothing counts; `times_played` the seconds
         played in any way, replays included, over the duration. `rate` is the largest seen. Of
@@ -74,7 +45,7 @@ def watching_table(session: Session) -> pd.DataFrame:
     )
     rows = [
         {
-            "study_session": str(trial.study_session_id),
+            "study_session": trial.study_session_id,
             "version": trial.study_session.version.number,
             "arm": trial.study_session.arm,
             "part": trial.part,
@@ -86,7 +57,7 @@ def watching_table(session: Session) -> pd.DataFrame:
         for trial in session.scalars(query)
         for video in trial.videos
     ]
-    return pd.DataFrame(rows, columns=list(WATCHING_COLUMNS))
+    return pd.DataFrame(rows, columns=list(WATCHING.names[1:]))
 
 
 def _of_video(video: Video) -> dict[str, object]:
@@ -100,16 +71,16 @@ def _of_video(video: Video) -> dict[str, object]:
         "made_from": video.made_from,
         "duration": video.duration,
         "watched": round(min(1.0, watched / video.duration), 4),
-        "sent_at": video.sent_at.isoformat() if video.sent_at else "",
+        "sent_at": video.sent_at,
         "times_played": round(record.played_seconds / video.duration, 2),
         "rate": round(record.rate or 1.0, 3),
         "hidden_seconds": round(record.hidden_seconds, 2),
         "silent_seconds": round(record.silent_seconds, 2),
         "stalls": record.stalls,
         "stalled_seconds": round(record.stalled_seconds, 2),
-        "frames": "" if frames is None else frames,
-        "dropped_share": round(dropped / frames, 4) if frames and dropped is not None else "",
-        "unplayable_at": video.unplayable_at.isoformat() if video.unplayable_at else "",
+        "frames": frames,
+        "dropped_share": round(dropped / frames, 4) if frames and dropped is not None else None,
+        "unplayable_at": video.unplayable_at,
     }
 
 
@@ -119,16 +90,11 @@ def refusals_table(session: Session) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Columns `REFUSAL_COLUMNS`; `study_session` is empty where the address belonged to
-        nobody. Who withdrew is left out.
+        Columns of `REFUSALS`; `study_session` is empty where the address belonged to nobody.
+        Who withdrew is left out.
     """
     rows = [
-        (
-            "" if line.study_session_id is None else str(line.study_session_id),
-            line.at.isoformat(),
-            line.kind,
-            line.detail,
-        )
+        (line.study_session_id, line.at, line.kind, line.detail)
         for line in session.scalars(
             select(RefusalLine)
             .outerjoin(StudySession, StudySession.id == RefusalLine.study_session_id)
@@ -136,4 +102,4 @@ def refusals_table(session: Session) -> pd.DataFrame:
             .order_by(RefusalLine.id)
         )
     ]
-    return pd.DataFrame(rows, columns=list(REFUSAL_COLUMNS))
+    return pd.DataFrame(rows, columns=list(REFUSALS.names[1:]), dtype=object)

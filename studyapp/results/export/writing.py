@@ -12,7 +12,7 @@ import pandas as pd
 
 from motion.files import replacing, write_text
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.answers import Answers, Source, answers_in, snapshot
+from studyapp.results.answers import NO_ANSWERS, Source, answers_in, snapshot
 from studyapp.results.export.answer_columns import ANSWERS
 from studyapp.results.export.codebook import codebook
 from studyapp.results.export.codebook_page import codebook_page
@@ -109,25 +109,23 @@ def export(
     """
     study = folder.study()
     origin: Source = "rehearsal" if rehearsal else "participants"
-    answers: Answers | None = None
-    judged, look = Judged(), ""
+    answers = NO_ANSWERS
+    judged = Judged()
     names: ExportedTable | None = None
+    tables = nothing_to_export()
     with snapshot(folder, origin) as session:
         if not withdrawn:
-            answers = answers_in(session, origin)
+            answers = answers_in(session, origin, in_full=True)
             judged = judge(study, answers)
-        if session is None:
-            tables = nothing_to_export()
-        else:
+        if session is not None:
             key = PseudonymKey.read_or_make(folder.pseudonym_key)
             tables = (
                 withdrawn_tables(session, key)
-                if withdrawn
-                else exported_tables(session, key, judged)
+                if answers.stored is None
+                else exported_tables(session, answers.stored, key, judged)
             )
             names = recruiter_ids(session, key) if with_recruiter_ids else None
-    if answers is not None:
-        look = note_way_out(folder, study, answers, way="export", reason=reason)
+    look = note_way_out(folder, study, answers, way="export", reason=reason)
     written: list[Path] = []
     described = []
     for table in tables:

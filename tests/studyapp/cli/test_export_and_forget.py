@@ -14,10 +14,10 @@ from studyapp.cli.forget_command import command as forget_command
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import LINES, log_change
-from studyapp.results.export.answer_rows import responses_table
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

@@ -17,17 +17,14 @@ from studyapp.database.tables import Event, Place, StudySession
 from studyapp.database.tables.base import Base
 from studyapp.researchers.audit import log_change, logged_changes
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.export.answer_rows import (
-    form_answers_table,
-    responses_table,
-    study_sessions_table,
-)
+from studyapp.results.export.answer_rows import form_answers_table
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.arrival.screen_outs import note_screen_out
 from studyapp.session.refusal import ConflictError, UnknownAddressError
 from studyapp.session.refusal_log import note_refusal
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.test_form_answers import ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant, SetClock
@@ -111,8 +108,8 @@ def test_nothing_of_them_is_left_but_one_empty_row(person: Participant) -> None:
         "started",
         "withdrawn",
     ]
-    assert set(read_once(person.database, responses_table)["study_session"]) == {"1"}
-    assert set(read_once(person.database, form_answers_table)["study_session"]) == {"1"}
+    assert set(read_once(person.database, responses_table)["study_session"]) == {1}
+    assert set(read_once(person.database, form_answers_table)["study_session"]) == {1}
 
 
 @SQLITE
@@ -167,7 +164,7 @@ def test_who_comes_again_under_the_same_name_begins_anew(person: Participant) ->
     again = other(person, PERSON)
 
     assert again.look().state == "started"
-    assert read_once(person.database, study_sessions_table)["study_session"].tolist() == ["1", "2"]
+    assert read_once(person.database, study_sessions_table)["study_session"].tolist() == [1, 2]
 
 
 @SQLITE

@@ -18,15 +18,12 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 
 from motion.errors import InputError
 from studyapp.database.engine import (
-    MOST_CONNECTIONS,
     Database,
-    Turn,
     database_url_of,
     sqlite_file,
     sqlite_url,
-    take_turn,
 )
-from studyapp.database.postgresql import taking_time
+from studyapp.database.postgresql import MOST_CONNECTIONS, Turn, take_turn, taking_time
 from studyapp.database.tables import Place
 from studyapp.database.waiting_line import keeper_of
 from tests.support.throwaway_postgresql import ThrowawayPostgresql

@@ -29,9 +29,9 @@ from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.population import Population, default_population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import SeenTrial
-from studyapp.results.export.answer_rows import responses_table
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy, comparison_name
+from tests.studyapp.exported import responses_table
 from tests.studyapp.made_study import pair_plan
 from tests.studyapp.read_once import read_once
 

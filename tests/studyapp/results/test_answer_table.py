@@ -4,11 +4,11 @@ import pytest
 
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.results.answer_table import MIDDLE, StudyAnswers, empty_answers, study_answers
-from studyapp.results.export.answer_rows import responses_table
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
 from studyapp.study.folder import StudyFolder
 from tests.finished_study import PROTOCOLS, write_finished_study, write_short_video
 from tests.studyapp.answered_study import answer_study
+from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 
 
@@ -54,7 +54,7 @@ def test_the_same_answers_stand_in_the_table_and_in_the_export(
         if protocol == "mismatch":
             part = exported[exported["part"] == ("fit" if name == "mismatch" else "realism")]
         assert table[answer].astype(int).tolist() == (part["value"] + shift).tolist()
-        assert table["participant"].tolist() == part["study_session"].tolist()
+        assert table["participant"].astype(int).tolist() == part["study_session"].tolist()
         assert table["trial"].astype(int).tolist() == part["position"].tolist()
         assert table["watched"].astype(float).tolist() == part["watched"].tolist()
 

@@ -12,7 +12,6 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Trial
-from studyapp.results.export.answer_rows import responses_table
 from studyapp.session.answers import answer
 from studyapp.session.participation import ShownTrial
 from studyapp.session.refusal import ConflictError, UnacceptableError
@@ -22,6 +21,7 @@ from studyapp.session.videos.video_access import content_of
 from studyapp.session.videos.watch_reports import record_watched
 from studyapp.study.settings.questions import Reason
 from tests.finished_study import PROTOCOLS
+from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

@@ -10,10 +10,10 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession, Trial
 from studyapp.results.answer_table import study_answers
-from studyapp.results.export.answer_rows import responses_table
 from studyapp.results.stored_answers import stored_answers
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
+from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from studyapp.results.export.answer_rows import responses_table
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.arrival.places import release_stale
 from studyapp.session.participation import look
 from studyapp.session.refusal import ConflictError, UnknownAddressError
 from studyapp.session.videos.video_access import content_of
 from studyapp.session.withdrawal import withdraw
+from tests.studyapp.exported import responses_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 

@@ -9,12 +9,12 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import Place, StudySession
-from studyapp.results.export.answer_rows import study_sessions_table
 from studyapp.session.arrival.places import release_stale
 from studyapp.session.refusal import StudyFullError
 from studyapp.session.state import find
 from studyapp.session.versions import open_study
 from studyapp.session.videos.watch_reports import record_watched
+from tests.studyapp.exported import study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant, SetClock
 from tests.studyapp.three_arms import three_arms

@@ -8,7 +8,6 @@ from sqlalchemy import select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.results.export.answer_rows import study_sessions_table
 from studyapp.session.arrival.enrolment import Arrival, enrol, enrolled
 from studyapp.session.form_answers import answer_form
 from studyapp.session.refusal import (
@@ -23,6 +22,7 @@ from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import withdraw
 from studyapp.study.design.stimulus import Stimulus
 from studyapp.study.settings.study import Study
+from tests.studyapp.exported import study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.test_form_answers import ABOUT, ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant, SetClock

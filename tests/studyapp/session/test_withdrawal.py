@@ -18,16 +18,13 @@ from studyapp.database.tables import (
     WatchRecord,
 )
 from studyapp.database.tables.base import Base
-from studyapp.results.export.answer_rows import (
-    form_answers_table,
-    responses_table,
-    study_sessions_table,
-)
+from studyapp.results.export.answer_rows import form_answers_table
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.refusal import ConflictError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import promise_made, withdraw
+from tests.studyapp.exported import responses_table, study_sessions_table
 from tests.studyapp.read_once import read_once
 from tests.studyapp.session.test_form_answers import ADULT, FORM
 from tests.studyapp.taking_part_steps import Participant, SetClock

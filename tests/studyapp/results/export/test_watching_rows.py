@@ -6,12 +6,7 @@ import pandas as pd
 import pytest
 from sqlalchemy.orm import Session
 
-from studyapp.results.export.watching_rows import (
-    REFUSAL_COLUMNS,
-    WATCHING_COLUMNS,
-    refusals_table,
-    watching_table,
-)
+from studyapp.results.export.watching_rows import refusals_table, watching_table
 from studyapp.session.refusal import ConflictError, UnacceptableError
 from studyapp.session.refusal_log import note_refusal
 from studyapp.session.videos.watch_evidence import Playback
@@ -21,10 +16,9 @@ from tests.studyapp.read_once import read_once
 from tests.studyapp.taking_part_steps import Participant
 
 
-def test_an_empty_study_exports_the_columns(participant: Participant) -> None:
-    assert list(read_once(participant.database, watching_table).columns) == list(WATCHING_COLUMNS)
+def test_an_empty_study_exports_nothing_watched_or_refused(participant: Participant) -> None:
     assert read_once(participant.database, watching_table).empty
-    assert list(read_once(participant.database, refusals_table).columns) == list(REFUSAL_COLUMNS)
+    assert read_once(participant.database, refusals_table).empty
 
 
 def test_a_video_is_one_row_with_all_that_was_measured(participant: Participant) -> None:
@@ -42,7 +36,7 @@ def test_a_video_is_one_row_with_all_that_was_measured(participant: Participant)
     assert (row["frames"], row["dropped_share"]) == (60, 0.1)
     assert row["stimuli"] == "1 2"
     assert set(str(row["conditions"]).split()) <= {"rule_based", "mismatched", "broken"}
-    assert row["unplayable_at"] == ""
+    assert row["unplayable_at"] is None
 
 
 def test_a_browser_that_counts_no_pictures_leaves_their_columns_empty(
@@ -54,7 +48,7 @@ def test_a_browser_that_counts_no_pictures_leaves_their_columns_empty(
 
     (row,) = read_once(participant.database, watching_table).to_dict("records")
 
-    assert (row["frames"], row["dropped_share"]) == ("", "")
+    assert (row["frames"], row["dropped_share"]) == (None, None)
 
 
 def test_a_video_that_does_not_play_is_named(participant: Participant) -> None:
@@ -64,7 +58,7 @@ def test_a_video_that_does_not_play_is_named(participant: Participant) -> None:
     table = read_once(participant.database, watching_table)
 
     assert table["position"].tolist() == [1, 2]
-    assert table["unplayable_at"].tolist() == [participant.clock.now().isoformat(), ""]
+    assert table["unplayable_at"].tolist() == [participant.clock.now(), pd.NaT]
 
 
 def test_what_was_never_sent_was_not_watched_whatever_its_browser_reports(
@@ -87,7 +81,7 @@ def test_what_was_never_sent_was_not_watched_whatever_its_browser_reports(
 
     (row,) = read_once(participant.database, watching_table).to_dict("records")
 
-    assert (row["sent_at"], row["watched"], row["times_played"]) == ("", 0.0, 1.0)
+    assert (row["sent_at"], row["watched"], row["times_played"]) == (None, 0.0, 1.0)
 
 
 @pytest.mark.parametrize("table", [watching_table, refusals_table])
@@ -111,5 +105,5 @@ def test_a_refusal_is_exported_without_token(participant: Participant) -> None:
     table = read_once(participant.database, refusals_table)
 
     assert table["kind"].tolist() == ["stale-page"]
-    assert table["study_session"].tolist() == ["1"]
+    assert table["study_session"].tolist() == [1]
     assert participant.token not in table.to_csv()
