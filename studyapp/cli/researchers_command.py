@@ -2,19 +2,37 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import cast
 
 import click
 
 from studyapp.cli.arguments import public_address, study_folder
-from studyapp.researchers.management import (
-    invitation,
-    link_for_new_password,
-    listed_researchers,
-    without_second_factor,
-)
+from studyapp.clock import Clock
+from studyapp.database.engine import Database, database_url_of
+from studyapp.researchers import links, second_factor
+from studyapp.researchers.account import Account
+from studyapp.researchers.membership import accounts
 from studyapp.researchers.roles import ROLES, Role
 from studyapp.study.folder import StudyFolder
+
+
+def listed_researchers(folder: StudyFolder) -> list[Account]:
+    """Return all researchers; nobody where the study has no database yet."""
+    database = Database.open_for_reading(database_url_of(folder.root))
+    if database is None:
+        return []
+    with closing(database):
+        return accounts(database)
+
+
+def _opened(folder: StudyFolder) -> closing[Database]:
+    return closing(Database.open(database_url_of(folder.root)))
+
+
+def _say_link(address: str, token: str) -> None:
+    click.echo(f"{address.rstrip('/')}/research/join/{token}")
+
 
 address = public_address(
     default="http://127.0.0.1:8000/", help="Where the study is served; the link begins with it."
@@ -51,7 +69,8 @@ def list_(folder: StudyFolder) -> None:
 @click.pass_obj
 def invite(folder: StudyFolder, role: str, address: str) -> None:
     """Print a link with which somebody joins: once, within three days."""
-    click.echo(f"{address.rstrip('/')}/{invitation(folder, cast(Role, role))}")
+    with _opened(folder) as database:
+        _say_link(address, links.invite(database, Clock(), role=cast(Role, role), by=""))
 
 
 @command.command("reset")
@@ -60,7 +79,8 @@ def invite(folder: StudyFolder, role: str, address: str) -> None:
 @click.pass_obj
 def reset(folder: StudyFolder, name: str, address: str) -> None:
     """Print a link with which the researcher NAME chooses a new password: once, within a day."""
-    click.echo(f"{address.rstrip('/')}/{link_for_new_password(folder, name)}")
+    with _opened(folder) as database:
+        _say_link(address, links.offer_new_password(database, Clock(), name=name, by=""))
 
 
 @command.command("reset-second-factor")
@@ -68,5 +88,6 @@ def reset(folder: StudyFolder, name: str, address: str) -> None:
 @click.pass_obj
 def reset_second_factor(folder: StudyFolder, name: str) -> None:
     """Let the researcher NAME, whose device is lost, log in without a code again."""
-    without_second_factor(folder, name)
+    with _opened(folder) as database:
+        second_factor.reset_second_factor(database, Clock(), name=name)
     click.echo(f"{name} logs in with the password alone, until they turn a second factor on again.")

@@ -7,15 +7,17 @@ is kept, and reports say which there were before the answers that they rest on.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import Final, Literal
 
-from sqlalchemy import func, select
+from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
+from studyapp.clock import Clock
 from studyapp.database.engine import Database
-from studyapp.database.tables import Event, Look, Response, StudySession, Trial
-from studyapp.researchers.audit import log_change
+from studyapp.database.tables import Event, Look, ResearcherLogin, Response, StudySession, Trial
+from studyapp.researchers.audit import log_change, reason_given
+from studyapp.researchers.tokens import token_hash
 
 Way = Literal["page", "report", "export"]
 
@@ -118,3 +120,41 @@ def answers_so_far(session: Session) -> int:
         .where(StudySession.withdrawn_at.is_(None))
     )
     return session.scalar(query) or 0
+
+
+HOLDS: Final = timedelta(hours=1)
+"""So long, looking again in the same login needs no new reason; each look is logged anyway."""
+
+
+def unblind(database: Database, clock: Clock, token: str, *, by: str, reason: str) -> None:
+    """Let the login of `token` see results for a while.
+
+    Parameters
+    ----------
+    by : str
+        The researcher's name, for the log.
+
+    Raises
+    ------
+    InputError
+        If no reason is given.
+    """
+    reason = reason_given(reason)
+    with database.writing() as session:
+        now = clock.now()
+        session.execute(
+            update(ResearcherLogin)
+            .where(ResearcherLogin.token_hash == token_hash(token))
+            .values(unblinded_at=now, unblinding_reason=reason)
+        )
+        log_change(session, now, Event.UNBLINDED, by=by, reason=reason)
+
+
+def unblinded_because(database: Database, token: str, now: datetime) -> str:
+    """Return for which reason the login of `token` sees results; empty where it does not."""
+    query = select(ResearcherLogin.unblinding_reason).where(
+        ResearcherLogin.token_hash == token_hash(token),
+        ResearcherLogin.unblinded_at > now - HOLDS,
+    )
+    with database.reading() as session:
+        return session.scalars(query).first() or ""

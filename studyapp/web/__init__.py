@@ -36,9 +36,9 @@ participant. What programs may rely on:
 ``POST`` the ``data-watched-url`` of ``<video id="pair">``
                                 JSON ``{"batch": n, "intervals": [[from, to], ...]}``, seconds of
                                 the video that were played; n counts the reports of a video from
-                                0. How they were played may be told beside them: see
-                                `studyapp.web.participants.watch_report`. The answer holds
-                                ``missing``, the seconds still to be played.
+                                0. How they were played may be told beside them, as in
+                                `studyapp.web.participants.participant.WatchReport`. The answer
+                                holds ``missing``, the seconds still to be played.
 ``POST /take/<token>/withdraw``  the form of the page at that address, linked from every other.
 ``GET /media/<video token>.mp4``  the ``src`` of ``<video id="pair">``, which also states its
                                 length as ``data-duration``.

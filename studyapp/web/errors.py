@@ -24,8 +24,8 @@ from studyapp.session.refusal import (
     UninvitedError,
     UnknownAddressError,
     UnprovenError,
+    note_refusal,
 )
-from studyapp.session.refusal_log import note_refusal
 from studyapp.study.design.message import Message
 from studyapp.web.language import _, say
 from studyapp.web.running import running

@@ -30,8 +30,7 @@ from studyapp.session.arrival.places import (
     take_open_place,
 )
 from studyapp.session.arrival.standing import Standing, standing_of
-from studyapp.session.arrival.trial_rows import new_token, store_trials
-from studyapp.session.arrival.votes import votes_so_far
+from studyapp.session.arrival.trial_rows import new_token, store_trials, votes_so_far
 from studyapp.session.form_answers import entrance_answers
 from studyapp.session.refusal import UnprovenError
 from studyapp.session.served_study import ServedStudy, study_has_changed

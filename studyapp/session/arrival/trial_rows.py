@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import secrets
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
@@ -22,17 +23,21 @@ from sqlalchemy import (
     insert,
     literal_column,
     select,
+    tuple_,
 )
 from sqlalchemy.ext.compiler import compiles
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, aliased
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import GenericFunction
 from sqlalchemy.types import TypeEngine
 
-from studyapp.database.tables import Base, Trial, TrialStimulus, Video
+from analysis.answers.columns import ANALYSED_KINDS
+from studyapp.database.tables import Base, Response, StudySession, Trial, TrialStimulus, Video
+from studyapp.researchers.exclusion_decisions import standing_exclusions
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Content
+from studyapp.study.design.tally import NO_VOTES, Tally
 
 TOKEN_BYTES: Final = 24
 """Random bytes of every token: 192 bits."""
@@ -187,3 +192,35 @@ def _stimuli(planned: PlannedTrial) -> Iterator[dict[str, Any]]:
                 "segment": stimulus.segment,
                 "speech": stimulus.speech,
             }
+
+
+def votes_so_far(session: Session, served: ServedStudy) -> Tally:
+    """Return how often each condition was preferred on the study's first question.
+
+    Empty for studies that do not look at it. Whoever withdrew, is excluded by hand, or was asked by
+    an earlier design of the study has no vote. A slight preference counts as a clear one, and no
+    difference as half a vote for both.
+    """
+    if not served.study.follows_votes:
+        return NO_VOTES
+    first, second = aliased(TrialStimulus), aliased(TrialStimulus)
+    rows = session.execute(
+        select(first.condition, second.condition, Response.value)
+        .join(Trial, Trial.id == Response.trial_id)
+        .join(StudySession, StudySession.id == Trial.study_session_id)
+        .join(first, (first.trial_id == Trial.id) & (first.number == 1))
+        .join(second, (second.trial_id == Trial.id) & (second.number == 2))
+        .where(
+            Trial.kind.in_(ANALYSED_KINDS),
+            Response.question == served.study.questions[0].name,
+            StudySession.withdrawn_at.is_(None),
+            tuple_(StudySession.arm, StudySession.arm_design).in_(list(served.arms)),
+            StudySession.id.not_in(select(standing_exclusions().subquery().c.study_session_id)),
+        )
+    )
+    votes: defaultdict[tuple[str, str], float] = defaultdict(float)
+    for a, b, value in rows:
+        share = 0.5 if value == 0 else float(value > 0)
+        votes[b, a] += share
+        votes[a, b] += 1 - share
+    return dict(votes)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Annotated, Final, Self
 
 from flask import Blueprint, jsonify, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from studyapp.session.answer_fields import Fields
 from studyapp.session.answers import answer, skip_unplayable
@@ -15,14 +15,56 @@ from studyapp.session.form_answers import answer_form
 from studyapp.session.participation import ShownTrial, begin, look
 from studyapp.session.refusal import UnacceptableError
 from studyapp.session.sound_check import TRIES_BEFORE_LEAVING
+from studyapp.session.videos.watch_evidence import MOST_INTERVALS, MOST_REPORTS, Playback
 from studyapp.session.videos.watch_reports import record_watched
+from studyapp.session.withdrawal import promise_made, withdraw
 from studyapp.study.settings.form import Stage
 from studyapp.web.errors import note, told, wants_json
 from studyapp.web.participants.about_participant import form_fields, form_page
 from studyapp.web.participants.trial_page import trial_page
-from studyapp.web.participants.watch_report import WatchReport
 from studyapp.web.participants.wording import frozen_words
 from studyapp.web.running import running
+
+Second = Annotated[float, Field(ge=0, le=86_400, allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=0, le=10_000_000, strict=True)]
+
+
+class WatchReport(BaseModel):
+    """One numbered report.
+
+    Attributes
+    ----------
+    batch : int
+        Counts the reports of a video from 0.
+    intervals : tuple of (float, float)
+        Played parts of the video, from and to, in seconds.
+
+    The others are those of `studyapp.session.videos.watch_evidence.Playback`.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    batch: int = Field(ge=0, lt=MOST_REPORTS, strict=True)
+    intervals: tuple[tuple[Second, Second], ...] = Field(max_length=MOST_INTERVALS)
+    rate: float = Field(default=1.0, gt=0, le=100, allow_inf_nan=False)
+    hidden_seconds: Second = 0.0
+    silent_seconds: Second = 0.0
+    stalls: Count = 0
+    stalled_seconds: Second = 0.0
+    frames: Count | None = None
+    dropped_frames: Count | None = None
+
+    @model_validator(mode="after")
+    def _intervals_run_forward(self) -> Self:
+        if any(start > end for start, end in self.intervals):
+            raise ValueError("an interval ends before it begins")
+        return self
+
+    @property
+    def playback(self) -> Playback:
+        """How the intervals were played."""
+        return Playback(**self.model_dump(exclude={"batch", "intervals"}))
+
 
 pages = Blueprint("participant", __name__)
 
@@ -132,6 +174,22 @@ def watched(token: str, video_token: str) -> ResponseReturnValue:
         playback=report.playback,
     )
     return jsonify(vars(known))
+
+
+@pages.get("/take/<token>/withdraw")
+def ask_to_withdraw(token: str) -> ResponseReturnValue:
+    """Ask whether the participant really wants to stop, and say what becomes of the answers."""
+    here = running()
+    promise = promise_made(here.database, token)
+    return render_template("withdraw.html", study=here.study, token=token, promise=promise)
+
+
+@pages.post("/take/<token>/withdraw")
+def withdraw_consent(token: str) -> ResponseReturnValue:
+    """Take the consent back."""
+    here = running()
+    withdraw(here.database, token, here.clock)
+    return to_where_they_stand(token)
 
 
 def to_where_they_stand(token: str) -> ResponseReturnValue:

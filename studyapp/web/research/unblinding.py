@@ -13,8 +13,14 @@ from studyapp.monitoring.overview import places_so_far
 from studyapp.monitoring.place_counts import PlaceCounts
 from studyapp.researchers.interim.documents import ResultsDocument
 from studyapp.researchers.interim.keeping import kept_figures
-from studyapp.researchers.looks import LoggedLook, looks, note_look
-from studyapp.researchers.unblinding import HOLDS, unblind, unblinded_because
+from studyapp.researchers.looks import (
+    HOLDS,
+    LoggedLook,
+    looks,
+    note_look,
+    unblind,
+    unblinded_because,
+)
 from studyapp.web.research.page import page
 from studyapp.web.research.visitor import researcher, visitor_cookie
 from studyapp.web.running import running

@@ -17,13 +17,47 @@ from studyapp.monitoring.overview import overview as overview_of
 from studyapp.monitoring.selection import Choice, chosen, page_of, pages_of
 from studyapp.monitoring.study_sessions import STANDINGS
 from studyapp.researchers.audit import LINES, LONGEST_REASON, logged_changes
+from studyapp.researchers.exclusion_decisions import decide_exclusion
 from studyapp.researchers.interim.documents import AgreementDocument
 from studyapp.researchers.interim.keeping import Kept, kept_figures
+from studyapp.researchers.pseudonyms import PseudonymKey
+from studyapp.researchers.roles import Right
 from studyapp.session.exclusion import JUDGED
-from studyapp.web.research.called import Naming, naming
+from studyapp.study.folder import StudyFolder
 from studyapp.web.research.looking import Data, is_rehearsed, looked_at
 from studyapp.web.research.page import page
+from studyapp.web.research.visitor import researcher
 from studyapp.web.running import running
+
+
+@dataclass(frozen=True, kw_only=True)
+class Naming:
+    """How a page may call participants.
+
+    Attributes
+    ----------
+    key : PseudonymKey or None
+    reason : str
+        Why there are no pseudonyms, as a sentence; empty where there are, and where who asks may
+        not see answers of single participants in any case.
+    """
+
+    key: PseudonymKey | None
+    reason: str = ""
+
+
+def naming() -> Naming:
+    """Return how the page that is asked for may call participants; it draws no key."""
+    if not researcher().may(Right.READ):
+        return Naming(key=None)
+    try:
+        key = PseudonymKey.read(StudyFolder(running().folder).pseudonym_key)
+    except InputError as error:
+        return Naming(key=None, reason=f"Pseudonyms cannot be shown: {error.what}.")
+    except OSError:
+        return Naming(key=None, reason="Pseudonyms cannot be shown: the server may not read them.")
+    return Naming(key=key, reason="" if key else "Pseudonyms are drawn at the first export.")
+
 
 CHOOSING: Final = ("standing", "arm", "left_at", "check", "failed", "earlier", "excluded")
 """What an address may say of which study sessions are listed."""
@@ -160,3 +194,20 @@ def _number(name: str) -> int | None:
     if not (text.isascii() and text.isdecimal()):
         return None
     return int(text) if len(text) < len(str(LARGEST)) else None
+
+
+DECISIONS = {"exclude": True, "reinstate": False}
+
+
+def decide_about(number: int) -> ResponseReturnValue:
+    """Leave the participant of a study session out of the analysis, or take them in again."""
+    here, reason = running(), request.form.get("reason", "")
+    try:
+        excluded = DECISIONS.get(request.form.get("decision", ""))
+        if excluded is None:
+            raise InputError("nothing was chosen", remedy=f"Choose one of {', '.join(DECISIONS)}")
+        by = researcher().name
+        decide_exclusion(here.database, here.clock, number, excluded=excluded, by=by, reason=reason)
+    except InputError as error:
+        return study_session_page("study", number, problem=error, reason=reason), 422
+    return redirect(url_for("research.study_session", data="study", number=number), 303)

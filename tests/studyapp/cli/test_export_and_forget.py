@@ -107,7 +107,7 @@ def test_erasing_again_clears_the_files_however_much_has_happened_since(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cleared: list[Database] = []
-    monkeypatch.setattr("studyapp.custody.erasure.leave_nothing", cleared.append)
+    monkeypatch.setattr("studyapp.cli.forget_command.leave_nothing", cleared.append)
     forget(study, PERSON, "--yes")
     with (
         closing(Database.open(sqlite_url(study / "responses.db"))) as database,

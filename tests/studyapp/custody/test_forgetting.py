@@ -20,8 +20,7 @@ from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.export.answer_rows import form_answers_table
 from studyapp.session.arrival.enrolment import Arrival, enrol
 from studyapp.session.arrival.screen_outs import note_screen_out
-from studyapp.session.refusal import ConflictError, UnknownAddressError
-from studyapp.session.refusal_log import note_refusal
+from studyapp.session.refusal import ConflictError, UnknownAddressError, note_refusal
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from tests.studyapp.exported import responses_table, study_sessions_table

@@ -7,8 +7,9 @@ from sqlalchemy import create_engine, select
 
 from studyapp.database.engine import Database
 from studyapp.database.tables import RefusalLine
-from studyapp.session import refusal_log
+from studyapp.session import refusal
 from studyapp.session.refusal import (
+    LONGEST,
     ConflictError,
     NotTheirsError,
     RefusalError,
@@ -16,8 +17,8 @@ from studyapp.session.refusal import (
     TooMuchWatchedError,
     UnacceptableError,
     UnknownAddressError,
+    note_refusal,
 )
-from studyapp.session.refusal_log import LONGEST, note_refusal
 from tests.studyapp.taking_part_steps import Participant, SetClock
 
 
@@ -64,8 +65,8 @@ def test_an_address_that_belongs_to_nobody_is_not_noted_itself(participant: Part
 def test_no_more_than_so_many_are_noted_of_one(
     participant: Participant, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(refusal_log, "MOST_OF_ONE", 3)
-    monkeypatch.setattr(refusal_log, "MOST_OF_NOBODY", 2)
+    monkeypatch.setattr(refusal, "MOST_OF_ONE", 3)
+    monkeypatch.setattr(refusal, "MOST_OF_NOBODY", 2)
 
     for _ in range(5):
         note(participant, ConflictError("No.", "Try again."))

@@ -8,7 +8,7 @@ from sqlalchemy import select
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
 from studyapp.researchers.exclusion_decisions import decide_exclusion
-from studyapp.session.arrival.votes import votes_so_far
+from studyapp.session.arrival.trial_rows import votes_so_far
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import open_study
 from studyapp.session.withdrawal import withdraw

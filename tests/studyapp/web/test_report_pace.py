@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from flask import Flask
 
+from studyapp.web.app import AT_ONCE, KEPT, PER_SECOND, Pace
 from studyapp.web.participants import participant
-from studyapp.web.report_pace import AT_ONCE, KEPT, PER_SECOND, Pace
 from tests.studyapp.taking_part_steps import SetClock
 from tests.studyapp.web.visitor import WATCHED, Visitor
 
@@ -53,7 +53,7 @@ def test_what_is_too_much_is_refused_before_it_is_read_and_stops_nobody_else(
 ) -> None:
     flooding, other = (Visitor(app, clock).enrol().begin() for _ in range(2))
     address = flooding.page().value("#pair", "data-watched-url")
-    monkeypatch.setattr("studyapp.web.report_pace.time.monotonic", lambda: 7.0)
+    monkeypatch.setattr("studyapp.web.app.time.monotonic", lambda: 7.0)
     for _ in range(AT_ONCE):
         assert flooding.client.post(address, json=WATCHED).status_code != 429
     with monkeypatch.context() as patch:
@@ -63,5 +63,5 @@ def test_what_is_too_much_is_refused_before_it_is_read_and_stops_nobody_else(
     assert (refused.status_code, refused.headers["Retry-After"]) == (429, "1")
     other.watch()
     assert flooding.client.get(flooding.address).status_code == 200
-    monkeypatch.setattr("studyapp.web.report_pace.time.monotonic", lambda: 8.0)
+    monkeypatch.setattr("studyapp.web.app.time.monotonic", lambda: 8.0)
     flooding.watch()

@@ -7,8 +7,7 @@ import pytest
 from sqlalchemy.orm import Session
 
 from studyapp.results.export.watching_rows import refusals_table, watching_table
-from studyapp.session.refusal import ConflictError, UnacceptableError
-from studyapp.session.refusal_log import note_refusal
+from studyapp.session.refusal import ConflictError, UnacceptableError, note_refusal
 from studyapp.session.videos.watch_evidence import Playback
 from studyapp.session.videos.watch_reports import record_watched
 from studyapp.session.withdrawal import withdraw
