@@ -14,44 +14,22 @@ from argon2.exceptions import InvalidHashError, VerificationError
 from motion.errors import InputError
 from studyapp.researchers.names import name_key
 
-COMMON_WORDS: Final = frozenset(
-    """
-    account admin administrator animation baseball changeme computer default dragon experiment
-    football gesture gestures hello iloveyou institute letmein login master monkey motion
-    motionjury myaccount mypassword newpassword nothing owner participant passphrase passw0rd
-    password princess qwerty research researcher sample science secret shadow starwars study
-    summer sunshine superman superuser survey temporary test testing trustno1 university user
-    welcome winter
-    """.split()  # noqa: SIM905 - a list of one word a line is no easier to read
+WORDS_OF_THE_FIELD: Final = (
+    *("animation", "experiment", "gesture", "gestures", "institute", "jury", "motion"),
+    *("motionjury", "participant", "research", "researcher", "study", "survey", "university"),
 )
-"""They count for nothing in a password."""
-
-COMMON_RUNS: Final = (
-    "01234567890123456789",
-    "98765432109876543210",
-    "abcdefghijklmnopqrstuvwxyz",
-    "qwertyuiopasdfghjklzxcvbnm",
-    "qwertzuiopasdfghjklyxcvbnm",
-    "azertyuiopqsdfghjklmwxcvbn",
-    "zyxwvutsrqponmlkjihgfedcba",
-    "1q2w3e4r5t6y7u8i9o0p",
-    "1qaz2wsx3edc4rfv5tgb6yhn7ujm8ik",
-    "qazwsxedcrfvtgbyhnujmikolp",
-)
-"""Rows of keys and of letters; their parts count for nothing either."""
-
+"""They are as easy to guess as the researcher's own name."""
 
 SHORTEST: Final = 12
 LONGEST: Final = 256
-FEWEST_LETTERS: Final = 5
-"""That differ, and that are no part of what is common."""
+JUDGED: Final = 72
+"""Characters of a password that are judged; it takes longer the more there are."""
+
+SAFE: Final = 4
+"""zxcvbn's best score: more than 10 to the power of 10 guesses."""
 
 HASHER: Final = PasswordHasher()
 """Argon2id with the library's parameters, those of RFC 9106 for little memory (64 MiB)."""
-
-PARTS_OF_RUNS: Final = re.compile(
-    "|".join(sorted({run[i : i + 4] for run in COMMON_RUNS for i in range(len(run) - 3)}))
-)
 
 TWO_AT_ONCE: Final = threading.BoundedSemaphore(2)
 """Each hash takes memory: very many logins at once must not take all there is."""
@@ -112,19 +90,10 @@ def _normal(password: str) -> str:
 
 
 def _is_common(password: str, name: str) -> bool:
-    """Tell whether little is left of the password without what everybody tries first."""
-    folded = password.casefold()
-    if len(set(folded)) < FEWEST_LETTERS:
-        return True
-    left = plain = _letters(folded)
-    for word in sorted({*COMMON_WORDS, _letters(name_key(name))} - {""}, key=len, reverse=True):
-        left = left.replace(word, "")
-    left = PARTS_OF_RUNS.sub("", left)
-    if not plain.isdigit():
-        left = re.sub(r"^\d+|\d+$", "", left)
-    return len(left) < FEWEST_LETTERS
+    """Tell whether few guesses find the password, with its spaces and punctuation or without."""
+    # Its lists of words take memory, and passwords are chosen seldom.
+    from zxcvbn import zxcvbn  # type: ignore[import-untyped]
 
-
-def _letters(text: str) -> str:
-    """Return the letters and digits of `text` alone."""
-    return re.sub(r"[\W_]", "", text)
+    known = [name_key(name), *name.split(), *WORDS_OF_THE_FIELD]
+    written = (password, re.sub(r"[\W_]", "", password))
+    return any(zxcvbn(each[:JUDGED], known)["score"] < SAFE for each in written)

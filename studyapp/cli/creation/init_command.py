@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Any, Final, cast, get_args
+from typing import Final, cast, get_args
 
 import click
 
-from generators.registry import generator_names, needs_model
+from generators.registry import generator_names
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.cli.creation.agreeing import agreed
-from studyapp.cli.creation.init_options import LONGEST, read_amount, read_condition, read_currency
-from studyapp.cli.material.setting_options import SettingsCommand, condition_of
+from studyapp.cli.creation.init_options import (
+    LONGEST,
+    read_amount,
+    read_condition,
+    read_currency,
+    read_source,
+)
 from studyapp.study.creation.study_file import TEMPLATES, drafted, refuse_existing
 from studyapp.study.creation.wanted_study import WantedStudy
 from studyapp.study.folder import StudyFolder
@@ -27,7 +32,7 @@ INTERRUPTED: Final = 130
 """Exit status of who is interrupted (128 and the signal's number)."""
 
 
-@click.command("init", cls=SettingsCommand)
+@click.command("init")
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
 @click.option(
     "--ask/--no-ask",
@@ -75,16 +80,16 @@ INTERRUPTED: Final = 130
 )
 @click.option("--pay", metavar="AMOUNT", help="What each participant gets, such as 2.50.")
 @click.option("--currency", metavar="CODE", help="Of the pay, three letters.")
-@click.option("--hourly-minimum", metavar="AMOUNT", help="What an hour must pay at least.")
 @click.option("--minutes", type=click.IntRange(1, LONGEST), help="How long it takes.")
 @click.option("--title", help="What participants see as the study's title.")
 @click.option("--organisation", help="Who runs the study.")
 @click.option("--contact", help="Whom participants can ask.")
 @click.option("--ethics", help="Who approved the study.")
 @click.option(
-    "--generator",
-    metavar="NETWORK",
-    help="Of a template of rankings: what --checkpoint is of. By default the paper's.",
+    "--checkpoint",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Of a template of rankings: weights of the network of its paper, which becomes one of "
+    "its conditions.",
 )
 @click.pass_context
 def command(
@@ -102,22 +107,19 @@ def command(
     channel: str | None,
     pay: str | None,
     currency: str | None,
-    hourly_minimum: str | None,
     minutes: int | None,
     title: str | None,
     organisation: str | None,
     contact: str | None,
     ethics: str | None,
-    generator: str | None,
-    **given: Any,
+    checkpoint: Path | None,
 ) -> None:
     """Make a study FOLDER with a commented study.toml that can be edited.
 
     Without options it asks what the study is to be, shows what it will write, and writes it
     then. A study file that is there is never overwritten.
 
-    A template of rankings takes --checkpoint and what belongs to it: the network is then one of
-    its conditions.
+    Whatever else there is to say is said in study.toml, such as how a network samples.
     """
     study_folder = StudyFolder(folder)
     refuse_existing(study_folder.definition)
@@ -131,9 +133,9 @@ def command(
         participants=participants,
         conditions=_conditions(conditions, folder),
         catch_videos=catch_videos,
-        learned=_learned(generator, template, given, folder),
+        learned=_learned(template, checkpoint, folder),
         channel=cast("Channel | None", channel),
-        pay=_pay(channel, pay, currency, hourly_minimum),
+        pay=_pay(channel, pay, currency),
         minutes=minutes,
         organisation=organisation,
         contact=contact,
@@ -174,38 +176,26 @@ def _conditions(given: tuple[str, ...], folder: Path) -> dict[str, Condition] | 
     return dict(named) or None
 
 
-def _learned(
-    generator: str | None, template: str, given: dict[str, Any], folder: Path
-) -> Condition | None:
-    """Return the condition of the network that options describe, if any does."""
-    if generator is None and all(value is None for value in given.values()):
+def _learned(template: str, checkpoint: Path | None, folder: Path) -> Condition | None:
+    """Return the condition of the network whose weights are given, if any are."""
+    if checkpoint is None:
         return None
     protocol = ALIASES.get(template, template)
     papers = (paper for paper, of in ALIASES.items() if of == protocol)
-    named = generator or next((paper for paper in papers if paper in generator_names()), None)
+    named = next((paper for paper in papers if paper in generator_names()), None)
     if protocol != "ranking" or named is None:
         raise InputError(
             f"the template {template!r} has no condition that a network could take over",
             remedy="Give the network as a --condition",
         )
-    if not needs_model(named):
-        raise InputError(f"the generator {named} is no network", remedy="Give it as a --condition")
-    learned = condition_of(named, given, folder)
-    learned.settings.within(folder)
-    return learned
+    return read_source(f"{named}:{checkpoint}", folder)
 
 
-def _pay(
-    channel: str | None, amount: str | None, currency: str | None, least: str | None
-) -> Pay | None:
-    if amount is None and currency is None and least is None:
+def _pay(channel: str | None, amount: str | None, currency: str | None) -> Pay | None:
+    if amount is None and currency is None:
         return None
     code = "USD" if channel == "mturk" and currency is None else currency
-    pay = Pay(
-        amount=read_amount(amount or ""),
-        currency=read_currency(code) if code else "",
-        hourly_minimum=read_amount(least or ""),
-    )
+    pay = Pay(amount=read_amount(amount or ""), currency=read_currency(code) if code else "")
     if pay.problems():
         raise InputError("an amount needs a currency", remedy="Give --currency, such as EUR")
     return pay

@@ -44,7 +44,7 @@ def answers(folder: StudyFolder) -> pd.DataFrame:
         table = read_once(database, responses_table)
         with database.reading() as session:
             raters = {
-                str(sitting.id): rater_name(session, sitting)
+                sitting.id: rater_name(session, sitting)
                 for sitting in session.scalars(select(StudySession))
             }
     return table.assign(rater=table["study_session"].map(raters))

@@ -198,7 +198,7 @@ def test_all_of_it_goes_by_options_too(tmp_path: Path) -> None:
     result = init(
         tmp_path / "s", "--template", "rating", "--condition", "real=files", "--condition",
         "ours=files", "--condition", "late=mismatched:ours", "--participants", 40, "--recruit",
-        "prolific", "--pay", "3", "--currency", "GBP", "--hourly-minimum", "9", "--minutes", 20,
+        "prolific", "--pay", "3", "--currency", "GBP", "--minutes", 20,
         "--organisation", "Lab", "--contact", "lab@example.org", "--ethics", "No. 7", "--language",
         "ja",
     )  # fmt: skip
@@ -207,7 +207,6 @@ def test_all_of_it_goes_by_options_too(tmp_path: Path) -> None:
     study = read_study(tmp_path / "s" / "study.toml")
     assert study.arms[0].places == 40
     assert list(study.conditions) == ["real", "ours", "late"]
-    assert study.recruitment.pay.hourly_minimum == "9.00"
     assert study.recruitment.prolific.reward == 300
     assert study.page.ethics == "No. 7"
 
