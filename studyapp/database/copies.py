@@ -27,15 +27,13 @@ from sqlalchemy.exc import DBAPIError
 from motion.errors import InputError
 from studyapp.database.engine import (
     Database,
-    Turn,
     migration_config,
     schema_of,
     shown_address,
     sqlite_file,
     sqlite_url,
-    take_turn,
 )
-from studyapp.database.postgresql import taking_time
+from studyapp.database.postgresql import Turn, take_turn, taking_time
 from studyapp.database.tables.base import UtcMoment
 
 SCHEMA: Final = "alembic_version"

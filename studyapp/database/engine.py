@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from enum import IntEnum
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final, Self
@@ -19,14 +17,10 @@ from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import (
     URL,
-    BigInteger,
     Connection,
     Engine,
-    bindparam,
     create_engine,
     event,
-    func,
-    select,
     text,
 )
 from sqlalchemy.engine import make_url
@@ -37,7 +31,9 @@ from motion.errors import InputError
 from studyapp.database.postgresql import (
     READING_SECONDS,
     STATEMENT_SECONDS,
-    bound_waiting,
+    Turn,
+    postgresql_engine,
+    take_turn,
     taking_time,
 )
 from studyapp.database.waiting_line import in_line
@@ -46,47 +42,7 @@ from studyapp.study.folder import StudyFolder
 BUSY_SECONDS: Final = 30
 """How long a writer waits for another one before it gives up."""
 
-MOST_CONNECTIONS: Final = 15
-"""Connections to PostgreSQL that a process has at most, and keeps: to make one costs as much as a
-page."""
-
 _OWN: Final = 0o600
-
-
-class Turn(IntEnum):
-    """What server processes do one after the other; the numbers are PostgreSQL's lock names."""
-
-    MIGRATION = 8_675_110_001
-    ALLOCATION = 8_675_110_002
-    LOGIN = 8_675_110_003
-    FIGURES = 8_675_110_004
-
-
-SHARE: Final = select(
-    func.pg_advisory_xact_lock(bindparam("own", type_=BigInteger)),
-    func.pg_advisory_xact_lock_shared(bindparam("turn", type_=BigInteger)),
-)
-
-
-def take_turn(connection: Connection, turn: Turn) -> None:
-    """Wait until no other process has its `turn`; it lasts until the transaction ends.
-
-    On SQLite a transaction that writes is alone anyway.
-    """
-    if connection.dialect.name == "postgresql":
-        connection.execute(select(func.pg_advisory_xact_lock(int(turn))))
-
-
-def share_turn(connection: Connection, turn: Turn, name: str) -> None:
-    """Wait until nobody has the whole `turn`, nor shares it under the same `name`.
-
-    Others share it at the same time under other names. On SQLite a transaction that writes is
-    alone anyway.
-    """
-    if connection.dialect.name == "postgresql":
-        digest = hashlib.sha256(f"{turn.name} {name}".encode()).digest()
-        own = int.from_bytes(digest[:8], "big", signed=True)
-        connection.execute(SHARE, {"own": own, "turn": int(turn)})
 
 
 def sqlite_url(path: Path) -> str:
@@ -381,18 +337,7 @@ def _engine(
     # Among the parameters of a failed statement may be a participant's token.
     hidden = {"hide_parameters": True, "execution_options": options}
     if address.get_backend_name() != "sqlite":
-        # Locks are what keeps writers apart, whatever the server's own default is.
-        engine = create_engine(
-            address,
-            isolation_level="READ COMMITTED",
-            pool_size=MOST_CONNECTIONS,
-            max_overflow=0,
-            # The one that was used last has everything at hand, and few are used at all.
-            pool_use_lifo=True,
-            **hidden,
-        )
-        bound_waiting(engine, seconds)
-        return engine
+        return postgresql_engine(address, seconds, **hidden)
     engine = create_engine(address, connect_args={"timeout": BUSY_SECONDS}, **hidden)
     event.listen(engine, "connect", set_up_sqlite)
     event.listen(engine, "begin", _begin_sqlite)

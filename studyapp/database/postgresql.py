@@ -1,15 +1,27 @@
-"""Connections to PostgreSQL that wait for no server without end."""
+"""PostgreSQL: connections that wait for no server without end, and turns that processes take."""
 
 from __future__ import annotations
 
+import hashlib
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from enum import IntEnum
 from typing import Any, Final
 
 import psycopg
 from psycopg.abc import RV, PQGen
-from sqlalchemy import Connection, Engine, event
+from sqlalchemy import (
+    URL,
+    BigInteger,
+    Connection,
+    Engine,
+    bindparam,
+    create_engine,
+    event,
+    func,
+    select,
+)
 from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.exc import DisconnectionError
 from sqlalchemy.pool import ConnectionPoolEntry, PoolProxiedConnection
@@ -35,6 +47,11 @@ REST_SECONDS: Final = 1.0
 RESTS_SINCE: Final = "rests_since"
 
 
+MOST_CONNECTIONS: Final = 15
+"""Connections to PostgreSQL that a process has at most, and keeps: to make one costs as much as a
+page."""
+
+
 class PatientConnection(psycopg.Connection[Any]):
     """A connection that gives a server up which does not answer.
 
@@ -55,8 +72,18 @@ class PatientConnection(psycopg.Connection[Any]):
             raise psycopg.OperationalError("the database does not answer") from error
 
 
-def bound_waiting(engine: Engine, seconds: float) -> None:
-    """Let no statement on connections of `engine` take longer than `seconds`."""
+def postgresql_engine(address: URL, seconds: float, **options: Any) -> Engine:
+    """Return an engine no statement of which takes longer than `seconds`."""
+    engine = create_engine(
+        address,
+        # Locks are what keeps writers apart, whatever the server's own default is.
+        isolation_level="READ COMMITTED",
+        pool_size=MOST_CONNECTIONS,
+        max_overflow=0,
+        # Few are used at all, and the one that was used last has the most prepared.
+        pool_use_lifo=True,
+        **options,
+    )
 
     @event.listens_for(engine, "do_connect")
     def connect(
@@ -73,6 +100,7 @@ def bound_waiting(engine: Engine, seconds: float) -> None:
 
     event.listen(engine, "checkin", _note_rest)
     event.listen(engine, "checkout", _require_alive)
+    return engine
 
 
 @contextmanager
@@ -113,3 +141,39 @@ def _require_alive(
         raise DisconnectionError from error
     finally:
         driver.patience = patience
+
+
+class Turn(IntEnum):
+    """What server processes do one after the other; the numbers are PostgreSQL's lock names."""
+
+    MIGRATION = 8_675_110_001
+    ALLOCATION = 8_675_110_002
+    LOGIN = 8_675_110_003
+    FIGURES = 8_675_110_004
+
+
+SHARE: Final = select(
+    func.pg_advisory_xact_lock(bindparam("own", type_=BigInteger)),
+    func.pg_advisory_xact_lock_shared(bindparam("turn", type_=BigInteger)),
+)
+
+
+def take_turn(connection: Connection, turn: Turn) -> None:
+    """Wait until no other process has its `turn`; it lasts until the transaction ends.
+
+    On SQLite a transaction that writes is alone anyway.
+    """
+    if connection.dialect.name == "postgresql":
+        connection.execute(select(func.pg_advisory_xact_lock(int(turn))))
+
+
+def share_turn(connection: Connection, turn: Turn, name: str) -> None:
+    """Wait until nobody has the whole `turn`, nor shares it under the same `name`.
+
+    Others share it at the same time under other names. On SQLite a transaction that writes is
+    alone anyway.
+    """
+    if connection.dialect.name == "postgresql":
+        digest = hashlib.sha256(f"{turn.name} {name}".encode()).digest()
+        own = int.from_bytes(digest[:8], "big", signed=True)
+        connection.execute(SHARE, {"own": own, "turn": int(turn)})

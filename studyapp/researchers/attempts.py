@@ -16,7 +16,8 @@ from sqlalchemy.orm import Session
 
 from motion.errors import InputError
 from studyapp.clock import APART
-from studyapp.database.engine import Database, Turn, take_turn
+from studyapp.database.engine import Database
+from studyapp.database.postgresql import Turn, take_turn
 from studyapp.database.tables import LoginAttempt
 
 WINDOW: Final = timedelta(minutes=15)

@@ -14,7 +14,8 @@ from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from studyapp.clock import Clock, has_passed
-from studyapp.database.engine import Database, Turn, take_turn
+from studyapp.database.engine import Database
+from studyapp.database.postgresql import Turn, take_turn
 from studyapp.database.tables import (
     AuditLine,
     Event,

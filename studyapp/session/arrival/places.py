@@ -26,7 +26,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session
 
-from studyapp.database.engine import Turn, share_turn, take_turn
+from studyapp.database.postgresql import Turn, share_turn, take_turn
 from studyapp.database.tables import Place, StudySession
 from studyapp.session.arrival.intake import Intake, present_intake, wanted_places
 from studyapp.session.served_study import ServedStudy
