@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import closing
 from urllib.parse import urlsplit
 
 import click
@@ -109,11 +110,8 @@ def _say_where(folder: StudyFolder, address: str, *, is_tried: bool) -> None:
         click.echo(f"Take part as a test at {link} (for one test; it never counts).")
         if os.environ.get("DISPLAY") or sys.platform == "darwin":
             click.launch(link)
-    database = Database.open(database_url_of(folder.root))
-    try:
+    with closing(Database.open(database_url_of(folder.root))) as database:
         token = first_owner_link(database, Clock())
-    finally:
-        database.close()
     if token is None:
         click.echo(f"Watch how it goes at {address}/research/.")
     else:

@@ -10,6 +10,7 @@ import csv
 import io
 import secrets
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -49,11 +50,8 @@ def invite(folder: StudyFolder, people: Sequence[str], address: str, out: Path) 
     wanted = [name for name in dict.fromkeys(people) if name not in known]
     if not wanted:
         return 0
-    database = Database.open(database_url_of(folder.root))
-    try:
+    with closing(Database.open(database_url_of(folder.root))) as database:
         tokens = make_invitations(database, len(wanted), Clock())
-    finally:
-        database.close()
     links = [f"{address.rstrip('/')}/?invitation={token}" for token in tokens]
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
@@ -67,10 +65,8 @@ def counts(folder: StudyFolder) -> InvitationCounts:
     database = Database.open_for_reading(database_url_of(folder.root))
     if database is None:
         return InvitationCounts(made=0, begun=0, completed=0)
-    try:
+    with closing(database):
         return invitation_counts(database)
-    finally:
-        database.close()
 
 
 def numbered(count: int, out: Path) -> list[str]:

@@ -8,12 +8,11 @@ from typing import Any, Final
 from xml.sax.saxutils import escape
 
 from motion.errors import InputError
-from studyapp.database.engine import Database, database_url_of
 from studyapp.recruitment.mturk_client import Assignment, Hit, MTurkClient
 from studyapp.recruitment.payment import (
     Arrived,
     Judged,
-    arrived,
+    arrived_in,
     by_submission,
     judge_assignment,
 )
@@ -126,13 +125,7 @@ def hits_of(folder: StudyFolder, *, live: bool) -> tuple[str, ...]:
 
 def judged(folder: StudyFolder, client: MTurkClient, *, live: bool) -> list[JudgedAssignment]:
     """Return every assignment that was handed in, and what is to be done about it."""
-    database = Database.open_for_reading(database_url_of(folder.root))
-    people: list[Arrived] = []
-    if database is not None:
-        try:
-            people = arrived(database)
-        finally:
-            database.close()
+    people = arrived_in(folder)
     assignments = [each for hit in hits_of(folder, live=live) for each in client.assignments(hit)]
     known = by_submission(people, [(each.id, each.worker) for each in assignments])
     return [

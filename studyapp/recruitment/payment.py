@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
@@ -15,9 +16,10 @@ from typing import Final, Literal
 from sqlalchemy import select
 from sqlalchemy.orm import selectinload
 
-from studyapp.database.engine import Database
+from studyapp.database.engine import Database, database_url_of
 from studyapp.database.tables import ScreenOut, StudySession
 from studyapp.session.state import state_of
+from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.recruitment import Prolific
 
 Ours = Literal[
@@ -99,6 +101,15 @@ def arrived(database: Database) -> list[Arrived]:
             for each in session.scalars(select(ScreenOut).order_by(ScreenOut.id))
         ]
     return found
+
+
+def arrived_in(folder: StudyFolder) -> list[Arrived]:
+    """Return the same of a study; nobody where it has no database yet."""
+    database = Database.open_for_reading(database_url_of(folder.root))
+    if database is None:
+        return []
+    with closing(database):
+        return arrived(database)
 
 
 def by_submission(

@@ -9,12 +9,10 @@ from typing import Any
 
 from motion.errors import InputError
 from motion.listing import listed
-from studyapp.database.engine import Database, database_url_of
 from studyapp.recruitment.payment import (
-    Arrived,
     Judged,
     Ours,
-    arrived,
+    arrived_in,
     by_submission,
     judge_submission,
 )
@@ -102,13 +100,7 @@ def status(folder: StudyFolder, client: ProlificClient) -> ProlificStatus:
     """Return how the study goes, there and here."""
     identity = study_id(folder)
     codes = folder.study().recruitment.prolific
-    database = Database.open_for_reading(database_url_of(folder.root))
-    people: list[Arrived] = []
-    if database is not None:
-        try:
-            people = arrived(database)
-        finally:
-            database.close()
+    people = arrived_in(folder)
     submissions = client.submissions(identity)
     known = by_submission(people, [(each.id, each.participant) for each in submissions])
     judged = tuple(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing
 from pathlib import Path
 
 from sqlalchemy import delete, func, select
@@ -32,30 +31,31 @@ def make_test_participation(root: Path, served: ServedStudy, clock: Clock, *, by
         Who asks for it.
     """
     tried = served.opened_to_try()
-    database = Database.open(sqlite_url(StudyFolder(root).tries))
-    try:
+    with closing(Database.open(sqlite_url(StudyFolder(root).tries))) as database:
         open_study(database, tried, clock, new_version=True)
         with database.reading() as session:
             is_full = not has_open_place(session, tried, present_intake(session), clock.now())
         if is_full:
             extend(database, tried, clock, 1, by=by, reason="every place has been tried")
         (token,) = make_invitations(database, 1, clock)
-    finally:
-        database.close()
     return token
 
 
 def count_test_participations(root: Path) -> int:
     """Return how many people have begun to try the study in folder `root`."""
-    with _stored(root) as database:
-        return 0 if database is None else _count(database)
+    file = StudyFolder(root).tries
+    if not file.exists():
+        return 0
+    with closing(Database.open(sqlite_url(file))) as database:
+        return _count(database)
 
 
 def erase_test_participations(root: Path) -> int:
     """Erase all test participations of the study in folder `root`; return how many there were."""
-    with _stored(root) as database:
-        if database is None:
-            return 0
+    file = StudyFolder(root).tries
+    if not file.exists():
+        return 0
+    with closing(Database.open(sqlite_url(file))) as database:
         count = _count(database)
         with database.writing() as session:
             for table in reversed(Base.metadata.sorted_tables):
@@ -67,16 +67,3 @@ def erase_test_participations(root: Path) -> int:
 def _count(database: Database) -> int:
     with database.reading() as session:
         return session.scalar(select(func.count(StudySession.id))) or 0
-
-
-@contextmanager
-def _stored(root: Path) -> Iterator[Database | None]:
-    file = StudyFolder(root).tries
-    if not file.exists():
-        yield None
-        return
-    database = Database.open(sqlite_url(file))
-    try:
-        yield database
-    finally:
-        database.close()

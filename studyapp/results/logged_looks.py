@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -70,11 +71,8 @@ def note_way_out(
     problem = ""
     try:
         database = Database.open(database_url_of(folder.root))
-        try:
-            with database.writing() as session:
-                note_look(session, Clock().now(), state, way=way, reason=reason)
-        finally:
-            database.close()
+        with closing(database), database.writing() as session:
+            note_look(session, Clock().now(), state, way=way, reason=reason)
     except (InputError, SQLAlchemyError, OSError) as error:
         problem = str(error).splitlines()[0]
     if not state.is_interim:

@@ -8,6 +8,7 @@ import resource
 import socket
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Final
 
@@ -133,11 +134,8 @@ def run_server(
     _require_free(host, port)
     url = database_url_of(folder, database_url=database_url, rehearsal=rehearsal)
     # The workers find the newest schema and version and need not make them all at once.
-    database = Database.open(url)
-    try:
+    with closing(Database.open(url)) as database:
         open_study(database, served, Clock(), new_version=new_version)
-    finally:
-        database.close()
     options = {
         "bind": f"{host}:{port}",
         "workers": workers,
