@@ -18,8 +18,8 @@ from analysis.results.left_out import LeftOut, leave_out, table_rules
 from motion.errors import InputError
 from studyapp.results.answer_table import study_answers
 from studyapp.results.answers import answers_to_report
-from studyapp.results.exclusions import decided_by_hand, study_exclusions
 from studyapp.results.report_arms import of_present_design
+from studyapp.results.stated_beforehand import decided_by_hand, study_exclusions
 from studyapp.study.folder import StudyFolder
 
 ROUGH: Final = 10

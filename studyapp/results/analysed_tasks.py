@@ -16,8 +16,8 @@ from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out
 from studyapp.results.answer_table import empty_answers, study_answers
 from studyapp.results.answers import Answers
-from studyapp.results.exclusions import StudyExclusions, decided_by_hand, study_exclusions
 from studyapp.results.report_arms import of_present_design
+from studyapp.results.stated_beforehand import StudyExclusions, decided_by_hand, study_exclusions
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
 from studyapp.study.settings.exclusions import ExclusionSection

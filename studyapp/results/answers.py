@@ -13,7 +13,7 @@ from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.shared_answers import read_shared_answers
-from studyapp.results.stated_study import stated_study
+from studyapp.results.stated_beforehand import stated_study
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from motion.errors import InputError
 from motion.files import write_text
 from motion.spreadsheet import cell_as_given, harmless_frame
-from studyapp.results.stated_study import study_of
+from studyapp.results.stated_beforehand import study_of
 from studyapp.results.stored_answers import StoredAnswers
 from studyapp.study.settings.study import Study
 from studyapp.study.settings.validation import explain

@@ -16,9 +16,9 @@ import pandas as pd
 from motion.files import write_text
 from motion.spreadsheet import harmless_frame
 from studyapp.researchers.pseudonyms import FOLDER
+from studyapp.results.export.codebook import as_json
 from studyapp.results.export.columns import PARTICIPANT, Column, TableColumns
 from studyapp.results.export.labels import column_labels
-from studyapp.results.export.plain_json import as_json
 from studyapp.results.export.typed import as_text
 from studyapp.study.settings.study import Study
 

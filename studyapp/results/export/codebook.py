@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
@@ -103,3 +104,8 @@ def _form_question(stage: str, question: FormQuestion) -> dict[str, Any]:
         "free_text": question.kind == "text",
         "values": dict(form_labels(question)),
     }
+
+
+def as_json(content: Mapping[str, Any]) -> str:
+    """Return `content` as the text of a JSON file; a number that is none is an error."""
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"

@@ -17,6 +17,7 @@ from motion.files import write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import Answers, Source, answers_in, snapshot
+from studyapp.results.export.about_folder import environment, read_me
 from studyapp.results.export.bids_tables import (
     BIDS_VERSION,
     PARTICIPANT_ID,
@@ -25,14 +26,11 @@ from studyapp.results.export.bids_tables import (
     write_descriptions,
     write_tsv,
 )
-from studyapp.results.export.codebook import codebook
+from studyapp.results.export.codebook import as_json, codebook
 from studyapp.results.export.codebook_page import codebook_page
 from studyapp.results.export.columns import Column, TableColumns
-from studyapp.results.export.environment import environment
 from studyapp.results.export.exclusion import Judged, judge
 from studyapp.results.export.labels import form_labels
-from studyapp.results.export.plain_json import as_json
-from studyapp.results.export.read_me import read_me
 from studyapp.results.export.study_copy import copy_study, sha256_of, write_stimuli_list
 from studyapp.results.export.tables import ExportedTable, exported_tables
 from studyapp.results.logged_looks import note_way_out, with_looks_before

@@ -14,7 +14,7 @@ from motion.files import replacing, write_text
 from studyapp.researchers.pseudonyms import PseudonymKey
 from studyapp.results.answers import NO_ANSWERS, Source, answers_in, snapshot
 from studyapp.results.export.answer_columns import ANSWERS
-from studyapp.results.export.codebook import codebook
+from studyapp.results.export.codebook import as_json, codebook
 from studyapp.results.export.codebook_page import codebook_page
 from studyapp.results.export.exclusion import Judged, judge
 from studyapp.results.export.other_columns import (
@@ -25,7 +25,6 @@ from studyapp.results.export.other_columns import (
     REFUSALS,
     WATCHING,
 )
-from studyapp.results.export.plain_json import as_json
 from studyapp.results.export.tables import (
     ExportedTable,
     exported_tables,

@@ -13,7 +13,7 @@ from motion.errors import InputError
 from studyapp.database.engine import Database
 from studyapp.database.tables import AuditLine, Place, StudySession, StudyVersion
 from studyapp.results.export.watching_rows import watching_table
-from studyapp.results.stated_study import stated_study
+from studyapp.results.stated_beforehand import stated_study
 from studyapp.session.refusal import ConflictError, StudyFullError
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.versions import must_be_new_version, open_study

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from studyapp.results.export.environment import environment
+from studyapp.results.export.about_folder import environment
 from studyapp.results.export.study_copy import copy_study
 from studyapp.study.folder import StudyFolder
 

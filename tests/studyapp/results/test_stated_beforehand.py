@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from studyapp.results.exclusions import ByHand, StudyExclusions, study_exclusions
+from studyapp.results.stated_beforehand import ByHand, StudyExclusions, study_exclusions
 from studyapp.study.settings.exclusions import Coverage, FailedCatch, Incomplete
 
 STATED = (Incomplete(), FailedCatch(more_than=1))

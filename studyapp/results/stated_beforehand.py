@@ -1,15 +1,44 @@
-"""Who is left out of the analysis of a study, and which of the rules were settled beforehand."""
+"""What a study stated before its first participant came: whom it leaves out, how it decides."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import pandas as pd
+from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from analysis.answers.exclusion_rules import ExclusionRule, excluded_by_hand
+from motion.errors import InputError
 from motion.listing import listed
+from studyapp.database.tables import StudyVersion
 from studyapp.study.settings.exclusions import ExclusionSection
+from studyapp.study.settings.reading import parse_text
+from studyapp.study.settings.study import Study
+
+
+def stated_study(session: Session, version: int) -> Study | None:
+    """Return `version` of the study as it was when its first participant came.
+
+    Returns
+    -------
+    Study or None
+        None where there is no such version, or its study file cannot be read any more.
+    """
+    wanted = select(StudyVersion.definition).where(StudyVersion.number == version)
+    return study_of(session.scalars(wanted).first(), version)
+
+
+def study_of(definition: str | None, version: int) -> Study | None:
+    """Return the study that a text of `version` defines; None where it cannot be read any more."""
+    if definition is None:
+        return None
+    try:
+        return parse_text(definition, where=f"version {version}")
+    except InputError:
+        return None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,3 +157,66 @@ def _changes(
             "and has been taken out of it since."
         )
     return tuple(notes)
+
+
+Value = TypeVar("Value", float, str)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Agreed(Generic[Value]):
+    """A setting of the report.
+
+    Attributes
+    ----------
+    value : float, str or None
+        The margin of equivalence or the family of tests; None where nothing is stated.
+    notes : tuple of str
+        Where it was not stated beforehand, in sentences.
+    """
+
+    value: Value | None
+    notes: tuple[str, ...] = ()
+
+
+def agreed_on(
+    key: str,
+    stated: Value | None,
+    stated_before: Value | None,
+    given: Value | None,
+    *,
+    known: Study | None,
+) -> Agreed[Value]:
+    """Return a setting of a study's report.
+
+    Parameters
+    ----------
+    key : str
+        Its name in the study file and on the command line.
+    stated, stated_before, given
+        What the study file says, what it said when the first participant came, and what the
+        command line says.
+    known : Study or None
+        The study as it was when its first participant came; None where that is not known.
+
+    Raises
+    ------
+    InputError
+        If the study file and the command line contradict each other.
+    """
+    if stated is not None and given is not None and stated != given:
+        raise InputError(
+            f"--{key} {given} contradicts the study file, which states {stated}",
+            where=f"--{key}",
+            remedy="Leave the option out",
+        )
+    value = given if stated is None else stated
+    if value is None:
+        return Agreed(value=None)
+    name = f"The margin of {value:g}" if isinstance(value, float) else f"The {key} “{value}”"
+    if stated is None:
+        note = f"{name} was given with the report, not in the study file"
+    elif known is not None and stated_before != stated:
+        note = f"{name} was not in the study file when the first participant came"
+    else:
+        return Agreed(value=value)
+    return Agreed(value=value, notes=(f"{note}: its tests are exploratory.",))
