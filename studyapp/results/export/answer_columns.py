@@ -24,113 +24,96 @@ NO_VIDEO: Final = "nothing was reported of the videos"
 
 _PAIR: Final = (
     Column(
-        name="comparison",
-        type="text",
-        meaning="The two conditions that are compared, the reference first.",
+        "comparison",
+        "text",
+        "The two conditions that are compared, the reference first.",
         missing=NO_PAIR,
     ),
     Column(
-        name="reference",
-        type="text",
-        meaning="Of the two conditions, the one that the study puts first; of a catch trial, the "
+        "reference",
+        "text",
+        "Of the two conditions, the one that the study puts first; of a catch trial, the "
         "one that is plainly better.",
         missing=NO_PAIR,
     ),
     Column(
-        name="other",
-        type="text",
-        meaning="The other condition; of a catch trial, the visibly flawed one.",
+        "other",
+        "text",
+        "The other condition; of a catch trial, the visibly flawed one.",
         missing=NO_PAIR,
     ),
     Column(
-        name="left_condition",
-        type="text",
-        meaning="The condition shown on the left, labelled A.",
-        missing=NO_PAIR,
+        "left_condition", "text", "The condition shown on the left, labelled A.", missing=NO_PAIR
     ),
     Column(
-        name="right_condition",
-        type="text",
-        meaning="The condition shown on the right, labelled B.",
-        missing=NO_PAIR,
+        "right_condition", "text", "The condition shown on the right, labelled B.", missing=NO_PAIR
     ),
     Column(
-        name="left_speech",
-        type="text",
-        meaning="The segment whose speech was heard with the left video.",
+        "left_speech",
+        "text",
+        "The segment whose speech was heard with the left video.",
         missing=f"{NO_PAIR}, or it was silent",
     ),
     Column(
-        name="right_speech",
-        type="text",
-        meaning="The segment whose speech was heard with the right video.",
+        "right_speech",
+        "text",
+        "The segment whose speech was heard with the right video.",
         missing=f"{NO_PAIR}, or it was silent",
     ),
 )
 
 _ABOUT: Final = (
     Column(
-        name="stimulus",
-        type="integer",
-        meaning="Number of the stimulus that the answer is about: 1 is labelled A, 2 is B, and "
-        "so on.",
+        "stimulus",
+        "integer",
+        "Number of the stimulus that the answer is about: 1 is labelled A, 2 is B, and so on.",
         missing=WHOLE_TRIAL,
     ),
+    Column("condition", "text", "The condition of that stimulus.", missing=WHOLE_TRIAL),
     Column(
-        name="condition",
-        type="text",
-        meaning="The condition of that stimulus.",
-        missing=WHOLE_TRIAL,
-    ),
-    Column(
-        name="speech",
-        type="text",
-        meaning="The segment whose speech was heard with that stimulus.",
+        "speech",
+        "text",
+        "The segment whose speech was heard with that stimulus.",
         missing=f"{WHOLE_TRIAL}, or it was silent",
     ),
 )
 
 _ANSWER: Final = (
-    Column(name="question", type="text", meaning="The question; the codebook has its wording."),
+    Column("question", "text", "The question; the codebook has its wording."),
     Column(
-        name="value",
-        type="integer",
-        meaning="The answer; what its values mean is the question's, and stands with its wording.",
+        "value",
+        "integer",
+        "The answer; what its values mean is the question's, and stands with its wording.",
     ),
     Column(
-        name="reasons",
-        type="text",
-        meaning="Names of the reasons ticked beside the answer, separated by spaces; of an order, "
+        "reasons",
+        "text",
+        "Names of the reasons ticked beside the answer, separated by spaces; of an order, "
         "those ticked once for all of it.",
         missing="none was ticked, or none was offered",
     ),
     Column(
-        name="expected",
-        type="text",
-        meaning="Of a catch trial, where the plainly better stimulus was: left or right of a "
+        "expected",
+        "text",
+        "Of a catch trial, where the plainly better stimulus was: left or right of a "
         "pair, else its number.",
         missing="no catch trial",
     ),
     Column(
-        name="instructed",
-        type="integer",
-        meaning="Of an attention check, the value that the page asked for.",
+        "instructed",
+        "integer",
+        "Of an attention check, the value that the page asked for.",
         missing="no attention check",
     ),
 )
 
 _TIME: Final = (
+    Column("shown_at", "moment", "When the trial was first shown.", missing="that was not noted"),
+    Column("answered_at", "moment", "When the answer was stored."),
     Column(
-        name="shown_at",
-        type="moment",
-        meaning="When the trial was first shown.",
-        missing="that was not noted",
-    ),
-    Column(name="answered_at", type="moment", meaning="When the answer was stored."),
-    Column(
-        name="seconds",
-        type="number",
-        meaning="From the first showing of the trial to its answer.",
+        "seconds",
+        "number",
+        "From the first showing of the trial to its answer.",
         unit="s",
         missing="that was not noted",
     ),
@@ -138,57 +121,45 @@ _TIME: Final = (
 
 _WATCHED: Final = (
     Column(
-        name="watched",
-        type="number",
-        meaning="Share of all the trial's videos that counts as watched, in [0, 1], replays "
-        "counted once.",
+        "watched",
+        "number",
+        "Share of all the trial's videos that counts as watched, in [0, 1], replays counted once.",
     ),
     Column(
-        name="watched_each",
-        type="text",
-        meaning="The same for each video, separated by spaces, in the order of the page; the "
+        "watched_each",
+        "text",
+        "The same for each video, separated by spaces, in the order of the page; the "
         "reference comes first where one is shown.",
         missing=NO_VIDEO,
     ),
     Column(
-        name="times_played",
-        type="number",
-        meaning="Time played in any way, replays included, over the length of the videos.",
+        "times_played",
+        "number",
+        "Time played in any way, replays included, over the length of the videos.",
         missing=NO_VIDEO,
     ),
+    Column("rate", "number", "Largest playback rate seen; 1 is as recorded.", missing=NO_VIDEO),
     Column(
-        name="rate",
-        type="number",
-        meaning="Largest playback rate seen; 1 is as recorded.",
-        missing=NO_VIDEO,
-    ),
-    Column(
-        name="hidden_seconds",
-        type="number",
-        meaning="How long videos played where nobody could see them.",
+        "hidden_seconds",
+        "number",
+        "How long videos played where nobody could see them.",
         unit="s",
         missing=NO_VIDEO,
     ),
     Column(
-        name="silent_seconds",
-        type="number",
-        meaning="How long videos played where nobody could hear them.",
+        "silent_seconds",
+        "number",
+        "How long videos played where nobody could hear them.",
         unit="s",
         missing=NO_VIDEO,
     ),
     Column(
-        name="stalls",
-        type="integer",
-        meaning="How often videos waited for data while they were meant to play.",
+        "stalls",
+        "integer",
+        "How often videos waited for data while they were meant to play.",
         missing=NO_VIDEO,
     ),
-    Column(
-        name="stalled_seconds",
-        type="number",
-        meaning="How long they waited in all.",
-        unit="s",
-        missing=NO_VIDEO,
-    ),
+    Column("stalled_seconds", "number", "How long they waited in all.", unit="s", missing=NO_VIDEO),
 )
 
 ANSWERS: Final = TableColumns(
@@ -197,11 +168,11 @@ ANSWERS: Final = TableColumns(
     columns=(
         *(PARTICIPANT, STUDY_SESSION, VERSION, ARM, PART, POSITION, KIND),
         SEGMENT,
-        Column(name="emotion", type="text", meaning="With which emotion the segment is spoken."),
+        Column("emotion", "text", "With which emotion the segment is spoken."),
         Column(
-            name="speaker",
-            type="text",
-            meaning="Who speaks in the segment, as the study's table of segments names them.",
+            "speaker",
+            "text",
+            "Who speaks in the segment, as the study's table of segments names them.",
             missing="the study has no speech files",
         ),
         *_PAIR,
@@ -210,9 +181,9 @@ ANSWERS: Final = TableColumns(
         *_TIME,
         *_WATCHED,
         Column(
-            name="analysed",
-            type="boolean",
-            meaning="Whether the report's results are computed from this answer: a main or "
+            "analysed",
+            "boolean",
+            "Whether the report's results are computed from this answer: a main or "
             "repeated trial, of a participant who is not left out.",
             missing="the rules were not applied: withdrawn, or an earlier design",
         ),

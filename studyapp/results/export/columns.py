@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
@@ -21,7 +21,7 @@ DTYPES: Final[Mapping[ColumnType, str]] = MappingProxyType(
 """How each type is held; every one knows missing values."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Column:
     """One column of an exported table.
 
@@ -44,6 +44,7 @@ class Column:
     name: str
     type: ColumnType
     meaning: str
+    _: KW_ONLY
     unit: str = ""
     missing: str = ""
     free_text: bool = False
@@ -74,76 +75,69 @@ class TableColumns:
 
 
 PARTICIPANT: Final = Column(
-    name="participant",
-    type="text",
-    meaning="Pseudonym of the participant: a keyed hash, the same in every export of this study; "
+    "participant",
+    "text",
+    "Pseudonym of the participant: a keyed hash, the same in every export of this study; "
     "with x2 behind it in the second of a recruiter's studies that one person took part in. "
     "Without the key, which stays with the researchers, it leads back to nobody.",
 )
 
 STUDY_SESSION: Final = Column(
-    name="study_session",
-    type="integer",
-    meaning="Number of the study session, from 1 in the order of arrival; the report names "
+    "study_session",
+    "integer",
+    "Number of the study session, from 1 in the order of arrival; the report names "
     "participants by it.",
 )
 
 VERSION: Final = Column(
-    name="version",
-    type="integer",
-    meaning="Version of the study's design that the participant took part in, from 1.",
+    "version", "integer", "Version of the study's design that the participant took part in, from 1."
 )
 
-ARM: Final = Column(
-    name="arm", type="text", meaning="The arm of the study that the place belonged to."
-)
+ARM: Final = Column("arm", "text", "The arm of the study that the place belonged to.")
 
 PART: Final = Column(
-    name="part",
-    type="text",
-    meaning="The set, block or task of the study that the trial belongs to.",
+    "part",
+    "text",
+    "The set, block or task of the study that the trial belongs to.",
     missing="the study has no parts",
 )
 
 POSITION: Final = Column(
-    name="position",
-    type="integer",
-    meaning="Place of the presentation within the study session, from 1; together with the "
+    "position",
+    "integer",
+    "Place of the presentation within the study session, from 1; together with the "
     "participant it names the trial.",
 )
 
-KIND: Final = Column(name="kind", type="text", meaning="Kind of trial.")
+KIND: Final = Column("kind", "text", "Kind of trial.")
 
-SEGMENT: Final = Column(
-    name="segment", type="text", meaning="The speech excerpt that the trial is about."
-)
+SEGMENT: Final = Column("segment", "text", "The speech excerpt that the trial is about.")
 
 EXCLUSION: Final = (
     Column(
-        name="excluded",
-        type="boolean",
-        meaning="Whether the participant is left out of the analysis by a rule of the study or by "
+        "excluded",
+        "boolean",
+        "Whether the participant is left out of the analysis by a rule of the study or by "
         "a researcher.",
         missing="the rules were not applied: withdrawn, an earlier design, or nothing answered",
     ),
     Column(
-        name="exclusion_rule",
-        type="text",
-        meaning="The rule that left the participant out, the first one that applied; what "
+        "exclusion_rule",
+        "text",
+        "The rule that left the participant out, the first one that applied; what "
         "researchers decide by hand comes after the study's rules.",
         missing="not left out",
     ),
     Column(
-        name="exclusion_kind",
-        type="text",
-        meaning="Whether that rule was settled before the first participant came, or a researcher "
-        "decided.",
+        "exclusion_kind",
+        "text",
+        "Whether that rule was settled before the first participant came, or a researcher decided.",
         missing="not left out",
     ),
     Column(
-        name="exclusion_reason",
-        type="text",
-        meaning="Why the rule applied to this participant.",
+        "exclusion_reason",
+        "text",
+        "Why the rule applied to this participant.",
         missing="not left out",
         free_text=True,
     ),

@@ -25,34 +25,29 @@ PARTICIPANTS: Final = TableColumns(
     title="One study session. Who withdrew, or was forgotten, is in this table alone.",
     columns=(
         *(PARTICIPANT, STUDY_SESSION, VERSION, ARM),
-        Column(name="state", type="text", meaning="Where the study session stands."),
+        Column("state", "text", "Where the study session stands."),
         Column(
-            name="consented_at",
-            type="moment",
-            meaning="When the participant agreed; of who was forgotten, when that was.",
+            "consented_at",
+            "moment",
+            "When the participant agreed; of who was forgotten, when that was.",
         ),
         Column(
-            name="started_at",
-            type="moment",
-            meaning="When the first trial was shown.",
+            "started_at",
+            "moment",
+            "When the first trial was shown.",
             missing="it never was, or who withdrew was promised deletion",
         ),
         Column(
-            name="completed_at",
-            type="moment",
-            meaning="When the last answer was stored.",
-            missing="it never was",
+            "completed_at", "moment", "When the last answer was stored.", missing="it never was"
         ),
         Column(
-            name="presentations",
-            type="integer",
-            meaning="How many trials were planned; none are left of who withdrew.",
+            "presentations",
+            "integer",
+            "How many trials were planned; none are left of who withdrew.",
         ),
-        Column(name="answered", type="integer", meaning="How many of them were answered."),
+        Column("answered", "integer", "How many of them were answered."),
         Column(
-            name="unplayable",
-            type="integer",
-            meaning="Of how many the participant said that a video does not play.",
+            "unplayable", "integer", "Of how many the participant said that a video does not play."
         ),
         *EXCLUSION,
     ),
@@ -63,12 +58,12 @@ FORM: Final = TableColumns(
     title="One answer of a participant about themselves.",
     columns=(
         *(PARTICIPANT, STUDY_SESSION),
-        Column(name="stage", type="text", meaning="When it was asked."),
-        Column(name="question", type="text", meaning="The question; the codebook has its wording."),
+        Column("stage", "text", "When it was asked."),
+        Column("question", "text", "The question; the codebook has its wording."),
         Column(
-            name="value",
-            type="text",
-            meaning="The answer as it was given.",
+            "value",
+            "text",
+            "The answer as it was given.",
             missing="a question that need not be answered was left open",
             free_text=True,
         ),
@@ -81,80 +76,59 @@ WATCHING: Final = TableColumns(
     columns=(
         *(PARTICIPANT, STUDY_SESSION, VERSION, ARM, PART, POSITION, KIND, SEGMENT),
         Column(
-            name="video",
-            type="integer",
-            meaning="The video's place on the page, from 1; 0 is the reference shown apart.",
+            "video",
+            "integer",
+            "The video's place on the page, from 1; 0 is the reference shown apart.",
         ),
         Column(
-            name="stimuli",
-            type="text",
-            meaning="Numbers of the stimuli it shows, from left to right, separated by spaces.",
+            "stimuli",
+            "text",
+            "Numbers of the stimuli it shows, from left to right, separated by spaces.",
         ),
+        Column("conditions", "text", "Their conditions, from left to right, separated by spaces."),
         Column(
-            name="conditions",
-            type="text",
-            meaning="Their conditions, from left to right, separated by spaces.",
-        ),
-        Column(
-            name="made_from",
-            type="text",
-            meaning="Digest of all that the video was made from. Where it differs, participants "
+            "made_from",
+            "text",
+            "Digest of all that the video was made from. Where it differs, participants "
             "saw another video of the same condition and segment.",
         ),
-        Column(name="duration", type="number", meaning="Length of the video.", unit="s"),
+        Column("duration", "number", "Length of the video.", unit="s"),
         Column(
-            name="watched",
-            type="number",
-            meaning="Share that counts as watched, in [0, 1], replays counted once.",
+            "watched", "number", "Share that counts as watched, in [0, 1], replays counted once."
         ),
         Column(
-            name="sent_at",
-            type="moment",
-            meaning="When the server first sent the video, or led the browser to the store.",
+            "sent_at",
+            "moment",
+            "When the server first sent the video, or led the browser to the store.",
             missing="it never did, and so nothing counts as watched",
         ),
         Column(
-            name="times_played",
-            type="number",
-            meaning="Time played in any way, replays included, over the video's length.",
+            "times_played",
+            "number",
+            "Time played in any way, replays included, over the video's length.",
         ),
-        Column(name="rate", type="number", meaning="Largest playback rate seen; 1 is as recorded."),
+        Column("rate", "number", "Largest playback rate seen; 1 is as recorded."),
         Column(
-            name="hidden_seconds",
-            type="number",
-            meaning="How long it played where nobody could see it.",
-            unit="s",
+            "hidden_seconds", "number", "How long it played where nobody could see it.", unit="s"
         ),
         Column(
-            name="silent_seconds",
-            type="number",
-            meaning="How long it played where nobody could hear it.",
-            unit="s",
+            "silent_seconds", "number", "How long it played where nobody could hear it.", unit="s"
+        ),
+        Column("stalls", "integer", "How often it waited for data while it was meant to play."),
+        Column("stalled_seconds", "number", "How long it waited in all.", unit="s"),
+        Column(
+            "frames", "integer", "How many pictures the browser had to show.", missing=NOT_COUNTED
         ),
         Column(
-            name="stalls",
-            type="integer",
-            meaning="How often it waited for data while it was meant to play.",
-        ),
-        Column(
-            name="stalled_seconds", type="number", meaning="How long it waited in all.", unit="s"
-        ),
-        Column(
-            name="frames",
-            type="integer",
-            meaning="How many pictures the browser had to show.",
+            "dropped_share",
+            "number",
+            "Share of them that it left out, in [0, 1].",
             missing=NOT_COUNTED,
         ),
         Column(
-            name="dropped_share",
-            type="number",
-            meaning="Share of them that it left out, in [0, 1].",
-            missing=NOT_COUNTED,
-        ),
-        Column(
-            name="unplayable_at",
-            type="moment",
-            meaning="When the participant said that it does not play.",
+            "unplayable_at",
+            "moment",
+            "When the participant said that it does not play.",
             missing="they did not say so",
         ),
     ),
@@ -165,20 +139,17 @@ REFUSALS: Final = TableColumns(
     title="One request that was refused and changed nothing.",
     columns=(
         Column(
-            name="participant",
-            type="text",
-            meaning=PARTICIPANT.meaning,
-            missing="the address belonged to nobody",
+            "participant", "text", PARTICIPANT.meaning, missing="the address belonged to nobody"
         ),
         Column(
-            name="study_session",
-            type="integer",
-            meaning=STUDY_SESSION.meaning,
+            "study_session",
+            "integer",
+            STUDY_SESSION.meaning,
             missing="the address belonged to nobody",
         ),
-        Column(name="at", type="moment", meaning="When it was."),
-        Column(name="kind", type="text", meaning="What was wrong, in a word."),
-        Column(name="detail", type="text", meaning="What was asked for, and why it was refused."),
+        Column("at", "moment", "When it was."),
+        Column("kind", "text", "What was wrong, in a word."),
+        Column("detail", "text", "What was asked for, and why it was refused."),
     ),
 )
 
@@ -186,28 +157,20 @@ LOG: Final = TableColumns(
     name="log",
     title="One change that was made while the study ran.",
     columns=(
-        Column(name="at", type="moment", meaning="When it was."),
-        Column(name="event", type="text", meaning="What was done, by a name that never changes."),
+        Column("at", "moment", "When it was."),
+        Column("event", "text", "What was done, by a name that never changes."),
         Column(
-            name="detail",
-            type="text",
-            meaning="What there is to know beside it.",
-            missing="nothing",
-            free_text=True,
+            "detail", "text", "What there is to know beside it.", missing="nothing", free_text=True
         ),
         Column(
-            name="researcher",
-            type="text",
-            meaning="Who did it. It names a person.",
+            "researcher",
+            "text",
+            "Who did it. It names a person.",
             missing="the server or the command line did",
             free_text=True,
         ),
         Column(
-            name="reason",
-            type="text",
-            meaning="Why, in their words.",
-            missing="none was asked for",
-            free_text=True,
+            "reason", "text", "Why, in their words.", missing="none was asked for", free_text=True
         ),
     ),
 )
@@ -219,22 +182,22 @@ RECRUITER_IDS: Final = TableColumns(
     columns=(
         *(PARTICIPANT, STUDY_SESSION),
         Column(
-            name="recruiter_participant",
-            type="text",
-            meaning="The recruiter's name for the participant.",
+            "recruiter_participant",
+            "text",
+            "The recruiter's name for the participant.",
             free_text=True,
         ),
         Column(
-            name="recruiter_study",
-            type="text",
-            meaning="The recruiter's name for the study.",
+            "recruiter_study",
+            "text",
+            "The recruiter's name for the study.",
             missing="none was given",
             free_text=True,
         ),
         Column(
-            name="recruiter_session",
-            type="text",
-            meaning="The recruiter's name for the sitting.",
+            "recruiter_session",
+            "text",
+            "The recruiter's name for the sitting.",
             missing="none was given, or who withdrew was promised deletion",
             free_text=True,
         ),

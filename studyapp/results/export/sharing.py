@@ -265,9 +265,9 @@ def _write_form(
         return
     columns = [
         Column(
-            name=question.name,
-            type="text",
-            meaning=question.text,
+            question.name,
+            "text",
+            question.text,
             missing="it was not answered",
             free_text=question.kind == "text",
         )
