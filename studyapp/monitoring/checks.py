@@ -12,7 +12,7 @@ from sqlalchemy import or_, select
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import Response, Trial, TrialStimulus
-from studyapp.session.exclusion import JUDGED
+from studyapp.session.exclusion import JUDGED, JudgedTrial
 from studyapp.study.settings.study import Study
 
 
@@ -55,17 +55,6 @@ class CheckedItem:
     careful_failed: int
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Judged:
-    """A stored trial as the study judges it."""
-
-    kind: str
-    part: str
-    conditions: tuple[str, ...]
-    expected: int | None
-    instructed: int | None
-
-
 def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Check]:
     """Judge every check that was answered, or left out, in the study sessions `wanted`."""
     rows = (
@@ -96,9 +85,7 @@ def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Chec
         if sitting not in wanted:
             continue
         conditions = shown.get(trial_id, ())
-        judged = _Judged(
-            kind=kind, part=part, conditions=conditions, expected=expected, instructed=instructed
-        )
+        judged = JudgedTrial(kind, part, conditions, expected, instructed)
         pair = f": {' and '.join(sorted(conditions))}" if kind == "catch" else ""
         failed = not answered or study.failed(judged, answers.get(trial_id, {}))
         found.append(Check(sitting, kind, f"{segment}{pair}", failed, answered))

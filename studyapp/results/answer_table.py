@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 
 from analysis.answers.participant_facts import KnownFacts
 from studyapp.results.stored_answers import StoredAnswers
+from studyapp.session.exclusion import JudgedTrial
 from studyapp.study.design.asking import AnswerKey
 from studyapp.study.protocols.mismatch import FIT, REALISM
 from studyapp.study.protocols.ranking import RankingStudy
@@ -184,16 +185,6 @@ def _each_stimulus(study: Study, rows: pd.DataFrame) -> pd.DataFrame:
     raise TypeError(f"answers of a {study.protocol} study are not about single stimuli")
 
 
-class _Judged(NamedTuple):
-    """A stored catch trial or attention check, as `Study.failed` must know it."""
-
-    kind: str
-    part: str
-    conditions: tuple[str, ...]
-    expected: int | None
-    instructed: int | None
-
-
 def _known(study: Study, stored: StoredAnswers) -> dict[str, KnownFacts]:
     failed = _failures(study, stored)
     sessions = stored.study_sessions
@@ -239,7 +230,7 @@ def _failures(study: Study, stored: StoredAnswers) -> dict[tuple[int, str], int]
     }
     failed: dict[tuple[int, str], int] = {}
     for row in judged.itertuples(index=False):
-        trial = _Judged(
+        trial = JudgedTrial(
             kind=str(row.kind),
             part=str(row.part),
             conditions=conditions.get(row.trial, ()),

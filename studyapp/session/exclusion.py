@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final
+from typing import Final, NamedTuple
 
 from analysis.answers.participant_facts import ParticipantFacts
 from studyapp.database.tables import StudySession, Trial
@@ -11,6 +11,16 @@ from studyapp.study.settings.study import Study
 
 JUDGED: Final = ("catch", "attention")
 """Kinds of trial that can be failed, and the rules that count the failures."""
+
+
+class JudgedTrial(NamedTuple):
+    """As much of a stored catch trial or attention check as `Study.failed` must know."""
+
+    kind: str
+    part: str
+    conditions: tuple[str, ...]
+    expected: int | None
+    instructed: int | None
 
 
 def is_excluded(study: Study, study_session: StudySession) -> bool:
