@@ -1,16 +1,29 @@
 """The database tables."""
 
-from studyapp.database.tables.arrivals import Invitation, Newcomer, RefusalLine, ScreenOut
-from studyapp.database.tables.audit import AuditLine, Event, ExclusionDecision, Look
+from studyapp.database.tables.audit import (
+    Alarm,
+    AuditLine,
+    Event,
+    ExclusionDecision,
+    InterimFigures,
+    Look,
+)
 from studyapp.database.tables.base import Base
-from studyapp.database.tables.monitoring import Alarm, InterimFigures
 from studyapp.database.tables.researchers import (
     LoginAttempt,
     Researcher,
     ResearcherLink,
     ResearcherLogin,
 )
-from studyapp.database.tables.study_session import FormAnswer, Place, StudySession
+from studyapp.database.tables.study_session import (
+    FormAnswer,
+    Invitation,
+    Newcomer,
+    Place,
+    RefusalLine,
+    ScreenOut,
+    StudySession,
+)
 from studyapp.database.tables.study_version import IntakeChange, StudyVersion
 from studyapp.database.tables.trial import Response, Trial, TrialStimulus
 from studyapp.database.tables.video import Video, WatchRecord
