@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from studyapp.custody.archive import BLOCK, OnFile
+from studyapp.custody.archive import OnFile
 from studyapp.custody.manifest import MEDIA, SMALL_FILES, StoredFile
 from studyapp.study.folder import StudyFolder
 
@@ -47,14 +47,10 @@ def media_files(folder: StudyFolder, on_file: OnFile) -> list[FoundFile]:
 
 def found_file(source: Path, path: str) -> FoundFile:
     """Return the file `source`, which is called `path` in the study."""
-    state, size = hashlib.sha256(), 0
     with source.open("rb") as stream:
-        while piece := stream.read(BLOCK):
-            state.update(piece)
-            size += len(piece)
-    return FoundFile(
-        source=source, entry=StoredFile(path=path, size=size, sha256=state.hexdigest())
-    )
+        digest = hashlib.file_digest(stream, "sha256").hexdigest()
+        entry = StoredFile(path=path, size=stream.tell(), sha256=digest)
+    return FoundFile(source=source, entry=entry)
 
 
 def media_amiss(root: Path, media: tuple[StoredFile, ...]) -> tuple[list[str], list[str]]:

@@ -135,7 +135,6 @@ def still(folder: StudyFolder, output: Path | None, **choice: Any) -> None:
     show_default=True,
     help="Without --at: how many moments, the loudest syllable of each part of the speech.",
 )
-@click.option("--even", is_flag=True, help="Without --at: spread the moments evenly.")
 @inches(6.9)
 @click.option("--wave/--no-wave", default=True, help="Draw the speech's wave under it.")
 @clear
@@ -147,7 +146,6 @@ def strip(
     folder: StudyFolder,
     output: Path | None,
     count: int,
-    even: bool,
     wave: bool,
     skeleton: bool,
     **options: Any,
@@ -156,7 +154,7 @@ def strip(
     from studyapp.stimuli.figures.stills import write_strip
 
     choice, printed = _split(folder, "strip", output, options)
-    write_strip(folder, choice, printed, count=count, even=even, wave=wave, skeleton=skeleton)
+    write_strip(folder, choice, printed, count=count, wave=wave, skeleton=skeleton)
     click.echo(f"The strip is {' and '.join(map(str, printed.outputs))}")
 
 

@@ -17,7 +17,7 @@ from motion.segment import Segment
 from renderer.clip_video import Stage, as_shown
 from renderer.figures.closeup import face_camera, faces_level
 from renderer.figures.cut_out import Box
-from renderer.figures.moments import MOST_MOMENTS, Moment, even_moments, loud_moments
+from renderer.figures.moments import MOST_MOMENTS, Moment, loud_moments
 from renderer.figures.panels import common_box
 from renderer.framing import Camera
 from studyapp.stimuli.render_plan import RenderPlan
@@ -128,10 +128,8 @@ class FigureMaterial:
         path = self.plan.folder.speech / segment.wav
         return read_audio(path, sample_rate=sample_rate).cut(segment.start, segment.end)
 
-    def found_moments(self, segment: Segment, count: int, *, even: bool) -> tuple[Moment, ...]:
-        """Return `count` moments: spread evenly, or on the loudest syllables of equal parts."""
-        if even:
-            return even_moments(segment.duration, count)
+    def found_moments(self, segment: Segment, count: int) -> tuple[Moment, ...]:
+        """Return `count` moments, on the loudest syllables of equal parts of the speech."""
         return loud_moments(self.speech(segment, sample_rate=SPEECH_RATE), count)
 
     def moments(self, segment: Segment, given: Sequence[Moment]) -> tuple[Moment, ...]:

@@ -128,7 +128,6 @@ def write_strip(
     printed: Print,
     *,
     count: int,
-    even: bool,
     wave: bool,
     skeleton: bool,
 ) -> None:
@@ -143,9 +142,7 @@ def write_strip(
     printed : Print
         How it is printed.
     count : int
-        How many moments to look for where `choice` has none.
-    even : bool
-        Whether these are spread evenly, rather than laid on loud syllables.
+        How many loud syllables to look for where `choice` has no moments.
     wave : bool
         Whether the speech's wave is drawn under it.
     skeleton : bool
@@ -157,7 +154,7 @@ def write_strip(
     moments = (
         material.moments(segment, choice.moments)
         if choice.moments
-        else material.found_moments(segment, count, even=even)
+        else material.found_moments(segment, count)
     )
     clips = {called: material.clip(segment, name) for name, called in names.items()}
     rows = [[frame_at(clip, moment.seconds) for moment in moments] for clip in clips.values()]

@@ -78,11 +78,11 @@ def test_a_strip_shows_the_conditions_that_participants_compare(
 ) -> None:
     path = tmp_path / "strip.png"
     choice = Choice(segment=SEGMENT, moments=(Moment(seconds=0.9), Moment(seconds=0.1, word="no")))
-    write_strip(study, choice, a_print(path), count=6, even=False, wave=True, skeleton=False)
+    write_strip(study, choice, a_print(path), count=6, wave=True, skeleton=False)
     shown = [name for name in (*study.study().conditions, "broken") if name != "broken"]
     assert list(FigureMaterial.of(study).conditions([])) == shown
     first = path.read_bytes()
-    write_strip(study, choice, a_print(path), count=6, even=False, wave=True, skeleton=False)
+    write_strip(study, choice, a_print(path), count=6, wave=True, skeleton=False)
     assert path.read_bytes() == first
 
 
