@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.planning.clustered_tests import Findings, clustered_tests
-from analysis.planning.crossed_model import crossed_models
 from analysis.planning.drawn_answers import thresholds_of
+from analysis.planning.families import Findings
+from analysis.planning.many_studies import clustered_tests, crossed_models
 from analysis.planning.part import Opinions, Part
 from analysis.results.net_preference import (
     Expected,

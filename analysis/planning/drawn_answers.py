@@ -1,4 +1,4 @@
-"""The answers of many simulated studies at once, on any design.
+"""The answers of many simulated studies at once, on any design, and what an effect means in them.
 
 What people feel follows one process: a difference of two conditions
 has an effect, a part of the participant's own, one of the item's own, and logistic noise.
@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
+from numpy.polynomial.hermite_e import hermegauss
 from numpy.typing import NDArray
-from scipy.special import logit
+from scipy.special import expit, logit
 
 from analysis.planning.part import RATING_THRESHOLDS, THRESHOLDS, Opinions, Part, Trials
 
@@ -20,6 +21,8 @@ Floats = NDArray[np.float64]
 
 POINTS: Final = len(RATING_THRESHOLDS) + 1
 """Points of the scale that `RATING_THRESHOLDS` cut."""
+
+_NODES, _WEIGHTS = hermegauss(61)
 
 
 def graded(latent: Floats, thresholds: Sequence[float] = THRESHOLDS) -> Floats:
@@ -117,3 +120,28 @@ def rating_thresholds(levels: int) -> tuple[float, ...]:
 
 def _rated(latent: Floats, levels: int) -> Floats:
     return np.asarray(1 + np.searchsorted(rating_thresholds(levels), latent), np.float64)
+
+
+def in_answers(part: Part, opinions: Opinions, effect: float) -> str:
+    """Return what people answer where one condition is better by `effect` logits, in words."""
+    spread = math.hypot(opinions.participant_sd, opinions.item_sd)
+    if part.kind == "pairs":
+        tie = thresholds_of(part.levels, opinions)[0]
+        wins = _mean(expit(effect + spread * _NODES - tie))
+        losses = _mean(expit(-effect - spread * _NODES - tie))
+        return f"{wins:.0%} wins, {losses:.0%} losses"
+    if part.kind == "rankings":
+        ahead = _mean(expit(effect + spread * _NODES))
+        return f"ahead of another in {ahead:.0%} of rankings"
+    # A level of the participant and item, and half of what a difference of two varies by.
+    wide = spread * math.sqrt(1.5)
+    borders = np.array(rating_thresholds(part.levels))[:, None]
+
+    def rated(worth: float) -> float:
+        return _mean(expit(worth + wide * _NODES - borders).sum(axis=0))
+
+    return f"rated {rated(effect) - rated(0.0):.2g} higher on {part.levels} points"
+
+
+def _mean(values: Floats) -> float:
+    return float(_WEIGHTS @ values / _WEIGHTS.sum())

@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.planning.clustered_tests import Findings
 from analysis.stats.holm import holm_rows
 
 Floats = NDArray[np.float64]
@@ -18,7 +17,23 @@ LEVEL: Final = 0.05
 """Corrected p values below it decide."""
 
 ROUNDS: Final = 8
-"""Companies that each block is put into."""
+"""Companies that each block is corrected in."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Findings:
+    """What tests say, study by study.
+
+    Attributes
+    ----------
+    p_values : ndarray, shape (studies, tests)
+        NaN where a test cannot be made.
+    signs : ndarray, shape (studies, tests)
+        Above 0 where the first of the two conditions comes out better.
+    """
+
+    p_values: Floats
+    signs: Floats
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,7 +9,7 @@ from itertools import product
 from typing import Final
 
 from analysis.planning.cell import Cell, Task
-from analysis.planning.effects import in_answers
+from analysis.planning.drawn_answers import in_answers
 from analysis.planning.grid import Runner, minutes_of, within
 from analysis.planning.part import Opinions
 from analysis.planning.power import Effort

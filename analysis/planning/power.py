@@ -10,12 +10,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.planning.clustered_tests import Findings
 from analysis.planning.deciding_tests import DecidingTests
 from analysis.planning.drawn_answers import drawn_answers
 from analysis.planning.families import (
     LEVEL,
     Company,
+    Findings,
     decided_by_holm,
     right,
 )

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
+from itertools import accumulate
 from typing import Final
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
 from analysis.report import wording
-from analysis.report.content import Cell, Table
+from analysis.report.content import Table
 
 LONGEST: Final = 40
 """Rows up to which a table floats; a longer one breaks over pages."""
@@ -89,48 +93,43 @@ def booktabs(table: Table, *, remark: str = "") -> str:
     remark : str, optional
         Put before the caption, such as that no person answered.
     """
-    long = len(table.rows) > LONGEST
-    columns = "l" * table.text_columns + "r" * (len(table.header) - table.text_columns)
-    caption = rf"\caption{{{as_latex(f'{remark} {table.caption}'.strip())}}}"
-    head = [
-        *_groups(table),
-        f"{' & '.join(map(as_latex, table.header))} \\\\",
-    ]
-    rows = [f"{' & '.join(map(_cell, row))} \\\\" for row in table.rows]
-    notes = [rf"{{\footnotesize {as_latex(note)}\par}}" for note in table.notes]
-    if long:
-        body = [
-            r"\begingroup\footnotesize\setlength{\tabcolsep}{3pt}",
-            rf"\begin{{longtable}}{{{columns}}}",
-            rf"{caption} \\",
-            r"\toprule",
-            *head,
-            r"\midrule",
-            r"\endhead",
-            *rows,
-            r"\bottomrule",
-            r"\end{longtable}",
-            *notes,
-            r"\endgroup",
-        ]
-    else:
-        body = [
-            r"\begin{table}",
-            r"\centering",
-            caption,
-            # A table that is too wide for its column becomes smaller; no other one changes.
-            r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{%",
-            rf"\begin{{tabular}}{{{columns}}}",
-            r"\toprule",
-            *head,
-            r"\midrule",
-            *rows,
-            r"\bottomrule",
-            r"\end{tabular}}",
-            *([r"\par\smallskip", *notes] if notes else []),
-            r"\end{table}",
-        ]
-    return "\n".join([*_needs("\n".join(body), long=long), *body, ""])
+    is_long = len(table.rows) > LONGEST
+    ends = list(accumulate(span for _, span in table.groups))
+    body = (
+        _environment()
+        .get_template("table.tex")
+        .render(
+            table=table,
+            is_long=is_long,
+            columns="l" * table.text_columns + "r" * (len(table.header) - table.text_columns),
+            caption=f"{remark} {table.caption}".strip(),
+            rules=[
+                (end - span + 1, end)
+                for (label, span), end in zip(table.groups, ends, strict=True)
+                if label
+            ],
+        )
+    )
+    return "\n".join([*_needs(body, long=is_long), body])
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(  # noqa: S701 - what is written is LaTeX, escaped by its own filter
+        loader=PackageLoader("analysis.report", "templates"),
+        undefined=StrictUndefined,
+        block_start_string="<%",
+        block_end_string="%>",
+        variable_start_string="<<",
+        variable_end_string=">>",
+        comment_start_string="<#",
+        comment_end_string="#>",
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["latex"] = as_latex
+    return environment
 
 
 def as_latex(text: str) -> str:
@@ -149,25 +148,3 @@ def _needs(body: str, *, long: bool) -> list[str]:
             "% Names hold letters that LuaLaTeX or XeLaTeX print with a font that has them."
         )
     return lines
-
-
-def _groups(table: Table) -> list[str]:
-    """Return the headings over several columns, and the rules under them."""
-    if not table.groups:
-        return []
-    heads, rules, column = [], [], 1
-    for label, span in table.groups:
-        if not label:
-            heads.append(" & ".join([""] * span))
-        else:
-            heads.append(rf"\multicolumn{{{span}}}{{c}}{{{as_latex(label)}}}")
-            rules.append(rf"\cmidrule(lr){{{column}-{column + span - 1}}}")
-        column += span
-    return [f"{' & '.join(heads)} \\\\", "".join(rules)]
-
-
-def _cell(cell: Cell) -> str:
-    text = as_latex(cell.text)
-    if cell.best:
-        return rf"\textbf{{{text}}}"
-    return rf"\underline{{{text}}}" if cell.second else text

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import Final
 
-from analysis.report.content import Page, Section
+from analysis.report.content import Page, Picture, Section
 from analysis.report.headline.heterogeneity import heterogeneity_section
-from analysis.report.headline.sections import first_picture, headline_sections
+from analysis.report.headline.preferences import mismatch_sections, pairwise_sections
+from analysis.report.headline.rankings import ranking_sections
+from analysis.report.headline.ratings import rating_sections
 from analysis.report.sections.against_people import against_people_section
 from analysis.report.sections.answer import answer
 from analysis.report.sections.diagnostics import diagnostics_section
@@ -24,6 +26,10 @@ from analysis.report.sections.sensitivity import sensitivity_section
 from analysis.report.sections.strip import strip_section
 from analysis.report.sections.truth import truth_section
 from analysis.report.subject import Subject
+from analysis.results.mismatch import MismatchResults
+from analysis.results.pairwise import PairwiseResults
+from analysis.results.ranking import RankingResults
+from analysis.results.rating import RatingResults
 from analysis.results.report import TableReport
 
 TASKS: Final = MappingProxyType({"pairwise": "realism"})
@@ -75,6 +81,42 @@ def _sections(
     yield looks_section(report)
     yield methods_section(report, subject)
     yield limits_section(report, subject)
+
+
+def headline_sections(report: TableReport, subject: Subject) -> tuple[Section, ...]:
+    """Return the protocol's figures and tables, a section for each set; () without any answers.
+
+    Parameters
+    ----------
+    report : TableReport
+        What was found.
+    subject : Subject
+        What it is about.
+    """
+    match report.results:
+        case PairwiseResults() as results:
+            return pairwise_sections(results, subject) if results.comparisons else ()
+        case MismatchResults() as results:
+            return mismatch_sections(results, subject) if results.conditions else ()
+        case RatingResults() as results:
+            return rating_sections(results, subject) if results.conditions else ()
+        case RankingResults() as results:
+            return ranking_sections(results, subject) if results.conditions else ()
+
+
+def first_picture(sections: Sequence[Section]) -> tuple[Picture | None, tuple[Section, ...]]:
+    """Take the first figure out of its section, for the first screen of the page.
+
+    Returns
+    -------
+    (Picture or None, tuple of Section)
+        The figure, None where there is none; and all sections without it.
+    """
+    for place, section in enumerate(sections):
+        if section.pictures:
+            rest = replace(section, pictures=section.pictures[1:])
+            return section.pictures[0], (*sections[:place], rest, *sections[place + 1 :])
+    return None, tuple(sections)
 
 
 def _of_task(task: TableReport, section: Section) -> Section:

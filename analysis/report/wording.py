@@ -6,8 +6,6 @@ import math
 from collections.abc import Iterable
 from typing import Final
 
-from analysis.stats.clustered_mean import Estimate
-
 NO_BREAK: Final = "\u00a0"
 """A space at which no line is broken."""
 
@@ -25,11 +23,6 @@ def heading(question: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def clipped(text: str, length: int) -> str:
-    """Return `text`, its end replaced by '…' where it is longer than `length` characters."""
-    return text if len(text) <= length else f"{text[: length - 1].rstrip()}…"
-
-
 def share(value: float) -> str:
     """Return a share with two digits, '.63'; a dash for NaN."""
     if math.isnan(value):
@@ -37,22 +30,6 @@ def share(value: float) -> str:
     text = f"{abs(value):.2f}"
     sign = "−" if value < 0 and float(text) else ""
     return sign + (text[1:] if text.startswith("0") else text)
-
-
-def interval(mean: Estimate) -> str:
-    """Return an interval, '[.55, .71]', or why there is none."""
-    if mean.reason:
-        return f"no interval: {mean.reason}"
-    return f"[{share(mean.low)},{NO_BREAK}{share(mean.high)}]"
-
-
-def estimate(mean: Estimate) -> str:
-    """Return an estimate with its interval, '.63 [.55, .71]'."""
-    if not mean.n:
-        return "– (no answers)"
-    if mean.reason:
-        return f"{share(mean.estimate)} ({interval(mean)})"
-    return f"{share(mean.estimate)}{NO_BREAK}{interval(mean)}"
 
 
 def p_value(value: float) -> str:

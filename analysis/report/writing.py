@@ -17,7 +17,7 @@ from analysis.measurement.score_tables import score_table
 from analysis.report.content import Page
 from analysis.report.csv_tables import csv_tables
 from analysis.report.page import TASKS, build_page
-from analysis.report.paper_text import paper_text
+from analysis.report.sections.methods import ANCHOR
 from analysis.report.sections.metric_table import SCORES
 from analysis.report.subject import Subject
 from analysis.report.table_files import write_frame, write_page_files
@@ -72,6 +72,22 @@ def write_report(
     path = folder / "report.html"
     write_text(path, render_page(page))
     return path
+
+
+def paper_text(page: Page) -> str:
+    """Return the answer, the participant flow and the methods, a paragraph each.
+
+    Whatever must be said on every page, such as that nobody but simulated raters answered, comes
+    first.
+    """
+    methods = [section for section in page.sections if section.anchor == ANCHOR]
+    paragraphs = [
+        *([page.mark] if page.mark else []),
+        " ".join(page.answer),
+        page.flow,
+        *(text for section in methods for text in (*section.paragraphs, *section.bullets)),
+    ]
+    return "\n\n".join(paragraph for paragraph in paragraphs if paragraph) + "\n"
 
 
 def render_page(page: Page) -> str:

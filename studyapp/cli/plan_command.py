@@ -178,8 +178,8 @@ def command(folder: StudyFolder | None, out: Path | None, processes: int, **opti
 
     motionjury plan --protocol pairwise --participants 25,50,100 --items 24,48 --effect .2,.4
     """
-    from analysis.planning.table import lines
     from analysis.planning.words import sentences
+    from analysis.planning.writing import lines
     from studyapp.planning.plan import Options, plan_sketch, plan_study
 
     sketched = {

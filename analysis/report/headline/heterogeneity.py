@@ -14,7 +14,7 @@ from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Row, Scale
 from analysis.report.figures.svg import About
 from analysis.report.headline.apart import Apart, taken_apart
-from analysis.report.headline.words import between, counted, number
+from analysis.report.headline.words import between, count_cell, counted, number, number_cell, p_cell
 from analysis.report.subject import Subject
 from analysis.results.heterogeneity import KINDS, By
 from analysis.results.report import TableReport
@@ -178,11 +178,11 @@ def _tests(found: Sequence[Apart]) -> Table:
         rows=tuple(
             (
                 *cells(_question(one), one.about, one.by),
-                counted(len(one.levels), str(len(one.levels))),
-                counted(one.test.statistic, number(one.test.statistic)),
+                count_cell(len(one.levels)),
+                number_cell(one.test.statistic),
                 counted(one.test.df, _freedom(one)),
-                counted(one.test.p_value, wording.p_value(one.test.p_value)),
-                counted(one.test.p_holm, wording.p_value(one.test.p_holm)),
+                p_cell(one.test.p_value),
+                p_cell(one.test.p_holm),
             )
             for one in found
         ),

@@ -10,9 +10,11 @@ from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow, levels
 from analysis.report.headline.words import (
     CLUSTERED,
+    count_cell,
     counted,
     gathered,
     of_set,
+    p_cell,
     plus_minus,
     share_words,
 )
@@ -89,7 +91,7 @@ def counts_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
                     counted(count, f"{count} ({percent:.0f})" if row.n else "–")
                     for count, percent in zip(row.levels, row.percentages, strict=True)
                 ),
-                counted(row.n, str(row.n)),
+                count_cell(row.n),
             )
             for row in group.rows
         ),
@@ -143,7 +145,7 @@ def further_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
                 *cells(wording.heading(row.question), row.label),
                 counted(row.everyone.estimate, share_words(row.everyone, why=False)),
                 *(
-                    counted(p, wording.p_value(p))
+                    p_cell(p)
                     for p in (
                         row.robustness.sign_p,
                         row.robustness.wilcoxon_p,
@@ -171,7 +173,7 @@ def _sums(row: PreferenceRow | None) -> tuple[Cell, ...]:
         counted(one, wording.percent(one), best=one > other),
         counted(other, wording.percent(other), best=other > one),
         counted(equal, wording.percent(equal)),
-        counted(row.n, str(row.n)),
+        count_cell(row.n),
     )
 
 
@@ -180,11 +182,11 @@ def _headline(row: PreferenceRow) -> tuple[Cell, ...]:
     return (
         *cells(wording.heading(row.question), row.label),
         counted(row.attentive, f"{row.attentive} of {row.recruited}"),
-        counted(row.n, str(row.n)),
+        count_cell(row.n),
         counted(row.win_share.estimate, share_words(row.win_share, why=False)),
         counted(net.estimate, plus_minus(net.estimate, net.standard_error)),
-        counted(row.decision.p_value, wording.p_value(row.decision.p_value)),
-        counted(row.decision.p_holm, wording.p_value(row.decision.p_holm)),
+        p_cell(row.decision.p_value),
+        p_cell(row.decision.p_holm),
     )
 
 

@@ -10,11 +10,14 @@ from analysis.report.content import Table, cells
 from analysis.report.headline.words import (
     CLUSTERED,
     between,
+    count_cell,
     counted,
     gathered,
-    interval,
-    number,
+    interval_cell,
+    number_cell,
     of_set,
+    p_cell,
+    share_cell,
 )
 from analysis.results.ranking import RankContrast, RankedCondition
 from analysis.stats.clustered_mean import LEVEL
@@ -41,7 +44,7 @@ def place_table(conditions: Sequence[RankedCondition], *, name: str, data: str) 
         rows=tuple(
             (
                 *cells(wording.heading(c.question), wording.name(c.condition)),
-                counted(c.n, str(c.n)),
+                count_cell(c.n),
                 *(
                     counted(c.rank_percent[place], wording.fixed(c.rank_percent[place], 1))
                     if place in c.rank_percent
@@ -80,18 +83,13 @@ def rank_table(
         rows=tuple(
             (
                 *cells(wording.heading(c.question), wording.name(c.condition)),
-                counted(c.n, str(c.n)),
-                counted(c.mean_rank.estimate, number(c.mean_rank.estimate)),
-                counted(
-                    c.mean_rank.low,
-                    "–"
-                    if c.mean_rank.reason
-                    else between(number(c.mean_rank.low), number(c.mean_rank.high)),
-                ),
-                counted(c.mean_rank.p_value, wording.p_value(c.mean_rank.p_value)),
-                counted(c.first_share.estimate, wording.share(c.first_share.estimate)),
-                counted(c.first_share.low, interval(c.first_share) or "–"),
-                counted(c.first_share.p_value, wording.p_value(c.first_share.p_value)),
+                count_cell(c.n),
+                number_cell(c.mean_rank.estimate),
+                interval_cell(c.mean_rank.low, c.mean_rank.high),
+                p_cell(c.mean_rank.p_value),
+                share_cell(c.first_share.estimate),
+                interval_cell(c.first_share.low, c.first_share.high, wording.share),
+                p_cell(c.first_share.p_value),
             )
             for c in conditions
         ),
@@ -138,11 +136,11 @@ def posthoc_table(contrasts: Sequence[RankContrast], *, name: str) -> Table:
         rows=tuple(
             (
                 *cells(wording.heading(c.question), wording.name(c.a), wording.name(c.b)),
-                counted(c.n, str(c.n)),
-                counted(c.difference, number(c.difference)),
-                counted(c.nemenyi_p, wording.p_value(c.nemenyi_p)),
-                counted(c.conover_holm, wording.p_value(c.conover_holm)),
-                counted(c.wilcoxon_holm, wording.p_value(c.wilcoxon_holm)),
+                count_cell(c.n),
+                number_cell(c.difference),
+                p_cell(c.nemenyi_p),
+                p_cell(c.conover_holm),
+                p_cell(c.wilcoxon_holm),
             )
             for c in contrasts
         ),

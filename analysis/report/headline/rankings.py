@@ -24,14 +24,7 @@ from analysis.report.headline.strengths import (
     standings_table,
     strength_pictures,
 )
-from analysis.report.headline.words import (
-    between,
-    in_set,
-    number,
-    of_set,
-    suffix,
-    why_no_figure,
-)
+from analysis.report.headline.words import between, in_set, number, of_set, suffix, why_no_figure
 from analysis.report.subject import Subject
 from analysis.results.ranking import RankedCondition, RankingResults
 from analysis.stats.clustered_mean import LEVEL

@@ -9,12 +9,16 @@ from analysis.report import wording
 from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.words import (
     CLUSTERED,
-    between,
+    count_cell,
     counted,
     gathered,
+    interval_cell,
     notes,
     number,
+    number_cell,
     of_set,
+    p_cell,
+    share_cell,
 )
 from analysis.results.rating import RatedCondition
 from analysis.results.rating_contrasts import RatingContrast
@@ -32,8 +36,8 @@ def score_table(conditions: Sequence[RatedCondition], *, name: str, data: str) -
         ("mean", "SD", "n"),
         lambda c: (
             counted(c.estimate, number(c.estimate), **marks.get((c.condition, c.question), {})),
-            counted(c.sd, number(c.sd)),
-            counted(c.n, str(c.n)),
+            number_cell(c.sd),
+            count_cell(c.n),
         ),
         caption=f"{of_set(conditions[0].set)}Mean and standard deviation of all ratings after "
         "exclusions, in the layout of S2UE's Table 2; n: ratings. Higher is better; the best mean "
@@ -57,9 +61,9 @@ def interval_table(conditions: Sequence[RatedCondition], *, name: str, data: str
         rows=tuple(
             (
                 *cells(wording.heading(c.question), wording.name(c.condition)),
-                counted(c.n, str(c.n)),
-                counted(c.estimate, number(c.estimate)),
-                counted(c.low, "–" if c.reason else between(number(c.low), number(c.high))),
+                count_cell(c.n),
+                number_cell(c.estimate),
+                interval_cell(c.low, c.high),
                 *(
                     counted(c.at_least[score], wording.fixed(c.at_least[score], 1))
                     for score in scores
@@ -96,16 +100,13 @@ def contrast_table(contrasts: Sequence[RatingContrast], *, name: str) -> Table:
         rows=tuple(
             (
                 *_place(c),
-                counted(c.difference.n, str(c.difference.n)),
-                counted(c.difference.estimate, number(c.difference.estimate)),
-                counted(c.difference.low, _inside(c.difference.low, c.difference.high, number)),
-                counted(c.difference.p_value, wording.p_value(c.difference.p_value)),
-                counted(c.difference.p_holm, wording.p_value(c.difference.p_holm)),
-                counted(c.cliffs_delta.estimate, wording.share(c.cliffs_delta.estimate)),
-                counted(
-                    c.cliffs_delta.low,
-                    _inside(c.cliffs_delta.low, c.cliffs_delta.high, wording.share),
-                ),
+                count_cell(c.difference.n),
+                number_cell(c.difference.estimate),
+                interval_cell(c.difference.low, c.difference.high),
+                p_cell(c.difference.p_value),
+                p_cell(c.difference.p_holm),
+                share_cell(c.cliffs_delta.estimate),
+                interval_cell(c.cliffs_delta.low, c.cliffs_delta.high, wording.share),
             )
             for c in contrasts
         ),
@@ -140,8 +141,8 @@ def model_table(
         rows=tuple(
             (
                 *_place(c),
-                counted(c.log_odds, number(c.log_odds)),
-                counted(c.odds_ratio, number(c.odds_ratio)),
+                number_cell(c.log_odds),
+                number_cell(c.odds_ratio),
             )
             for c in contrasts
         ),
@@ -169,10 +170,6 @@ def _about(contrast: RatingContrast) -> str:
         f"{wording.heading(contrast.question)}, {wording.name(contrast.a)} against "
         f"{wording.name(contrast.b)}"
     )
-
-
-def _inside(low: float, high: float, written: Callable[[float], str]) -> str:
-    return "–" if math.isnan(low) else between(written(low), written(high))
 
 
 def _by_question(

@@ -20,14 +20,7 @@ from analysis.report.headline.rating_tables import (
     model_table,
     score_table,
 )
-from analysis.report.headline.words import (
-    between,
-    in_set,
-    number,
-    of_set,
-    suffix,
-    why_no_figure,
-)
+from analysis.report.headline.words import between, in_set, number, of_set, suffix, why_no_figure
 from analysis.report.subject import Subject
 from analysis.results.rating import RatedCondition, RatingResults
 from analysis.results.rating_contrasts import RatingContrast

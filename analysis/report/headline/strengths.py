@@ -13,11 +13,13 @@ from analysis.report.figures.panels import Row, Scale
 from analysis.report.figures.svg import About
 from analysis.report.headline.words import (
     between,
-    counted,
     gathered,
+    interval_cell,
     notes,
     number,
+    number_cell,
     of_set,
+    p_cell,
     ranks,
 )
 from analysis.results.strengths import StrengthContrast, Strengths, Worths
@@ -123,7 +125,7 @@ def standings_table(
     rows = [
         (
             *cells(wording.heading(question), wording.name(one)),
-            counted(value, number(value)),
+            number_cell(value),
             *_uncertainty(fitted, one),
             Cell(text=ranks(fitted.ranks.get(one))),
         )
@@ -154,9 +156,7 @@ def _uncertainty(fitted: Fitted, name: str) -> tuple[Cell, Cell]:
     error = fitted.errors_two_way[name]
     if math.isnan(error):
         error = fitted.errors[name]
-    low, high = fitted.low[name], fitted.high[name]
-    inside = "–" if math.isnan(low) else between(number(low), number(high))
-    return counted(error, number(error)), counted(low, inside)
+    return number_cell(error), interval_cell(fitted.low[name], fitted.high[name])
 
 
 def _values(fitted: Fitted) -> Mapping[str, float]:
@@ -196,13 +196,10 @@ def contrasts_table(
         rows=tuple(
             (
                 *cells(wording.heading(one.question), wording.name(one.a), wording.name(one.b)),
-                counted(one.estimate, number(one.estimate)),
-                counted(
-                    one.low,
-                    "–" if math.isnan(one.low) else between(number(one.low), number(one.high)),
-                ),
-                counted(one.p_value, wording.p_value(one.p_value)),
-                counted(one.p_holm, wording.p_value(one.p_holm)),
+                number_cell(one.estimate),
+                interval_cell(one.low, one.high),
+                p_cell(one.p_value),
+                p_cell(one.p_holm),
             )
             for one in contrasts
         ),

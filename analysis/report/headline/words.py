@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from analysis.report import wording
 from analysis.report.content import Cell
@@ -60,6 +60,31 @@ def counted(value: float, text: str, *, best: bool = False, second: bool = False
     return Cell(
         text=text, value=None if math.isnan(value) else float(value), best=best, second=second
     )
+
+
+def number_cell(value: float) -> Cell:
+    """Return a number with two decimals."""
+    return counted(value, number(value))
+
+
+def share_cell(value: float) -> Cell:
+    """Return a share with two digits."""
+    return counted(value, wording.share(value))
+
+
+def p_cell(value: float) -> Cell:
+    """Return a p value."""
+    return counted(value, wording.p_value(value))
+
+
+def count_cell(value: int) -> Cell:
+    """Return a count."""
+    return Cell(text=str(value), value=value)
+
+
+def interval_cell(low: float, high: float, written: Callable[[float], str] = number) -> Cell:
+    """Return an interval, sorted by its lower end; a dash where there is none."""
+    return counted(low, "–" if math.isnan(low) else between(written(low), written(high)))
 
 
 def suffix(name: str | None, number: int) -> str:

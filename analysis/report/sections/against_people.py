@@ -15,7 +15,7 @@ from analysis.report.figures.agreement_figure import MOST, agreement_pictures
 from analysis.report.figures.dots import Dot, dot_pictures
 from analysis.report.figures.panels import Row, Scale
 from analysis.report.figures.svg import About
-from analysis.report.headline.words import between
+from analysis.report.headline.words import between, count_cell
 from analysis.report.sections.metric import PAPER_OF, is_detail
 from analysis.report.sections.metric_ranking import ARROWS
 from analysis.report.subject import Subject
@@ -292,11 +292,11 @@ def _table(asked: Sequence[_Question], protocol: str) -> Table:
                 (
                     Cell(text=one.name),
                     Cell(text=f"{metric.metric}{f' {arrow}' if arrow else ''}"),
-                    Cell(text=str(metric.conditions), value=metric.conditions),
+                    count_cell(metric.conditions),
                     *_cells(metric.kendall, reasons),
                     *_cells(metric.spearman, reasons),
                     *_cells(metric.within, reasons),
-                    Cell(text=str(metric.within.cells), value=metric.within.cells),
+                    count_cell(metric.within.cells),
                 )
             )
     return Table(

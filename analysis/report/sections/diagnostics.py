@@ -6,6 +6,7 @@ from analysis.answers.quality import Quality
 from analysis.report import wording
 from analysis.report.by_question import each_question, question_name
 from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.headline.words import between, count_cell, p_cell, share_cell
 from analysis.report.subject import Subject
 from analysis.results.agreement import Agreement
 from analysis.results.grouping import ByQuestion
@@ -57,10 +58,10 @@ def _sides(results: PairwiseResults | MismatchResults, sets: tuple[str, ...]) ->
     rows = [
         (
             Cell(text=name),
-            Cell(text=wording.share(left.estimate), value=left.estimate),
+            share_cell(left.estimate),
             Cell(text=_interval(left.low, left.high, left.reason)),
-            Cell(text=wording.p_value(left.p_value), value=left.p_value),
-            Cell(text=wording.share(on_left), value=on_left),
+            p_cell(left.p_value),
+            share_cell(on_left),
         )
         for name, left, on_left in found
     ]
@@ -83,14 +84,14 @@ def _agreement(found: ByQuestion[Agreement], sets: tuple[str, ...]) -> Table:
     rows = tuple(
         (
             Cell(text=question_name(of, question)),
-            Cell(text=wording.share(one.estimate), value=one.estimate),
+            share_cell(one.estimate),
             Cell(text=_interval(one.low, one.high, one.reason)),
-            Cell(text=wording.share(one.icc.single.estimate), value=one.icc.single.estimate),
+            share_cell(one.icc.single.estimate),
             Cell(text=_interval(one.icc.single.low, one.icc.single.high, one.icc.reason)),
-            Cell(text=wording.share(one.icc.average.estimate), value=one.icc.average.estimate),
-            Cell(text=str(one.n), value=one.n),
-            Cell(text=str(one.items), value=one.items),
-            Cell(text=str(one.participants), value=one.participants),
+            share_cell(one.icc.average.estimate),
+            count_cell(one.n),
+            count_cell(one.items),
+            count_cell(one.participants),
         )
         for of, question, one in each_question(found, sets)
     )
@@ -113,11 +114,11 @@ def _retest(found: ByQuestion[Retest], sets: tuple[str, ...]) -> Table:
     rows = tuple(
         (
             Cell(text=question_name(of, question)),
-            Cell(text=str(one.n), value=one.n),
-            Cell(text=wording.share(one.kappa), value=one.kappa),
+            count_cell(one.n),
+            share_cell(one.kappa),
             Cell(text=_interval(one.low, one.high, one.reason)),
-            Cell(text=wording.share(one.equal_share), value=one.equal_share),
-            Cell(text=wording.share(one.spearman), value=one.spearman),
+            share_cell(one.equal_share),
+            share_cell(one.spearman),
         )
         for of, question, one in each_question(found, sets)
         if one.n
@@ -137,8 +138,8 @@ def _concordance(found: ByQuestion[Concordance], sets: tuple[str, ...]) -> Table
     rows = tuple(
         (
             Cell(text=question_name(of, question)),
-            Cell(text=wording.share(one.estimate), value=one.estimate),
-            Cell(text=wording.share(one.overall), value=one.overall),
+            share_cell(one.estimate),
+            share_cell(one.overall),
             *cells(str(one.n)),
         )
         for of, question, one in each_question(found, sets)
@@ -162,7 +163,7 @@ def _concordance(found: ByQuestion[Concordance], sets: tuple[str, ...]) -> Table
 def _interval(low: float, high: float, reason: str) -> str:
     if low != low or high != high:
         return f"none: {reason}" if reason else "none"
-    return f"[{wording.share(low)},{wording.NO_BREAK}{wording.share(high)}]"
+    return between(wording.share(low), wording.share(high))
 
 
 def _speed(quality: Quality, subject: Subject) -> tuple[str, ...]:

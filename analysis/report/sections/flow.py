@@ -5,6 +5,7 @@ from __future__ import annotations
 from analysis.answers.exclusion_rules import BY_HAND
 from analysis.report import wording
 from analysis.report.content import Cell, Section, Table, cells
+from analysis.report.headline.words import count_cell
 from analysis.report.subject import Subject
 from analysis.results.flow import Flow
 from analysis.results.report import TableReport
@@ -82,7 +83,7 @@ def _sum(flows: tuple[Flow, ...]) -> Flow:
 
 
 def _count(number: int | None) -> Cell:
-    return Cell(text="–") if number is None else Cell(text=str(number), value=number)
+    return Cell(text="–") if number is None else count_cell(number)
 
 
 def _rule(description: str, exploratory: bool) -> str:

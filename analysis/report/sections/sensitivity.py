@@ -10,7 +10,7 @@ from analysis.report import wording
 from analysis.report.by_question import question_name
 from analysis.report.content import Cell, Section, Table, cells
 from analysis.report.headline.preference_rows import reference_of
-from analysis.report.headline.words import between, counted
+from analysis.report.headline.words import between, count_cell, counted, number
 from analysis.report.subject import Subject
 from analysis.results.headline import Sensitivity
 from analysis.results.pairwise import PairwiseResults
@@ -102,7 +102,7 @@ def _table(protocol: str, shown: Sequence[Sensitivity], is_planned: bool) -> Tab
 
 
 def _row(one: Sensitivity, is_planned: bool) -> tuple[Cell, ...]:
-    words = wording.share if one.measure in ("win_share", "own_speech") else _two_decimals
+    words = wording.share if one.measure in ("win_share", "own_speech") else number
     return (
         *cells(question_name(one.set or "", one.question), _of(one)),
         *(
@@ -123,16 +123,12 @@ def _of(one: Sensitivity) -> str:
     return " – ".join(map(wording.name, one.conditions))
 
 
-def _people(number: Estimate) -> Cell:
-    return Cell(text=str(number.participants), value=number.participants)
+def _people(found: Estimate) -> Cell:
+    return count_cell(found.participants)
 
 
-def _number(number: Estimate, words: Callable[[float], str]) -> Cell:
-    text = words(number.estimate)
-    if not math.isnan(number.low):
-        text = f"{text}{wording.NO_BREAK}{between(words(number.low), words(number.high))}"
-    return counted(number.estimate, text)
-
-
-def _two_decimals(value: float) -> str:
-    return wording.fixed(value, 2)
+def _number(found: Estimate, words: Callable[[float], str]) -> Cell:
+    text = words(found.estimate)
+    if not math.isnan(found.low):
+        text = f"{text}{wording.NO_BREAK}{between(words(found.low), words(found.high))}"
+    return counted(found.estimate, text)

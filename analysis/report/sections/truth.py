@@ -9,6 +9,7 @@ from typing import Final
 from analysis.report import wording
 from analysis.report.by_question import question_name
 from analysis.report.content import Cell, Section, Table
+from analysis.report.headline.words import between, number, number_cell
 from analysis.report.subject import Subject
 from analysis.results.known_values import KnownValue, found_values
 from analysis.results.report import TableReport
@@ -61,18 +62,14 @@ def _row(known: KnownValue, found: Estimate) -> tuple[Cell, ...]:
     where = "outside" if found.has_interval else "no interval"
     ends = found.reason or "none"
     if found.has_interval:
-        ends = f"[{_number(found.low)},{wording.NO_BREAK}{_number(found.high)}]"
+        ends = between(number(found.low), number(found.high))
     return (
         Cell(text=question_name(known.part, known.question)),
         Cell(text=wording.name(known.about)),
         Cell(text=MEASURES[known.measure]),
-        Cell(text=_number(known.value), value=known.value),
-        Cell(text=_number(found.estimate), value=found.estimate),
+        number_cell(known.value),
+        number_cell(found.estimate),
         Cell(text=ends),
         Cell(text="inside" if found.covers(known.value) else where),
-        Cell(text=_number(known.on_these_segments), value=known.on_these_segments),
+        number_cell(known.on_these_segments),
     )
-
-
-def _number(value: float) -> str:
-    return wording.fixed(value, 2)

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from analysis.report import wording
+from analysis.report.headline.words import between, number
 from analysis.results.grouping import PairPlace
 from analysis.results.mismatch import MatchedCondition, MismatchResults
 from analysis.results.pairwise import Comparison, PairwiseResults
@@ -118,7 +119,7 @@ def _preferred(one: Comparison | MatchedCondition, names: tuple[str, str]) -> Ve
         numbers=_with_interval(
             seen.estimate,
             (seen.low, seen.high),
-            wording.share if found.null else _two_places,
+            wording.share if found.null else number,
             one.win_share.reason,
         ),
         measure=MEASURES[found.by],
@@ -173,7 +174,7 @@ def _difference(
         worse=worse,
         question=of.question,
         set=of.set or "",
-        numbers=_with_interval(sign * estimate, (low, high), _two_places, reason),
+        numbers=_with_interval(sign * estimate, (low, high), number, reason),
         measure=measure,
         apart=_leaves_out(0.0, *ends),
         size=abs(estimate),
@@ -185,10 +186,6 @@ def _difference(
 NO_END: Final = "one of the two never lost to the other"
 
 
-def _two_places(value: float) -> str:
-    return wording.fixed(value, 2)
-
-
 def _with_interval(
     estimate: float, ends: tuple[float, float], written: Callable[[float], str], reason: str
 ) -> str:
@@ -198,7 +195,7 @@ def _with_interval(
     if math.isnan(ends[0]):
         return f"{written(estimate)}, no interval: {reason}"
     low, high = map(written, ends)
-    return f"{written(estimate)}, {LEVEL:.0%} interval [{low},{wording.NO_BREAK}{high}]"
+    return f"{written(estimate)}, {LEVEL:.0%} interval {between(low, high)}"
 
 
 def _leaves_out(null: float, low: float, high: float) -> bool:

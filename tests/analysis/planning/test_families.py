@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.planning.clustered_tests import Findings
 from analysis.planning.families import (
     Company,
+    Findings,
     decided_by_holm,
     right,
 )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from analysis.report import wording
+from analysis.report.headline.words import share_words
 from analysis.stats.clustered_mean import clustered_mean
 
 
@@ -59,12 +60,6 @@ def test_a_heading_keeps_capitals_of_its_own():
     assert wording.heading("fit_to_GT") == "Fit to GT"
 
 
-def test_a_long_text_is_clipped_to_its_length_even_without_a_space():
-    assert wording.clipped("ground truth", 12) == "ground truth"
-    assert wording.clipped("ground truths", 12) == "ground trut…"
-    assert wording.clipped("rule based on speech", 12) == "rule based…"
-
-
 def test_a_number_that_rounds_to_zero_has_no_sign():
     assert wording.fixed(-0.0004, 3) == "0.000"
     assert wording.fixed(-0.0006, 3) == "−0.001"
@@ -80,11 +75,11 @@ def test_an_estimate_stands_with_its_interval_or_with_the_reason():
     values = np.array([1, 1, 0, 1.0])
     people, items = np.array([0, 0, 1, 1]), np.array([0, 1, 0, 1])
     found = clustered_mean(values, people, items)
-    assert wording.estimate(found).replace(wording.NO_BREAK, " ") == ".75 [.00, 1.00]"
+    assert share_words(found).replace(wording.NO_BREAK, " ") == ".75 [.00, 1.00]"
     alone = clustered_mean(values, np.zeros(4), items)
-    assert wording.estimate(alone) == ".75 (no interval: one participant)"
+    assert share_words(alone) == ".75 (no interval: one participant)"
     nobody = clustered_mean(np.zeros(0), np.zeros(0), np.zeros(0))
-    assert wording.estimate(nobody) == "– (no answers)"
+    assert share_words(nobody) == "– (no answers)"
 
 
 def test_counts_read_as_words():

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from analysis.report.content import Section
-from analysis.report.headline.sections import headline_sections
+from analysis.report.page import headline_sections
 from analysis.report.subject import Subject
 from analysis.results.report import TableReport, analyse_table
 from tests.analysis.report.headline.reading import SCALE

@@ -12,7 +12,7 @@ from analysis.report.headline.apart import taken_apart
 from analysis.report.headline.heterogeneity import heterogeneity_section
 from analysis.report.headline.preference_rows import pairwise_groups
 from analysis.report.headline.preferences import preference_pictures
-from analysis.report.headline.sections import first_picture, headline_sections
+from analysis.report.page import first_picture, headline_sections
 from analysis.report.subject import Subject
 from analysis.results.pairwise import PairwiseResults
 from analysis.results.report import TableReport

@@ -8,7 +8,7 @@ from analysis.report import wording
 from analysis.report.content import Section
 from analysis.report.headline import preferences
 from analysis.report.headline.preference_rows import pairwise_groups
-from analysis.report.headline.sections import headline_sections
+from analysis.report.page import headline_sections
 from analysis.report.subject import Subject
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import PairwiseResults
