@@ -11,17 +11,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from analysis.results.grouping import (
-    ConditionPlace,
-    PairPlace,
-    codes,
-)
-from analysis.stats.heterogeneity import (
-    Cell,
-    between_groups,
-    between_segments,
-    cells,
-)
+from analysis.results.grouping import ConditionPlace, PairPlace, codes
+from analysis.stats.heterogeneity import Cell, between_groups, between_segments, cells
 from analysis.stats.holm import holm
 from analysis.stats.min_f import FTest
 

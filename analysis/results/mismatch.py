@@ -19,11 +19,7 @@ from analysis.results.grouping import (
     parts,
     set_name,
 )
-from analysis.results.heterogeneity import (
-    ConditionHeterogeneity,
-    corrected_tests,
-    heterogeneity,
-)
+from analysis.results.heterogeneity import ConditionHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
 from analysis.results.net_preference import sided
 from analysis.results.preference import Preference, left_share, preference, with_holm

@@ -15,18 +15,12 @@ from scipy import stats
 from analysis.answers.columns import ANALYSED_KINDS
 from analysis.results.family import Family, Member
 from analysis.results.grouping import codes, people
-from analysis.results.net_preference import (
-    NetPreference,
-    SidedAnswers,
-    net_preference,
-    sided,
-)
+from analysis.results.net_preference import NetPreference, SidedAnswers, net_preference, sided
 from analysis.stats.clustered_mean import Estimate, clustered_mean
 from analysis.stats.min_f import min_f
-from analysis.stats.pooled import Pooled, pooled_tests
 from analysis.stats.sign_test import sign_test
 from analysis.stats.values import group_means
-from analysis.stats.wilcoxon import signed_rank
+from analysis.stats.wilcoxon import Pooled, pooled_tests, signed_rank
 
 Z_95: Final = float(stats.norm.ppf(0.975))
 

@@ -19,11 +19,7 @@ from analysis.results.grouping import (
     set_name,
     shown_conditions,
 )
-from analysis.results.heterogeneity import (
-    ConditionHeterogeneity,
-    corrected_tests,
-    heterogeneity,
-)
+from analysis.results.heterogeneity import ConditionHeterogeneity, corrected_tests, heterogeneity
 from analysis.results.left_out import LeftOut
 from analysis.results.strengths import (
     RANKING,
@@ -40,12 +36,7 @@ from analysis.stats.rankings.friedman import (
     friedman,
 )
 from analysis.stats.rankings.kendall_w import Concordance, kendall_w
-from analysis.stats.rankings.placements import (
-    Placements,
-    RankSummary,
-    placements,
-    rank_summaries,
-)
+from analysis.stats.rankings.placements import Placements, RankSummary, placements, rank_summaries
 
 
 @dataclass(frozen=True, kw_only=True)

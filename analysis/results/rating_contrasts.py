@@ -11,14 +11,15 @@ import numpy as np
 import pandas as pd
 
 from analysis.results.family import Family, Member
-from analysis.results.grouping import (
-    PairPlace,
-    codes,
-)
+from analysis.results.grouping import PairPlace, codes
 from analysis.results.rating_model import RatingModel
-from analysis.stats.cliffs_delta import cliffs_delta
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.rating_differences import RatedCells, mean_differences, rated_cells
+from analysis.stats.rating_differences import (
+    RatedCells,
+    cliffs_delta,
+    mean_differences,
+    rated_cells,
+)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,11 +14,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.results.family import Family, Member
-from analysis.results.grouping import (
-    PairPlace,
-    codes,
-    shown_conditions,
-)
+from analysis.results.grouping import PairPlace, codes, shown_conditions
 from analysis.stats.clustered_mean import LEVEL
 from analysis.stats.min_f import FTest
 from analysis.stats.sign_test import sign_test

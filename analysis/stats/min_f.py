@@ -10,11 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.values import (
-    ROUNDING,
-    finite,
-    group_means,
-)
+from analysis.stats.values import ROUNDING, finite, group_means
 
 Floats = NDArray[np.float64]
 

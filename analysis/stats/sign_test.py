@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from analysis.stats.values import (
-    ROUNDING,
-    finite,
-)
+from analysis.stats.values import ROUNDING, finite
 
 Floats = NDArray[np.float64]
 

@@ -16,13 +16,7 @@ from analysis.report import Subject, write_report
 from analysis.report.page import TASKS
 from analysis.results.left_out import LeftOut
 from analysis.results.looks import LooksBefore
-from analysis.results.report import (
-    Settings,
-    Source,
-    TableReport,
-    analyse_answers,
-    analyse_table,
-)
+from analysis.results.report import Settings, Source, TableReport, analyse_answers, analyse_table
 from motion.files import replacing
 from motion.segment import Segment
 from motion.spreadsheet import harmless_frame

@@ -11,12 +11,7 @@ from typing import Final
 
 from pydantic import BaseModel
 
-from analysis.results.headline import (
-    AgreedSoFar,
-    HeadlineNumber,
-    agreed_so_far,
-    headline_numbers,
-)
+from analysis.results.headline import AgreedSoFar, HeadlineNumber, agreed_so_far, headline_numbers
 from analysis.results.plain import rounded
 from motion.errors import InputError
 from studyapp.researchers.interim.documents import (

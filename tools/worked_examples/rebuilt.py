@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from analysis.stats.holm import holm
-from analysis.stats.pooled import pooled_tests
 from analysis.stats.sign_test import sign_test
+from analysis.stats.wilcoxon import pooled_tests
 from tools.worked_examples.amuse_study import PAIRS, TABLE_A5, Claim, PrintedPreference
 from tools.worked_examples.rounded import counts_behind
 from tools.worked_examples.spread import SharedAnswers, Spread, with_spread

@@ -13,7 +13,7 @@ from analysis.results.net_preference import NetPreference
 from analysis.results.pairwise import Comparison, PairwiseResults
 from analysis.results.preference import Decision, Preference, Robustness
 from analysis.stats.clustered_mean import Estimate
-from analysis.stats.pooled import Pooled
+from analysis.stats.wilcoxon import Pooled
 
 Placed = TypeVar("Placed", Comparison, MatchedCondition)
 

@@ -12,12 +12,7 @@ from analysis.report.figures.bars import Bar, Part, bar_pictures
 from analysis.report.figures.ink import place_colours
 from analysis.report.figures.panels import Row, Scale
 from analysis.report.figures.svg import About
-from analysis.report.headline.ranking_tables import (
-    ordinal,
-    place_table,
-    posthoc_table,
-    rank_table,
-)
+from analysis.report.headline.ranking_tables import ordinal, place_table, posthoc_table, rank_table
 from analysis.report.headline.strengths import (
     contrasts_table,
     standings,

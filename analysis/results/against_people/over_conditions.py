@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from analysis.results.against_people.drawn_preferences import DrawnPreferences
 from analysis.results.against_people.metric_side import MetricSide
-from analysis.results.against_people.rank_correlation import kendall, order_signs, spearman
 from analysis.results.against_people.result import RankCorrelation
 from analysis.results.against_people.sampling import Kind, compatible
 from analysis.stats.two_way_bootstrap import times_drawn
@@ -24,9 +23,8 @@ FEWEST: Final = 3
 
 FEWEST_FOR_INTERVAL: Final = 4
 
-_CORRELATIONS: Final[Mapping[Kind, Callable[[Floats, Floats, Floats], Floats]]] = MappingProxyType(
-    {"kendall": kendall, "spearman": spearman}
-)
+_ROUNDING: Final = 1e-9
+"""Scores nearer to each other, relative to the largest of all, are equal."""
 
 _LEAST_USABLE: Final = 0.5
 """Share of resamples that must have a correlation."""
@@ -36,6 +34,73 @@ METHOD: Final = (
     "participants and segments again together, of these percentiles reflected about the estimate, "
     "and of the correlations of which the estimate would be an ordinary sample with so many "
     "conditions"
+)
+
+
+def order_signs(values: Floats) -> Floats:
+    """Return which of every two values is the larger.
+
+    Parameters
+    ----------
+    values : ndarray, shape (B, k)
+        Finite.
+
+    Returns
+    -------
+    ndarray, shape (B, k, k)
+        1 where the value of the row is larger than that of the column, -1 where it is smaller,
+        0 where they are equal but for rounding.
+    """
+    apart = values[:, :, None] - values[:, None, :]
+    size = np.abs(values).max(axis=1, initial=0)[:, None, None]
+    return np.asarray(np.sign(apart) * (np.abs(apart) > _ROUNDING * size), np.float64)
+
+
+def kendall(first: Floats, second: Floats, weights: Floats) -> Floats:
+    """Return Kendall's tau-b (Kendall 1945).
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (B, k, k)
+        The order of k things in each, as `order_signs` gives it.
+    weights : ndarray, shape (B, k)
+        How often each of them was drawn; one drawn twice is tied with itself.
+
+    Returns
+    -------
+    ndarray, shape (B,)
+        NaN where all that was drawn is tied in either.
+    """
+    return _scaled(
+        *(
+            np.einsum("bi,bij,bij,bj->b", weights, one, other, weights, optimize=True)
+            for one, other in ((first, second), (first, first), (second, second))
+        )
+    )
+
+
+def spearman(first: Floats, second: Floats, weights: Floats) -> Floats:
+    """Return Spearman's rho, ties having the mean of their ranks; see `kendall`."""
+    ranks = [np.einsum("bij,bj->bi", signs, weights) for signs in (first, second)]
+    total = weights.sum(axis=1, keepdims=True)
+    centred = [one - (weights * one).sum(axis=1, keepdims=True) / total for one in ranks]
+    return _scaled(
+        *(
+            (weights * centred[one] * centred[other]).sum(axis=1)
+            for one, other in ((0, 1), (0, 0), (1, 1))
+        )
+    )
+
+
+def _scaled(product: Floats, first: Floats, second: Floats) -> Floats:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        found = product / np.sqrt(first * second)
+    found[(first < _ROUNDING) | (second < _ROUNDING)] = np.nan
+    return np.asarray(np.clip(found, -1, 1))
+
+
+_CORRELATIONS: Final[Mapping[Kind, Callable[[Floats, Floats, Floats], Floats]]] = MappingProxyType(
+    {"kendall": kendall, "spearman": spearman}
 )
 
 

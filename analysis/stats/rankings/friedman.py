@@ -21,10 +21,7 @@ from scipy import stats
 from analysis.stats.holm import holm
 from analysis.stats.min_f import FTest
 from analysis.stats.rankings.placements import Placements, condition_columns
-from analysis.stats.values import (
-    finite,
-    tied_ranks,
-)
+from analysis.stats.values import finite, tied_ranks
 from analysis.stats.wilcoxon import signed_rank
 
 Floats = NDArray[np.float64]

@@ -14,10 +14,12 @@ from analysis.stats.equivalence import equivalence
 from analysis.stats.heterogeneity import between_groups, between_segments
 from analysis.stats.min_f import min_f
 from analysis.stats.ordinal.mixed_model import OrdinalFit, RandomEffect, fit, likelihood_ratio
-from analysis.stats.pooled import pooled_tests
 from analysis.stats.sign_test import sign_test
 from analysis.stats.values import group_means
-from analysis.stats.wilcoxon import signed_rank
+from analysis.stats.wilcoxon import (
+    pooled_tests,
+    signed_rank,
+)
 from benchmarks.validity.conclusions.conclusion import (
     EFFECT,
     Conclusion,

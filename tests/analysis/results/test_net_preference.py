@@ -5,11 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.results.net_preference import (
-    SidedAnswers,
-    expected,
-    net_preference,
-)
+from analysis.results.net_preference import SidedAnswers, expected, net_preference
 from analysis.stats.ordinal.mixed_model import RandomEffect, beginning_of
 from benchmarks.validity.studies import THRESHOLDS, Design, preferences
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.stats.cliffs_delta import cliffs_delta
+from analysis.stats.rating_differences import cliffs_delta
 from tests.analysis.reference import reference_ratings, with_reference
 from tests.analysis.stats.made_ratings import made_ratings
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from analysis.stats.pooled import pooled_tests
+from analysis.stats.wilcoxon import pooled_tests
 
 
 def test_it_is_what_the_plain_tests_give():

@@ -3,15 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.stats.cliffs_delta import cliffs_delta
 from analysis.stats.equivalence import equivalence_of_means
 from analysis.stats.intraclass import intraclass_correlation
 from analysis.stats.krippendorff import krippendorff_alpha
 from analysis.stats.min_f import min_f
-from analysis.stats.pooled import pooled_tests
+from analysis.stats.rating_differences import cliffs_delta
 from analysis.stats.sign_test import sign_test
 from analysis.stats.values import finite, group_means, levels, tied_ranks
-from analysis.stats.wilcoxon import signed_rank
+from analysis.stats.wilcoxon import pooled_tests, signed_rank
 from motion.errors import InputError
 
 GAP = np.array([1.0, np.nan, 2.0, 1.0])

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from analysis.results.against_people.rank_correlation import kendall, order_signs, spearman
+from analysis.results.against_people.over_conditions import kendall, order_signs, spearman
 
 
 def _signs(values: list[float]) -> np.ndarray:
