@@ -182,7 +182,7 @@ MOTION_PRESETS: Final[Mapping[str, MotionPreset]] = MappingProxyType(
             weights={"align": 0.03, "valign": 0.03, "velocity": 0.02},
             align_steps=10,
             # Of what is heard alone the denoiser learns no more of an emotion than a small speech
-            # model hears, and takes who speaks from the emotion's latent too.
+            # model hears.
             named=0.5,
             training=TrainingConfig(
                 steps=2_000,
