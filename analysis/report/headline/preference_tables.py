@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import Final
 
 from analysis.report import wording
+from analysis.report.by_question import table_by_question
 from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.preference_rows import PreferenceGroup, PreferenceRow, levels
 from analysis.report.headline.words import (
@@ -30,9 +31,6 @@ INSTEAD: Final = MappingProxyType(
 )
 """What a p value is one of."""
 
-_MOST_BESIDE: Final = 3
-"""Questions up to which a table shows them beside each other."""
-
 
 def sums_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
     """Return the percentages for the one, for the other and for neither."""
@@ -42,38 +40,11 @@ def sums_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
         "exclusions. That table leaves “no difference” out; here it stands beside. The larger "
         "share is bold, which is no test."
     )
-    heads = (group.one, group.other, "no difference", "n")
-    if len(group.questions) > _MOST_BESIDE:
-        return Table(
-            caption=caption,
-            header=("question", group.heading, *heads),
-            rows=tuple(
-                (*cells(wording.heading(row.question), row.label), *_sums(row))
-                for row in group.rows
-            ),
-            text_columns=2,
-            name=name,
-            data=data,
-        )
-    by_place = {(row.label, row.question): row for row in group.rows}
-    return Table(
+    return table_by_question(
+        {(row.label, row.question): _sums(row) for row in group.rows},
+        group.heading,
+        (group.one, group.other, "no difference", "n"),
         caption=caption,
-        header=(group.heading, *(heads * len(group.questions))),
-        groups=(
-            ("", 1),
-            *((wording.heading(question), len(heads)) for question in group.questions),
-        ),
-        rows=tuple(
-            (
-                Cell(text=label),
-                *(
-                    cell
-                    for question in group.questions
-                    for cell in _sums(by_place.get((label, wording.name(question))))
-                ),
-            )
-            for label in group.labels
-        ),
         name=name,
         data=data,
     )
@@ -164,8 +135,8 @@ def further_table(group: PreferenceGroup, *, name: str, data: str) -> Table:
     )
 
 
-def _sums(row: PreferenceRow | None) -> tuple[Cell, ...]:
-    if row is None or not row.n:
+def _sums(row: PreferenceRow) -> tuple[Cell, ...]:
+    if not row.n:
         return cells("–", "–", "–", "0")
     one_strong, one_weak, equal, other_weak, other_strong = row.percentages
     one, other = one_strong + one_weak, other_strong + other_weak

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from analysis.report import wording
+from analysis.report.by_question import table_by_question
 from analysis.report.content import Cell, Table, cells
 from analysis.report.headline.words import (
     CLUSTERED,
@@ -25,20 +26,21 @@ from analysis.results.rating_contrasts import RatingContrast
 from analysis.results.rating_model import RatingModel
 from analysis.stats.clustered_mean import LEVEL
 
-_MOST_BESIDE = 3
-
 
 def score_table(conditions: Sequence[RatedCondition], *, name: str, data: str) -> Table:
     """Return means and standard deviations, the best mean bold and the second best underlined."""
     marks = _marks(conditions)
-    return _by_question(
-        conditions,
+    return table_by_question(
+        {
+            (wording.name(c.condition), c.question): (
+                counted(c.estimate, number(c.estimate), **marks.get((c.condition, c.question), {})),
+                number_cell(c.sd),
+                count_cell(c.n),
+            )
+            for c in conditions
+        },
+        "condition",
         ("mean", "SD", "n"),
-        lambda c: (
-            counted(c.estimate, number(c.estimate), **marks.get((c.condition, c.question), {})),
-            number_cell(c.sd),
-            count_cell(c.n),
-        ),
         caption=f"{of_set(conditions[0].set)}Mean and standard deviation of all ratings after "
         "exclusions, in the layout of S2UE's Table 2; n: ratings. Higher is better; the best mean "
         "is bold and the second best underlined, which is no test.",
@@ -169,55 +171,6 @@ def _about(contrast: RatingContrast) -> str:
     return (
         f"{wording.heading(contrast.question)}, {wording.name(contrast.a)} against "
         f"{wording.name(contrast.b)}"
-    )
-
-
-def _by_question(
-    conditions: Sequence[RatedCondition],
-    heads: tuple[str, ...],
-    numbers: Callable[[RatedCondition], tuple[Cell, ...]],
-    *,
-    caption: str,
-    name: str,
-    data: str,
-) -> Table:
-    """Return a row per condition with the questions beside each other, where they are few."""
-    questions = tuple(dict.fromkeys(c.question for c in conditions))
-    if len(questions) > _MOST_BESIDE:
-        return Table(
-            caption=caption,
-            header=("question", "condition", *heads),
-            rows=tuple(
-                (*cells(wording.heading(c.question), wording.name(c.condition)), *numbers(c))
-                for c in conditions
-            ),
-            text_columns=2,
-            name=name,
-            data=data,
-        )
-    by_place = {(c.condition, c.question): c for c in conditions}
-    names = dict.fromkeys(c.condition for c in conditions)
-    return Table(
-        caption=caption,
-        header=("condition", *(heads * len(questions))),
-        groups=(("", 1), *((wording.heading(question), len(heads)) for question in questions)),
-        rows=tuple(
-            (
-                Cell(text=wording.name(one)),
-                *(
-                    cell
-                    for question in questions
-                    for cell in (
-                        numbers(by_place[one, question])
-                        if (one, question) in by_place
-                        else cells(*["–"] * len(heads))
-                    )
-                ),
-            )
-            for one in names
-        ),
-        name=name,
-        data=data,
     )
 
 
