@@ -30,11 +30,10 @@ from analysis.report.headline.preference_tables import (
     win_share_table,
 )
 from analysis.report.headline.strengths import (
-    Standing,
     contrasts_table,
-    standings,
     standings_table,
     strength_pictures,
+    strongest_first,
 )
 from analysis.report.headline.words import (
     in_set,
@@ -47,6 +46,7 @@ from analysis.report.headline.words import (
 from analysis.report.subject import Subject
 from analysis.results.mismatch import MismatchResults
 from analysis.results.pairwise import Comparison, PairwiseResults
+from analysis.results.strengths import Strengths
 from analysis.stats.clustered_mean import LEVEL
 
 MOST_BARS: Final = 15
@@ -157,14 +157,12 @@ def _pictures(
     bars = _about(group, f"preferences{end}", _PAIRS, mark)
     if group.heading == "against":
         return preference_pictures(group, bars)
-    fitted = of(results.bradley_terry, group.set)
-    standing = {
-        question: found
-        for question in group.questions
-        if question in fitted and (found := standings(fitted[question]))
+    strengths = of(results.bradley_terry, group.set)
+    fitted = {
+        question: strengths[question] for question in group.questions if question in strengths
     }
     comparisons = [one for one in results.comparisons if one.set == group.set]
-    strengths = About(
+    about = About(
         name=f"strengths{end}",
         title="Bradley–Terry strengths",
         caption=f"{of_set(group.set)}Bradley–Terry strengths over all comparisons (Davidson's "
@@ -177,9 +175,9 @@ def _pictures(
         *(
             preference_pictures(group, bars)
             if len(group.labels) <= MOST_BARS
-            else _matrix(comparisons, standing, group, mark, end)
+            else _matrix(comparisons, fitted, group, mark, end)
         ),
-        *strength_pictures(standing, "strength in logits", strengths),
+        *strength_pictures(fitted, "strength in logits", about),
     )
 
 
@@ -256,7 +254,7 @@ def _bar(row: PreferenceRow | None) -> Bar:
 
 def _matrix(
     comparisons: Sequence[Comparison],
-    standing: Mapping[str, Sequence[Standing]],
+    fitted: Mapping[str, Strengths],
     group: PreferenceGroup,
     mark: str,
     end: str,
@@ -271,11 +269,9 @@ def _matrix(
             shares[one.question][pair] = Won(
                 share=share.estimate, words=share_words(share), decided=decided
             )
-    names = dict.fromkeys(name for one in comparisons for name in (one.a, one.b))
-    values = {one.condition: one.value for one in next(iter(standing.values()), ())}
     return matrix_pictures(
         shares,
-        sorted(names, key=lambda name: -values.get(name, 0.0)),
+        strongest_first(fitted, [name for one in comparisons for name in (one.a, one.b)]),
         About(
             name=f"win-share-matrix{end}",
             title="Win shares of every two conditions",

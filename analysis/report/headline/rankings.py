@@ -15,7 +15,6 @@ from analysis.report.figures.svg import About
 from analysis.report.headline.ranking_tables import ordinal, place_table, posthoc_table, rank_table
 from analysis.report.headline.strengths import (
     contrasts_table,
-    standings,
     standings_table,
     strength_pictures,
 )
@@ -71,7 +70,6 @@ def _section(results: RankingResults, name: str | None, mark: str, end: str) -> 
         tables.append(contrasts_table(contrasts, worths, "worths", name=f"contrasts{end}"))
     if posthoc:
         tables.append(posthoc_table(posthoc, name=f"posthoc{end}"))
-    standing = {question: found for question, one in worths.items() if (found := standings(one))}
     about = About(
         name=f"worths{end}",
         title="Plackett–Luce worths",
@@ -88,7 +86,7 @@ def _section(results: RankingResults, name: str | None, mark: str, end: str) -> 
         if reason
         else (
             *place_pictures(conditions, name=f"places{end}", mark=mark),
-            *strength_pictures(standing, "worth, log scale", about),
+            *strength_pictures(worths, "worth, log scale", about),
         ),
         tables=tuple(tables),
     )

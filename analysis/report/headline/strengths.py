@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 
 from analysis.report import wording
 from analysis.report.content import Cell, Picture, Table, cells
@@ -28,83 +27,50 @@ from analysis.stats.clustered_mean import LEVEL
 Fitted = Strengths | Worths
 
 
-@dataclass(frozen=True, kw_only=True)
-class Standing:
-    """Where one condition stands.
-
-    Attributes
-    ----------
-    condition : str
-        Its name.
-    value, low, high : float
-        On a log scale on which all conditions add up to zero, with its interval.
-    ranks : str
-        Those it may have, '1–2'.
-    """
-
-    condition: str
-    value: float
-    low: float
-    high: float
-    ranks: str
-
-
-def strength_pictures(
-    standings: Mapping[str, Sequence[Standing]], axis: str, about: About
-) -> tuple[Picture, ...]:
+def strength_pictures(found: Mapping[str, Fitted], axis: str, about: About) -> tuple[Picture, ...]:
     """Draw a panel per question and a row per condition, the strongest on the first one on top.
 
     Parameters
     ----------
-    standings : mapping of str to sequence of Standing
-        By question; nothing is drawn without any.
+    found : mapping of str to Strengths or Worths
+        By question; those without a fit are left out, and without any nothing is drawn.
     axis : str
         What the values are.
     about : About
         What stands around the figure.
     """
-    if not standings:
+    known = {question: one for question, one in found.items() if not one.reason and _values(one)}
+    if not known:
         return ()
-    first = next(iter(standings.values()))
-    values = {one.condition: one.value for one in first if not math.isnan(one.value)}
-    names = dict.fromkeys(one.condition for found in standings.values() for one in found)
-    order = sorted(names, key=lambda one: -values.get(one, -math.inf))
-    panels = {}
-    for question, found in standings.items():
-        by_name = {one.condition: one for one in found}
-        panels[question] = [_dot(by_name.get(name)) for name in order]
-    rows = [Row(wording.name(one)) for one in order]
-    return dot_pictures(panels, rows, Scale(label=axis, line=0.0), about)
-
-
-def _dot(one: Standing | None) -> Dot:
-    if one is None or math.isnan(one.value):
-        return Dot(words="–", hint="not known")
-    inside = "" if math.isnan(one.low) else f" {between(number(one.low), number(one.high))}"
-    return Dot(
-        estimate=one.value,
-        low=one.low,
-        high=one.high,
-        words=number(one.value),
-        below=f"rank {one.ranks}" if one.ranks != "–" else "",
-        hint=f"{number(one.value)}{inside}, rank {one.ranks}",
+    order = strongest_first(known, [name for one in known.values() for name in _values(one)])
+    return dot_pictures(
+        {question: [_dot(one, name) for name in order] for question, one in known.items()},
+        [Row(wording.name(name)) for name in order],
+        Scale(label=axis, line=0.0),
+        about,
     )
 
 
-def standings(fitted: Fitted) -> tuple[Standing, ...]:
-    """Return where each condition stands; () where the model could not be fitted."""
-    values = _values(fitted)
-    if fitted.reason or not values:
-        return ()
-    return tuple(
-        Standing(
-            condition=name,
-            value=value,
-            low=fitted.low[name],
-            high=fitted.high[name],
-            ranks=ranks(fitted.ranks.get(name)),
-        )
-        for name, value in values.items()
+def strongest_first(found: Mapping[str, Fitted], names: Iterable[str]) -> list[str]:
+    """Return each name once, by the strengths on the first question that has some."""
+    values = next((_values(one) for one in found.values() if not one.reason), {})
+    known = {name: value for name, value in values.items() if not math.isnan(value)}
+    return sorted(dict.fromkeys(names), key=lambda name: -known.get(name, -math.inf))
+
+
+def _dot(fitted: Fitted, name: str) -> Dot:
+    value = _values(fitted).get(name, math.nan)
+    if math.isnan(value):
+        return Dot(words="–", hint="not known")
+    low, high, rank = fitted.low[name], fitted.high[name], ranks(fitted.ranks.get(name))
+    inside = "" if math.isnan(low) else f" {between(number(low), number(high))}"
+    return Dot(
+        estimate=value,
+        low=low,
+        high=high,
+        words=number(value),
+        below=f"rank {rank}" if rank != "–" else "",
+        hint=f"{number(value)}{inside}, rank {rank}",
     )
 
 
