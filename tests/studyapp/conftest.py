@@ -28,6 +28,7 @@ from tests.studyapp.figures_at_hand import FiguresAtHand
 from tests.studyapp.s3_stand_in import Store, s3_stand_in, use_keys
 from tests.studyapp.takes import write_motion, write_speech
 from tests.studyapp.taking_part_steps import Participant, SetClock
+from tests.support.compiled_once import compiled_once
 from tests.support.throwaway_postgresql import (
     ThrowawayPostgresql,
     programs,
@@ -81,6 +82,12 @@ def finished_study(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], 
 @pytest.fixture
 def clock() -> SetClock:
     return SetClock()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _compiled_once() -> Iterator[None]:
+    with compiled_once():
+        yield
 
 
 @pytest.fixture(scope="session")

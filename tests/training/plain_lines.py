@@ -1,6 +1,7 @@
 """Learning a line, in this process or in one of several.
 
-As a program: the run folder, a JSON object of changed settings, and the step after which to stop.
+As a program, for each training: the run folder, a JSON object of changed settings, and the step
+after which to stop.
 """
 
 from __future__ import annotations
@@ -108,7 +109,8 @@ def leave_alone() -> None:
 if __name__ == "__main__":
     atexit.register(leave_alone)
     try:
-        learn(Path(sys.argv[1]), json.loads(sys.argv[2]), int(sys.argv[3]))
+        for folder, changed, stop in zip(*[iter(sys.argv[1:])] * 3, strict=True):
+            learn(Path(folder), json.loads(changed), int(stop))
     except TrainingStopped as stopped:
         sys.exit(40 + stopped.step)
     except InputError as error:

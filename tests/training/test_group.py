@@ -26,9 +26,16 @@ def from_here(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
 
 
-def learn_in_two(folder: Path, stop: int = 0, **changed: object) -> int:
-    program = (sys.executable, "-W", "error", "-m", "tests.training.plain_lines")
-    return run_in_processes(2, [*program, str(folder), json.dumps(changed), str(stop)])
+Asked = tuple[Path, dict[str, object], int]
+"""The run folder, the changed settings, and the step after which to stop (0: none)."""
+
+
+def learn_in_two(*trainings: Asked) -> int:
+    """Train one after the other in the same two processes; to start them takes longer."""
+    program = [sys.executable, "-W", "error", "-m", "tests.training.plain_lines"]
+    for folder, changed, stop in trainings:
+        program += [str(folder), json.dumps(changed), str(stop)]
+    return run_in_processes(2, program)
 
 
 def alone(folder: Path, config: TrainingConfig) -> WeightsFile:
@@ -40,10 +47,22 @@ def state_of(folder: Path) -> WeightsFile:
     return read_weights(folder / "checkpoint.safetensors")
 
 
-def test_two_processes_come_to_what_one_does_and_go_on_from_ctrl_c(tmp_path: Path) -> None:
-    assert learn_in_two(tmp_path / "two", stop=3) == 43
+def test_two_processes_come_to_what_one_does_and_go_on_from_ctrl_c(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    normed = {"steps": 4, "accumulate": 2}
+    assert (
+        learn_in_two(
+            (tmp_path / "normed", {**normed, "normed": True}, 0), (tmp_path / "two", {}, 3)
+        )
+        == 43
+    )
+    batch_statistics_are_those_of_one(tmp_path / "normed", replace(CONFIG, **normed), tmp_path)
     assert state_of(tmp_path / "two").facts["step"] == 3
-    assert learn_in_two(tmp_path / "two") == 0
+    # What every process refuses is said once.
+    refused = (tmp_path / "refused", {"batch_size": 1}, 0)
+    assert learn_in_two((tmp_path / "two", {}, 0), refused) == 1
+    assert capfd.readouterr().err.count("2 processes share steps of 1 examples") == 1
     together, one = state_of(tmp_path / "two"), alone(tmp_path / "one", CONFIG)
     assert together.facts["step"] == 8
     assert together.tensors.keys() == one.tensors.keys()
@@ -56,20 +75,12 @@ def test_two_processes_come_to_what_one_does_and_go_on_from_ctrl_c(tmp_path: Pat
         assert len(lines[0]) == len(lines[1]) + (name == "timing.jsonl")
 
 
-def test_two_processes_see_the_batch_statistics_of_one(tmp_path: Path) -> None:
-    changed = {"steps": 4, "accumulate": 2}
-    assert learn_in_two(tmp_path / "two", normed=True, **changed) == 0
-    config = replace(CONFIG, **changed)
-    train(PlainLine(normed=True), config, RunFolder(tmp_path / "one"))
-    together, one = state_of(tmp_path / "two"), state_of(tmp_path / "one")
+def batch_statistics_are_those_of_one(
+    together_in: Path, config: TrainingConfig, folder: Path
+) -> None:
+    train(PlainLine(normed=True), config, RunFolder(folder / "one normed"))
+    together, one = state_of(together_in), state_of(folder / "one normed")
     assert any(name.endswith("running_var") for name in one.tensors)
     for name, tensor in one.tensors.items():
         torch.testing.assert_close(together.tensors[name], tensor, rtol=1e-4, atol=1e-5)
     assert together.facts["best"]["measured"] == pytest.approx(one.facts["best"]["measured"])
-
-
-def test_what_every_process_refuses_is_said_once(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert learn_in_two(tmp_path, batch_size=1) == 1
-    assert capfd.readouterr().err.count("2 processes share steps of 1 examples") == 1
