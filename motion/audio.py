@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -89,6 +90,17 @@ class Audio:
     def duration(self) -> float:
         """Length in seconds."""
         return len(self.samples) / self.sample_rate
+
+    def samples_at(self, sample_rate: int) -> NDArray[np.float64]:
+        """Return the samples at another rate, low-pass filtered where it is lower."""
+        # Imported here: it takes a moment to load, and most audio is read at the rate it needs.
+        from scipy.signal import resample_poly
+
+        samples = self.samples.astype(np.float64)
+        if sample_rate == self.sample_rate:
+            return samples
+        common = math.gcd(sample_rate, self.sample_rate)
+        return np.asarray(resample_poly(samples, sample_rate // common, self.sample_rate // common))
 
     def cut(self, start: float, end: float) -> Self:
         """Return the excerpt from `start` to `end`.

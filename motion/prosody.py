@@ -30,7 +30,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import find_peaks, resample_poly
+from scipy.signal import find_peaks
 
 from motion.audio import Audio
 from motion.audio_analysis import load_librosa
@@ -121,7 +121,7 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
             f"speech of {audio.duration:.4f} s is shorter than one frame at {frame_rate} fps",
             remedy="Give a longer excerpt",
         )
-    samples = _at_analysis_rate(audio)
+    samples = audio.samples_at(_ANALYSIS_RATE)
     energy = _energy(samples)
     pitch = _pitch(samples, energy)
     nuclei = _nuclei(energy)
@@ -139,18 +139,6 @@ def prosody(audio: Audio, frame_rate: float) -> Prosody:
         prominence=prominence,
         pauses=_pauses(energy),
     )
-
-
-def _at_analysis_rate(audio: Audio) -> FloatArray:
-    """Return the samples at 16 kHz."""
-    samples = np.asarray(audio.samples, float)
-    if audio.sample_rate == _ANALYSIS_RATE:
-        return samples
-    common = int(np.gcd(audio.sample_rate, _ANALYSIS_RATE))
-    resampled: FloatArray = resample_poly(
-        samples, _ANALYSIS_RATE // common, audio.sample_rate // common
-    )
-    return resampled
 
 
 def _energy(samples: FloatArray) -> FloatArray:

@@ -26,8 +26,7 @@ from analysis.evaluators.evaluator_file import (
     TrainingFacts,
     write_evaluator,
 )
-from analysis.evaluators.examples import Split, split
-from analysis.evaluators.feature_task import FeatureTask
+from analysis.evaluators.examples import FeatureTask, Split, split
 from analysis.evaluators.training_clips import (
     ClipSource,
     TrainingClips,

@@ -6,13 +6,84 @@ on.
 
 from __future__ import annotations
 
+import heapq
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self
 
 from renderer.jobs.job import ClipJob, Job, Outcome
-from renderer.jobs.job_order import JobOrder
 from renderer.jobs.local_workers import LocalWorkers
-from renderer.jobs.workers import Workers
+
+
+class Workers(Protocol):
+    """Processes that do jobs, each with one OpenGL context; a ``with`` block begins and ends it."""
+
+    def __enter__(self) -> Self:
+        """Get ready; `InputError` where that is impossible."""
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Begin nothing more, and leave no half-written video."""
+
+    def room(self) -> bool:
+        """Tell whether one more job would be taken up at once."""
+
+    def begin(self, number: int, job: Job) -> None:
+        """Have `job` done; `number` tells it apart."""
+
+    def ended(self) -> Sequence[tuple[int, Outcome]]:
+        """Wait until at least one begun job has ended, and return those that have.
+
+        A job whose process died is done again by another process, and given up only when it
+        ends that one too.
+        """
+
+
+class JobOrder:
+    """The jobs of one run, by their number in the order they were given.
+
+    A pair whose clip is among the jobs waits for it, and so does a clip that gets another speech;
+    what was there before is not waited for.
+    """
+
+    def __init__(self, jobs: Sequence[Job]) -> None:
+        made_by = {path: number for number, job in enumerate(jobs) for path in job.makes}
+        self._awaited: dict[int, set[int]] = {}
+        self._waiting_for: defaultdict[int, list[int]] = defaultdict(list)
+        self._ready: list[int] = []
+        for number, job in enumerate(jobs):
+            awaited = {made_by[path] for path in job.needs if path in made_by}
+            self._awaited[number] = awaited
+            for clip in awaited:
+                self._waiting_for[clip].append(number)
+            if not awaited:
+                self._ready.append(number)
+
+    def next(self) -> int | None:
+        """Return the first job that may be begun, and count it as begun; None if there is none."""
+        return heapq.heappop(self._ready) if self._ready else None
+
+    def succeeded(self, number: int) -> None:
+        """Let the jobs that waited for this one alone be begun."""
+        for pair in self._waiting_for.pop(number, []):
+            self._awaited[pair].discard(number)
+            if not self._awaited[pair]:
+                heapq.heappush(self._ready, pair)
+
+    def failed(self, number: int) -> list[int]:
+        """Return the jobs that can no longer be done; they will not be begun."""
+        lost = self._waiting_for.pop(number, [])
+        for pair in lost:
+            for clip in self._awaited.pop(pair):
+                if clip != number:
+                    self._waiting_for[clip].remove(pair)
+        return lost
 
 
 def run_jobs(

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from functools import cache
-from math import gcd
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import resample_poly
 
 from motion.audio import Audio
 from motion.audio_analysis import load_librosa
@@ -56,10 +54,7 @@ def mel_bands(audio: Audio, frame_rate: float, frames: int | None = None) -> Flo
     """
     hop = _hop(frame_rate)
     count = round(audio.duration * frame_rate) if frames is None else frames
-    common = gcd(RATE, audio.sample_rate)
-    sound = resample_poly(
-        audio.samples.astype(np.float64), RATE // common, audio.sample_rate // common
-    )
+    sound = audio.samples_at(RATE)
     padded = np.zeros(max(count - 1, 0) * hop + WINDOW)
     within = sound[: len(padded) - WINDOW // 2]
     padded[WINDOW // 2 : WINDOW // 2 + len(within)] = within

@@ -10,7 +10,6 @@ from typing import Final
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from scipy.signal import resample_poly
 from torch import Tensor
 
 from motion.audio import SPEECH_RATE, Audio
@@ -197,10 +196,4 @@ def _part_of(
 
 def at_speech_rate(audio: Audio) -> FloatArray:
     """Return the samples at 16 kHz."""
-    if audio.sample_rate == SPEECH_RATE:
-        return audio.samples
-    common = math.gcd(SPEECH_RATE, audio.sample_rate)
-    return np.asarray(
-        resample_poly(audio.samples, SPEECH_RATE // common, audio.sample_rate // common),
-        dtype=np.float32,
-    )
+    return audio.samples_at(SPEECH_RATE).astype(np.float32)

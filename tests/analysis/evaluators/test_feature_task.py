@@ -8,8 +8,7 @@ import pytest
 import torch
 
 from analysis.evaluators.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
-from analysis.evaluators.examples import split
-from analysis.evaluators.feature_task import FeatureTask
+from analysis.evaluators.examples import FeatureTask, split
 from training.config import TrainingConfig
 from training.group import Group
 from training.learner import Learner

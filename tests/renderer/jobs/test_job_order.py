@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from renderer.framing import Camera
 from renderer.jobs.job import ClipJob, DubJob, Job, PairJob
-from renderer.jobs.job_order import JobOrder
+from renderer.jobs.making import JobOrder
 from renderer.look import Look
 
 CAMERA = Camera(eye=(0, 0, 1), target=(0, 0, 0), field_of_view=20)
