@@ -15,7 +15,7 @@ from scipy import stats
 
 from analysis.results.family import Family, Member
 from analysis.results.grouping import PairPlace, codes, shown_conditions
-from analysis.stats.clustered_mean import LEVEL
+from analysis.stats.clustered_mean import LEVEL, Estimate
 from analysis.stats.min_f import FTest
 from analysis.stats.sign_test import sign_test
 from analysis.stats.strengths.bradley_terry import bradley_terry
@@ -133,31 +133,19 @@ class Worths(Standings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StrengthContrast(PairPlace):
-    """How much stronger a is than b.
+class StrengthContrast(Estimate, PairPlace):
+    """How much stronger a is than b, in logits.
 
     Attributes
     ----------
-    estimate, low, high, standard_error, df : float
-        In logits, with its two-way clustered 95 % interval.
-    p_value, p_holm : float
-        Of there being no difference; corrected over the report's family, NaN outside of it.
+    p_holm : float
+        `p_value`, corrected over the report's family; NaN outside of it.
     by : {'wald', 'sign'}
         The difference by its error, or the sign test of participants where one never lost.
-    remark, reason : str
-        What limits the result; why there is no test.
     """
 
-    estimate: float
-    low: float = math.nan
-    high: float = math.nan
-    standard_error: float = math.nan
-    df: float = math.nan
-    p_value: float = math.nan
     p_holm: float = math.nan
     by: Literal["wald", "sign"] = "wald"
-    remark: str = ""
-    reason: str = ""
 
 
 def strengths_of(
@@ -194,7 +182,7 @@ def strengths_of(
                 "nobody answered with a tie" if known and found.tie is None else "",
             )
         ),
-    ), _contrasts(found, p_values, of, question)
+    ), _contrasts(found, p_values, of, question, _segments(answers))
 
 
 def worths_of(
@@ -220,7 +208,7 @@ def worths_of(
         worths=_named(names, found.strengths, hide=not known),
         ties=found.ties if known else {},
         **vars(_standings(found, p_values, _segments(answers))),
-    ), _contrasts(found, p_values, of, question)
+    ), _contrasts(found, p_values, of, question, _segments(answers))
 
 
 RANKING: Final = ["participant", "segment", "trial"]
@@ -320,10 +308,7 @@ def _omnibus(found: Fitted) -> FTest:
 
 
 def _contrasts(
-    found: Fitted,
-    p_values: Floats,
-    of: str | None,
-    question: str,
+    found: Fitted, p_values: Floats, of: str | None, question: str, segments: int
 ) -> tuple[StrengthContrast, ...]:
     strengths = found.strengths
     return tuple(
@@ -333,6 +318,9 @@ def _contrasts(
             b=found.conditions[b],
             question=question,
             estimate=math.nan if found.reason else float(strengths[a] - strengths[b]),
+            n=found.n,
+            participants=found.participants,
+            segments=segments,
             **_tested(float(strengths[a] - strengths[b]), found, float(p_values[a, b]), (a, b)),
         )
         for a, b in combinations(range(len(strengths)), 2)
@@ -356,6 +344,7 @@ def _tested(difference: float, found: Fitted, p: float, pair: tuple[int, int]) -
         "standard_error": float(error),
         "df": float(freedom),
         "p_value": p,
+        "method": found.two_way.method,
     }
 
 
