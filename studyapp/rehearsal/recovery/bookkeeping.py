@@ -10,7 +10,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from studyapp.database.tables import Place, Response, StudySession, Trial
-from studyapp.monitoring.dropouts import dropouts
+from studyapp.monitoring.counts import dropouts
 from studyapp.monitoring.study_sessions import Sitting
 from studyapp.rehearsal.ledger import Acknowledged, AcknowledgedKey
 from studyapp.rehearsal.recovery.people import Person
