@@ -172,7 +172,7 @@ def draw_sheet(
     hints: Hints = {}
     with mpl.rc_context(STYLE):
         size = (room.width, lines * (high + 2) + 2)
-        layout = ConstrainedLayoutEngine(h_pad=0.06)
+        layout = ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06)
         figure = Figure(figsize=size, layout=layout)
         grid = figure.subplots(
             lines, columns * axes_each, squeeze=False, width_ratios=what.widths * columns
@@ -193,7 +193,7 @@ def draw_sheet(
         _add_legend(figure, what.legend, room)
         if mark:
             figure.suptitle(mark, x=0.0, ha="left", color=MARK, fontsize=7.5, fontweight="bold")
-        _fit_height(figure, layout, grid[0, 0], high, lines)
+        _fit_height(figure, layout, high)
     return Drawing(figure=figure, hints=hints)
 
 
@@ -228,15 +228,28 @@ def _add_legend(figure: Figure, signs: Sequence[Artist], room: Format) -> None:
     )
 
 
-def _fit_height(
-    figure: Figure, layout: ConstrainedLayoutEngine, axes: Axes, wanted: float, lines: int
-) -> None:
-    """Give the panels of so many lines the height that they are to have, and fix the layout."""
-    layout.execute(figure)
-    given = axes.get_position().height * figure.get_figheight()
-    figure.set_figheight(figure.get_figheight() + lines * (wanted - given))
+def _fit_height(figure: Figure, layout: ConstrainedLayoutEngine, wanted: float) -> None:
+    """Lay the figure out once, and give its panels the height that they are to have."""
     layout.execute(figure)
     figure.set_layout_engine("none")
+    before = figure.get_figheight()
+    more = wanted - figure.axes[0].get_position().height * before
+    lines = 1 + max(_line_of(axes) for axes in figure.axes)
+    after = before + lines * more
+    for axes in figure.axes:
+        # What stands around panels keeps its height: lines of panels move as far as others grew.
+        place = axes.get_position()
+        bottom = after - before * (1 - place.y1) - _line_of(axes) * more - wanted
+        axes.set_position((place.x0, bottom / after, place.width, wanted / after))
+    if figure.get_suptitle():
+        (mark,) = figure.texts
+        mark.set_y(1 - (1 - mark.get_position()[1]) * before / after)
+    figure.set_figheight(after)
+
+
+def _line_of(axes: Axes) -> int:
+    place = axes.get_subplotspec()
+    return 0 if place is None else place.rowspan.start
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -276,7 +289,7 @@ class Scale:
         for where, end in zip((0.0, 1.0), self.ends, strict=True):
             if not end:
                 continue
-            words = fitted(end, inches / 2 - 0.17, size=SMALL_SIZE + 0.5, lines=2)
+            words = fitted(end, inches / 2 - 0.2, size=SMALL_SIZE + 0.5, lines=2)
             axes.annotate(
                 f"{words} →" if where else f"← {words}",
                 (where, 0),
