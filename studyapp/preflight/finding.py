@@ -1,84 +1,89 @@
-"""What `motionjury check` finds; `findings.toml` declares all there is to find."""
+"""What `motionjury check` finds."""
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Mapping
-from functools import cache
-from importlib.resources import files
-from typing import Final, Literal, get_args
-
-from pydantic import BaseModel, ConfigDict, TypeAdapter
-
-Severity = Literal["error", "warning", "note"]
-SEVERITIES: Final[tuple[Severity, ...]] = get_args(Severity)
-"""The worst first."""
+from dataclasses import dataclass
+from enum import Enum
 
 
-class FindingKind(BaseModel):
-    """One thing that can be found, as `findings.toml` declares it."""
+class Severity(Enum):
+    """How much a finding matters."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    ERROR = "error"
+    """The study must not be launched."""
+    WARNING = "warning"
+    """It can be, and somebody should have decided that it may."""
+    NOTE = "note"
+    """Worth knowing; nothing needs to be done."""
 
-    severity: Severity
-    means: str
-    remedy: str = ""
 
-
-class Finding(BaseModel):
-    """One finding.
+@dataclass(frozen=True, kw_only=True)
+class FindingKind:
+    """One thing that can be found.
 
     Attributes
     ----------
     name : str
-        Its kind, as in the table of `docs/check.md`; it never changes.
-    where : str
-        A file of the study folder, or a key of the study file; may be empty.
-    what, remedy : str
-        What is the matter and what to do; wording may change.
+        Small letters and hyphens; it never changes, so that programs can look for it.
+    severity : Severity
+    means : str
+        What it means, as a clause.
+    remedy : str
+        What to do, as a sentence without a full stop; empty where nothing needs to be done.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: str
     severity: Severity
-    where: str
+    means: str
+    remedy: str = ""
+
+    def found(self, what: str, *, where: str = "", remedy: str | None = None) -> Finding:
+        """Return that it was found.
+
+        Parameters
+        ----------
+        what : str
+            What is the matter here, as a clause.
+        where : str
+            A file of the study folder, or a key of the study file.
+        remedy : str, optional
+            What to do here, where that says more than the kind's own remedy.
+        """
+        return Finding(
+            kind=self, what=what, where=where, remedy=self.remedy if remedy is None else remedy
+        )
+
+
+def error(name: str, means: str, remedy: str) -> FindingKind:
+    """Return a kind of finding with which a study must not be launched."""
+    return FindingKind(name=name, severity=Severity.ERROR, means=means, remedy=remedy)
+
+
+def warning(name: str, means: str, remedy: str) -> FindingKind:
+    """Return a kind of finding that somebody should decide about."""
+    return FindingKind(name=name, severity=Severity.WARNING, means=means, remedy=remedy)
+
+
+def note(name: str, means: str, remedy: str = "") -> FindingKind:
+    """Return a kind of finding that is worth knowing."""
+    return FindingKind(name=name, severity=Severity.NOTE, means=means, remedy=remedy)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One finding: what it is, where, how much it matters, and what to do."""
+
+    kind: FindingKind
     what: str
-    remedy: str
+    where: str = ""
+    remedy: str = ""
 
+    @property
+    def name(self) -> str:
+        """The kind's name."""
+        return self.kind.name
 
-@cache
-def catalogue() -> Mapping[str, Mapping[str, FindingKind]]:
-    """Return every kind of finding under its name, by where it is looked for."""
-    text = files(__package__).joinpath("findings.toml").read_text("utf-8")
-    return TypeAdapter(dict[str, dict[str, FindingKind]]).validate_python(tomllib.loads(text))
-
-
-@cache
-def kinds() -> Mapping[str, FindingKind]:
-    """Return every kind of finding under its name."""
-    return {name: kind for own in catalogue().values() for name, kind in own.items()}
-
-
-def finding(name: str, what: str = "", *, where: str = "", remedy: str | None = None) -> Finding:
-    """Return that a kind of finding was found.
-
-    Parameters
-    ----------
-    name : str
-        Of its kind.
-    what : str
-        What is the matter here, as a clause; where it is empty, what the kind means.
-    where : str
-        A file of the study folder, or a key of the study file.
-    remedy : str, optional
-        What to do here, where that says more than the kind's own remedy.
-    """
-    kind = kinds()[name]
-    return Finding(
-        name=name,
-        severity=kind.severity,
-        where=where,
-        what=what or kind.means,
-        remedy=kind.remedy if remedy is None else remedy,
-    )
+    @property
+    def severity(self) -> Severity:
+        """How much it matters."""
+        return self.kind.severity

@@ -83,7 +83,12 @@ def import_video(
         )
     speaker = usable_name(video.stem) if speaker is None else speaker
     check_name(speaker, "speaker")
-    audio = read_audio(video, sample_rate=None)
+    try:
+        audio = read_audio(video, sample_rate=None)
+    except InputError as error:
+        raise InputError(
+            error.what, where=video, remedy="Export the video with its sound as MP4 (H.264, AAC)"
+        ) from error
     found = detect(video, told)
     parts = _parts(found, audio.duration)
     kept = [part for part in parts if not part.reason]
