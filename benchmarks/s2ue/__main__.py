@@ -3,8 +3,10 @@
 ``python -m benchmarks.s2ue speed`` moves a minute of noise to motion by a network of the tiny size,
 from samples to clip, with one thread. ``python -m benchmarks.s2ue seams CHECKPOINT SPEECH…``
 compares accelerations at the seams of windows with those elsewhere. ``python -m benchmarks.s2ue
-table CORPUS FOLDER`` trains the full model and the seven ablations on a synthetic corpus, each for
-the same steps, and measures them on windows of test takes whose seeds are recorded.
+draws CORPUS FOLDER NETWORK…`` tells whether draws of the speaker change face and body together.
+``python -m benchmarks.s2ue table CORPUS FOLDER`` trains the full model and the seven ablations on a
+synthetic corpus, each for the same steps, and measures them on windows of test takes whose seeds
+are recorded.
 """
 
 from __future__ import annotations
@@ -14,11 +16,15 @@ import math
 from pathlib import Path
 from typing import Final
 
+from benchmarks.s2ue.draws import drawn_together
 from benchmarks.s2ue.seams import seams
 from benchmarks.s2ue.speed import speed
-from benchmarks.s2ue.table import table
+from benchmarks.s2ue.table import table, windows_of
 from generators.s2ue.config import ABLATIONS
+from generators.s2ue.network_file import load_network
+from motion.face_landmarks import FaceLandmarks
 from motion.files import write_text
+from training.data.any_folder import read_takes
 from training.threads import torch_threads
 
 BEGIN: Final = "<!-- ablations: begin -->"
@@ -34,6 +40,10 @@ def main() -> None:
     smooth = kinds.add_parser("seams")
     smooth.add_argument("checkpoint", type=Path)
     smooth.add_argument("speech", type=Path, nargs="+")
+    drawn = kinds.add_parser("draws")
+    drawn.add_argument("corpus", type=Path)
+    drawn.add_argument("folder", type=Path, help="where the table was made")
+    drawn.add_argument("networks", type=Path, nargs="+")
     tables = kinds.add_parser("table")
     tables.add_argument("corpus", type=Path)
     tables.add_argument("folder", type=Path)
@@ -49,6 +59,12 @@ def main() -> None:
         for found in seams(given.checkpoint, given.speech):
             low, high = found.interval or (math.nan, math.nan)
             print(f"{found.name}: {found.value:.2f} ({low:.2f} to {high:.2f}), {found.n} seams")
+        return
+    if given.what == "draws":
+        windows = windows_of(read_takes(given.corpus), given.folder, "test", stride=34)
+        face = FaceLandmarks.of_default_body()
+        for path in given.networks:
+            print(f"{path.stem}: {drawn_together(load_network(path, face), windows):.3f}")
         return
     lines = []
     with torch_threads(1):

@@ -17,7 +17,7 @@ from generators.trainable import TrainingRequest
 from motion.face_landmarks import FaceLandmarks
 from training.data.any_folder import read_takes
 from training.data.feature_cache import prepare
-from training.data.take import TakeFolder
+from training.data.take import Split, TakeFolder
 from training.data.windows import Windows
 from training.hearing.word_vectors import StandIn
 from training.point_features import features_of
@@ -45,10 +45,8 @@ def table(
         Those of `generators.s2ue.config.ABLATIONS` that stand beside the full model.
     """
     takes, face = read_takes(corpus), FaceLandmarks.of_default_body()
-    features = features_of(takes.kind, face, StandIn(), RATE, faces=True)
-    prepared = prepare(takes, features, folder / "features", frame_rate=RATE)
-    recorded = Windows(prepared, split="test", frames=34, stride=34)
-    measure = Measure(recorded, Windows(prepared, split="train", frames=34, stride=10), face)
+    recorded = windows_of(takes, folder, "test", stride=34)
+    measure = Measure(recorded, windows_of(takes, folder, "train", stride=10), face)
     files = {
         (ablation, seed): folder / f"{steps}_steps" / f"{ablation or 'full'}_{seed}.safetensors"
         for seed in range(seeds)
@@ -70,6 +68,14 @@ def table(
     for name, values in _recordings(recorded).items():
         score = measure.synchrony(measure.recorded[:, SEEDS:], values[:, SEEDS:])
         yield _row(name, [dict.fromkeys(COLUMNS, float("nan")) | {"synchrony": score}])
+
+
+def windows_of(takes: TakeFolder, folder: Path, split: Split, *, stride: int) -> Windows:
+    """Return windows of a corpus, with what networks are told of them; `folder` keeps it."""
+    face = FaceLandmarks.of_default_body()
+    features = features_of(takes.kind, face, StandIn(), RATE, faces=True)
+    prepared = prepare(takes, features, folder / "features", frame_rate=RATE)
+    return Windows(prepared, split=split, frames=34, stride=stride)
 
 
 def _recordings(windows: Windows) -> Mapping[str, FloatArray]:

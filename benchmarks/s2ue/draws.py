@@ -1,0 +1,62 @@
+"""Whether a draw of who speaks changes face and body together."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from generators.s2ue.network_file import S2ueNetwork
+from training.data.windows import Windows
+from training.spaces.bones_and_landmarks import BONE_VALUES
+
+FloatArray = NDArray[np.float64]
+
+DRAWS: Final = 12
+_SHUFFLES: Final = 200
+
+
+def drawn_together(trained: S2ueNetwork, windows: Windows) -> float:
+    """Return how far draws of the speaker's latent that change the body alike change the face so.
+
+    All windows are told from `DRAWS` draws, each with the same speech and recorded seeds. Between
+    any two draws, posture differs and expression differs: the RV coefficient of both, less what
+    shuffled draws have. 1 where the same draws are alike in both, 0 where face and body are drawn
+    by themselves.
+    """
+    network, config = trained.network, trained.network.config
+    rows = np.arange(len(windows))
+    told = {name: torch.from_numpy(one) for name, one in windows.batch(rows).items()}
+    people = torch.from_numpy(trained.speakers.one_hot(windows.speakers(rows)))
+    means = []
+    for draw in range(DRAWS):
+        noise = torch.randn((1, *config.latents), generator=torch.Generator().manual_seed(draw))
+        with torch.inference_mode():
+            values, _ = network.synthesise(
+                told["sound"],
+                told["words"],
+                people,
+                noise.expand(len(rows), -1, -1),
+                told["motion"][:, : config.seeds],
+            )
+        means.append(values[:, config.seeds :].mean(dim=1).double().numpy())
+    found = np.stack(means)
+    return alike(
+        found[..., :BONE_VALUES].reshape(DRAWS, -1), found[..., BONE_VALUES:].reshape(DRAWS, -1)
+    )
+
+
+def alike(body: FloatArray, face: FloatArray) -> float:
+    """Return how far the same draws are alike in body and face, each (draws, values)."""
+    one, other = ((values - values.mean(axis=0)) for values in (body, face))
+    one, other = one @ one.T, other @ other.T
+    chance = np.random.default_rng(1)
+    orders = [chance.permutation(len(one)) for _ in range(_SHUFFLES)]
+    null = float(np.mean([_rv(one, other[np.ix_(order, order)]) for order in orders]))
+    return (_rv(one, other) - null) / (1 - null)
+
+
+def _rv(one: FloatArray, other: FloatArray) -> float:
+    return float((one * other).sum() / np.sqrt((one * one).sum() * (other * other).sum()))
