@@ -6,13 +6,23 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Final
 
+from matplotlib.lines import Line2D
+
 from analysis.report import wording
 from analysis.report.by_question import of
 from analysis.report.content import Picture, Section
 from analysis.report.figures.bars import Bar, Part, bar_pictures
 from analysis.report.figures.dots import Dot, dot_pictures
-from analysis.report.figures.ink import scale_colours
-from analysis.report.figures.panels import Row, Scale
+from analysis.report.figures.ink import LINE, scale_colours, sign_of
+from analysis.report.figures.panels import (
+    SMALL_SIZE,
+    Hints,
+    Panel,
+    PanelFigure,
+    Row,
+    Scale,
+    panel_pictures,
+)
 from analysis.report.figures.svg import About
 from analysis.report.headline.rating_tables import (
     contrast_table,
@@ -69,7 +79,7 @@ def _section(results: RatingResults, name: str | None, subject: Subject, end: st
     if not reason:
         pictures = distribution_pictures(
             conditions, subject.scale_labels, name=f"ratings{end}", mark=subject.mark
-        )
+        ) + cumulative_pictures(conditions, name=f"cumulative{end}", mark=subject.mark)
         if 0 < len(contrasts) <= MOST_PAIRS * len({c.question for c in contrasts}):
             pictures += contrast_pictures(contrasts, name=f"contrasts{end}", mark=subject.mark)
     return Section(
@@ -98,7 +108,7 @@ def distribution_pictures(
     name: str,
     mark: str,
 ) -> tuple[Picture, ...]:
-    """Draw how often each score was given, with means beside: S2UE's Figures 6 and 7 in one.
+    """Draw how often each score was given, with means beside: S2UE's Figure 6.
 
     Parameters
     ----------
@@ -131,13 +141,84 @@ def distribution_pictures(
             title="How often each score was given",
             caption=f"{of_set(conditions[0].set)}"
             "How often each score was given, in % of a condition's n ratings, worst on the "
-            "left; after exclusions. What begins at a score and goes on to the right are the "
-            "ratings that reach it (cumulative lower bound). Right: mean with its "
+            "left; after exclusions. Right: mean with its "
             f"{LEVEL:.0%} interval, clustered by participant and segment."
             f"{_scales(scores, labels, questions)}",
             data=_DATA,
             mark=mark,
         ),
+    )
+
+
+def cumulative_pictures(
+    conditions: Sequence[RatedCondition], *, name: str, mark: str
+) -> tuple[Picture, ...]:
+    """Draw how many ratings reach each score, a line per condition: S2UE's Figure 7."""
+    scores = tuple(conditions[0].counts)
+    by_place = {(c.condition, c.question): c for c in conditions}
+    names = tuple(dict.fromkeys(c.condition for c in conditions))
+    shown = scores[:: max(1, len(scores) // 10)]
+    scale = Scale(
+        limits=(scores[0] - 0.1, scores[-1] + 0.1),
+        ticks={score: str(score) for score in shown},
+        label="score or higher",
+    )
+
+    def draw(panel: Panel, question: str) -> Hints:
+        axes = panel.axes[0]
+        for place, one in enumerate(names):
+            if rated := by_place.get((one, question)):
+                axes.add_line(_curve(place, rated.at_least))
+        scale.dress(axes, panel.inches)
+        axes.set_ylim(0, 104)
+        axes.set_yticks([0, 50, 100], labels=["0", "50", "100 %"] if panel.is_first else [""] * 3)
+        axes.tick_params(axis="y", length=0, labelsize=SMALL_SIZE)
+        axes.grid(axis="y", color=LINE, linewidth=0.5)
+        return {}
+
+    told = {
+        question: f"{wording.heading(question)}. "
+        + "; ".join(f"{wording.name(c.condition)}: {_reached(c)}" for c in of_question)
+        + "."
+        for question in dict.fromkeys(c.question for c in conditions)
+        if (of_question := [c for c in conditions if c.question == question])
+    }
+    return panel_pictures(
+        PanelFigure(
+            told=told,
+            draw=draw,
+            height=1.9,
+            legend=[_curve(place, {}, wording.name(one)) for place, one in enumerate(names)],
+        ),
+        About(
+            name=name,
+            title="How many ratings reach each score",
+            caption=f"{of_set(conditions[0].set)}"
+            "How many of a condition's ratings are a score or a higher one, in %, after exclusions "
+            "(cumulative lower bound). A line that stays above another belongs to better ratings; "
+            "the figure is no test.",
+            data=_DATA,
+            mark=mark,
+        ),
+    )
+
+
+def _curve(place: int, at_least: Mapping[int, float], label: str = "") -> Line2D:
+    colour, marker = sign_of(place)
+    return Line2D(
+        *(list(at_least), list(at_least.values())),
+        color=colour,
+        linestyle=("-", "--", ":")[place // 3 % 3],
+        marker=marker,
+        markersize=4,
+        linewidth=1.3,
+        label=label,
+    )
+
+
+def _reached(rated: RatedCondition) -> str:
+    return ", ".join(
+        f"{percent:.0f} % at least {score}" for score, percent in rated.at_least.items()
     )
 
 
@@ -191,8 +272,7 @@ def _bar(rated: RatedCondition | None) -> Bar:
             Part(
                 percent=100 * count / rated.n,
                 colour=colour,
-                hint=f"score {score}: {count} of {rated.n} ratings "
-                f"({100 * count / rated.n:.0f} %; {rated.at_least[score]:.0f} % at least {score})",
+                hint=f"score {score}: {count} of {rated.n} ratings ({100 * count / rated.n:.0f} %)",
             )
             for (score, count), colour in zip(
                 rated.counts.items(), scale_colours(len(rated.counts)), strict=True

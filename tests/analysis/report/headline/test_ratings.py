@@ -57,14 +57,13 @@ def test_the_legend_says_what_the_scores_are_called(sections: Sections) -> None:
         assert label in said
 
 
-def test_the_parts_tell_how_many_ratings_reach_their_score(
+def test_cumulative_curves_are_the_shares_that_reach_a_score(
     results: RatingResults, sections: Sections
 ) -> None:
-    said = told(named_picture(sections["rating"][0], "ratings-set-1"))
+    said = told(named_picture(sections["rating"][0], "cumulative-set-1"))
     for one in (c for c in results.conditions if c.set == "1"):
-        given = f"score 3: {one.counts[3]} of {one.n} ratings ({100 * one.counts[3] / one.n:.0f} %"
-        assert f"{given}; {one.at_least[3]:.0f} % at least 3)" in said
-    assert said.count("100 % at least 1") == 3
+        assert f"{one.condition}: 100 % at least 1" in said
+        assert f"{one.at_least[3]:.0f} % at least 3" in said
 
 
 def test_the_best_mean_is_bold_and_the_second_best_underlined(
