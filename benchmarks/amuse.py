@@ -20,7 +20,7 @@ from generators.amuse.config import AMUSE, PARTS, SPEECH
 from generators.amuse.model import Denoiser, MotionPrior
 from generators.amuse.sampling import sample_windows
 from generators.amuse.speech import SpeechModel
-from training.packing import pack
+from training.layers.packing import pack
 from training.threads import torch_threads
 
 

@@ -13,11 +13,11 @@ from training.data.feature import Feature
 from training.data.feature_cache import PreparedTakes, prepare
 from training.data.windows import Windows
 from training.device import check_device
-from training.loop import Trained, train
-from training.run_facts import run_facts
-from training.run_folder import RunFolder
+from training.run.facts import run_facts
+from training.run.folder import RunFolder
+from training.run.loop import Trained, train
+from training.run.task import Task
 from training.speakers import Speakers
-from training.task import Task
 
 Network = TypeVar("Network", bound=nn.Module)
 

@@ -147,5 +147,5 @@ TrainGenerator = Callable[[TrainingRequest], TrainedGenerator]
 """Trains a generator's network and writes its file, or goes on where an earlier call stopped.
 
 Raises InputError if the recordings do not fit or the run that is kept is another one, and
-`training.loop.TrainingStopped` after Ctrl-C; the state is saved then.
+`training.run.loop.TrainingStopped` after Ctrl-C; the state is saved then.
 """

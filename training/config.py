@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Final, Literal, Self, get_args
 
 from motion.errors import InputError
-from training.batch_order import batches_per_epoch
-from training.passes import Pass
+from training.run.batch_order import batches_per_epoch
+from training.run.passes import Pass
 
 Optimizer = Literal["adam", "adamw"]
 Precision = Literal["float32", "bfloat16", "float16"]
@@ -61,7 +61,7 @@ class TrainingConfig:
     accumulate : int
         Parts into which the examples of an update are cut, at least 1; gradients are summed over
         them, so that memory need hold but one. Several processes share the parts, and make more
-        of them where they are too few: see `training.batch_order.parts_of_step`.
+        of them where they are too few: see `training.run.batch_order.parts_of_step`.
     learning_rate : float
         Above 0 and at most 1.
     decay : Decay or None
@@ -77,7 +77,7 @@ class TrainingConfig:
     ema_decay : float or None
         Share that a running mean of the weights keeps of itself in a step, in (0, 1); what is
         measured of held-out examples, and the weights that come out, are the mean's. None is no
-        mean. See `training.averaging`.
+        mean. See `training.run.averaging`.
     precision : {'float32', 'bfloat16', 'float16'}
         What layers are computed in that bear less than float32 (torch's autocast); weights stay
         float32. Losses of float16 are scaled, so that small gradients do not vanish.

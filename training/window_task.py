@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowTask:
-    """What a `training.task.Task` of windows says of itself.
+    """What a `training.run.task.Task` of windows says of itself.
 
     Attributes
     ----------

@@ -39,10 +39,10 @@ from motion.freeze import freeze
 from motion.resample import resample
 from motion.segment import EMOTIONS
 from training.device import check_device
-from training.launching import is_leader
-from training.loop import Show, Trained, train
-from training.run_facts import package_versions
-from training.run_folder import RunFolder
+from training.run.facts import package_versions
+from training.run.folder import RunFolder
+from training.run.launching import is_leader
+from training.run.loop import Show, Trained, train
 
 FEWEST_WINDOWS: Final = 32
 """Fewer windows than this teach a network nothing that holds for other motion."""

@@ -23,7 +23,7 @@ from generators.trainable import TrainingRequest
 from motion.formats import read_clip
 from studyapp.cli.progress import progress
 from training.data.take import Take, TakeFolder
-from training.run_folder import RunFolder
+from training.run.folder import RunFolder
 
 SYSTEMS: Final = ("diffsheg", "amuse")
 

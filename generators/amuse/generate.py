@@ -34,7 +34,7 @@ from motion.clip import MotionClip
 from motion.errors import InputError
 from training.hearing.filterbank import check_speech, filterbank
 from training.hearing.speech_frames import at_speech_rate
-from training.packing import pack
+from training.layers.packing import pack
 from training.spaces.smplx_6d import smplx_6d_clip
 
 FADE: Final = 30

@@ -13,8 +13,8 @@ from torch.nn import functional
 from generators.amuse.config import FRAME_RATE, MotionConfig
 from generators.amuse.model import Denoiser, prior_of
 from generators.amuse.sampling import STEPS
-from training.body_points import BodyPoints
 from training.diffusion import SCALED_LINEAR
+from training.layers.body_points import BodyPoints
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -37,13 +37,13 @@ from motion.audio import read_audio
 from motion.errors import InputError
 from motion.formats import read_motion
 from motion.resample import resample
-from training.batch_order import evenly
 from training.data.feature import Feature
 from training.data.take import Take
 from training.data.windows import Windows
 from training.diffusion import SCALED_LINEAR
-from training.launching import is_leader
-from training.passes import Pass
+from training.run.batch_order import evenly
+from training.run.launching import is_leader
+from training.run.passes import Pass
 from training.spaces.smplx_6d import smplx_6d_values
 from training.window_task import WindowTask
 

@@ -37,14 +37,14 @@ from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.audio import read_audio
 from motion.errors import InputError
 from motion.listing import listed
-from training.batch_order import evenly
 from training.corpus.description import DESCRIPTION, read_request
 from training.data.feature import Feature
 from training.data.take import Take, TakeFolder
 from training.data.windows import Windows
 from training.hearing.filterbank import ROWS_PER_SECOND, check_speech, filterbank
 from training.hearing.speech_frames import at_speech_rate
-from training.launching import is_leader
+from training.run.batch_order import evenly
+from training.run.launching import is_leader
 from training.window_task import WindowTask
 
 MOST: Final = 20_000

@@ -27,7 +27,7 @@ from generators.diffsheg.layers import (
     zeroed,
 )
 from training.diffusion import LINEAR, step_embedding
-from training.linear_skip import LinearSkip
+from training.layers.linear_skip import LinearSkip
 
 MEL_GAIN: Final = 2.0
 """The shared encoder reads mel bands doubled, as the released network's outputs show."""

@@ -21,7 +21,6 @@ from generators.diffsheg.network_file import MotionNetwork, write_network
 from generators.teaching import learn, learned_from, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.errors import InputError
-from training.batch_order import evenly
 from training.data.feature import Feature
 from training.data.feature_cache import PreparedTakes
 from training.data.take import TakeFolder
@@ -37,8 +36,9 @@ from training.features import (
     show_gesture,
 )
 from training.hearing.hubert import Hubert, load_hubert, stand_in
-from training.launching import is_leader
-from training.loop import Trained
+from training.run.batch_order import evenly
+from training.run.launching import is_leader
+from training.run.loop import Trained
 from training.spaces.normalisation import Normalisation
 from training.speakers import Speakers
 from training.window_task import WindowTask

@@ -14,7 +14,7 @@ from typing import Any, Final
 from generators.trainable import Trainable, TrainingChoice
 from motion.errors import InputError
 from training.config import Decay, Preset, TrainingConfig
-from training.passes import Pass
+from training.run.passes import Pass
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,9 @@ from torch import Tensor, nn
 
 from generators.s2ue.config import NetworkConfig
 from motion.face_landmarks import FaceLandmarks
-from training.graph_convolution import ComponentEncoder
+from training.layers.graph_convolution import ComponentEncoder
+from training.layers.speaker_latent import SpeakerEncoder
+from training.layers.temporal_layers import Decoder, over_time
 from training.spaces.anatomy import (
     BODY_EDGES,
     BODY_PARTS,
@@ -21,8 +23,6 @@ from training.spaces.anatomy import (
 )
 from training.spaces.bone_tensors import points_of, split_motion
 from training.spaces.bones_and_landmarks import BONE_VALUES
-from training.speaker_latent import SpeakerEncoder
-from training.temporal_layers import Decoder, over_time
 
 Motion = Mapping[str, Tensor]
 """``face`` (B, T, L, 3) and ``pose`` (B, T, 9, 3), those that there are."""

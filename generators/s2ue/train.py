@@ -19,17 +19,17 @@ from generators.s2ue.network_file import S2ueNetwork, write_network
 from generators.teaching import learn, learned_from, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
 from motion.face_landmarks import FaceLandmarks
-from training.adversarial import discriminator_loss, generator_loss
-from training.batch_order import evenly
 from training.data.windows import Windows
 from training.hearing.word_vectors import StandIn, WordVectors, vectors_of
-from training.launching import is_leader
-from training.loop import Trained
+from training.layers.adversarial import discriminator_loss, generator_loss
+from training.layers.speaker_latent import latent_loss
 from training.point_features import features_of
+from training.run.batch_order import evenly
+from training.run.launching import is_leader
+from training.run.loop import Trained
 from training.spaces.bone_tensors import split_motion
 from training.spaces.bones_and_landmarks import BONE_VALUES, joints_of
 from training.spaces.normalisation import mean_and_deviation, spread
-from training.speaker_latent import latent_loss
 from training.speakers import Speakers
 from training.window_task import WindowTask
 

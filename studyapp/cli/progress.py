@@ -11,7 +11,7 @@ from typing import Final
 import click
 from tqdm import tqdm
 
-from training.launching import is_leader
+from training.run.launching import is_leader
 
 _A_LINE_EVERY: Final = 30.0
 """Seconds between two lines where no terminal shows a bar."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from training.run_log import LogLine
+from training.run.log import LogLine
 from training.threads import torch_threads
 
 
@@ -20,7 +20,7 @@ def short_training() -> Iterator[None]:
     Drawing takes longer than a few steps; what would be drawn is written instead.
     """
     with torch_threads(1), pytest.MonkeyPatch.context() as patch:
-        patch.setattr("training.loop.draw_curves", _write_lines)
+        patch.setattr("training.run.loop.draw_curves", _write_lines)
         yield
 
 

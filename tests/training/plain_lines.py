@@ -24,8 +24,8 @@ from torch import Tensor, nn
 from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, Line
 from training.config import Decay, TrainingConfig
-from training.loop import TrainingStopped, train
-from training.run_folder import RunFolder
+from training.run.folder import RunFolder
+from training.run.loop import TrainingStopped, train
 
 CONFIG = TrainingConfig(
     steps=8,

@@ -14,7 +14,7 @@ from motion.errors import InputError
 from studyapp.cli.material.train_generator_command import generator_command
 from studyapp.cli.progress import progress
 from studyapp.study.settings.study import GROUND_TRUTH
-from training.launching import is_leader
+from training.run.launching import is_leader
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -157,8 +157,8 @@ def _trained(
 ) -> TrainedEvaluator:
     """Train the network; an interruption says what was saved."""
     from analysis.evaluators.training import train_evaluator
-    from training.loop import TrainingStopped
-    from training.run_folder import RunFolder
+    from training.run.folder import RunFolder
+    from training.run.loop import TrainingStopped
 
     folder = RunFolder(target.with_suffix(".run"))
     if target.exists() and not folder.checkpoint.exists():

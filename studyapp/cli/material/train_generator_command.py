@@ -127,7 +127,7 @@ def _paragraph(text: str) -> str:
 def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
     # Imported here: torch takes seconds to load, which --help need not wait for.
     from training.data.any_folder import read_takes
-    from training.launching import group_size, is_leader, run_in_processes
+    from training.run.launching import group_size, is_leader, run_in_processes
 
     out: Path = given["out"]
     if given["processes"] > 1 and group_size() == 1:
@@ -166,8 +166,8 @@ def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
 
 def _trained(trainable: Trainable, request: TrainingRequest) -> TrainedGenerator:
     """Train the network; an interruption says what was saved."""
-    from training.launching import is_leader
-    from training.loop import TrainingStopped
+    from training.run.launching import is_leader
+    from training.run.loop import TrainingStopped
 
     with progress("prepare", "take") as take, progress("train", "step") as step:
         try:

@@ -14,7 +14,7 @@ from motion.face_landmarks import FaceLandmarks
 from renderer.avatars import default_body
 from tests.analysis.evaluators.swinging import sources
 from tests.support.short_training import short_training
-from training.run_folder import RunFolder
+from training.run.folder import RunFolder
 
 
 @pytest.fixture(scope="package", autouse=True)

@@ -10,10 +10,10 @@ import torch
 from analysis.evaluators.autoencoder_network import AutoencoderConfig, AutoencoderNetwork
 from analysis.evaluators.examples import FeatureTask, split
 from training.config import TrainingConfig
-from training.group import Group
-from training.learner import Learner
-from training.loop import train
-from training.run_folder import RunFolder
+from training.run.folder import RunFolder
+from training.run.group import Group
+from training.run.learner import Learner
+from training.run.loop import train
 
 CONFIG = AutoencoderConfig(window=12, stride=4, features=8)
 

@@ -12,7 +12,7 @@ from analysis.evaluators.training import train_evaluator
 from motion.errors import InputError
 from tests.analysis.evaluators.conftest import trained
 from tests.analysis.evaluators.swinging import source, sources, swinging
-from training.run_folder import RunFolder
+from training.run.folder import RunFolder
 
 
 def request(kind: str = "motion", channels: str = "gesture", **options: object) -> EvaluatorRequest:

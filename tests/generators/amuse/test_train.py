@@ -27,7 +27,7 @@ from tests.generators.amuse.small_networks import MOTION, written_networks
 from training.data.feature_cache import PreparedTakes
 from training.data.take import Take, TakeFolder
 from training.data.windows import Windows
-from training.loop import TrainingStopped
+from training.run.loop import TrainingStopped
 
 Learn = Callable[..., TrainedGenerator]
 

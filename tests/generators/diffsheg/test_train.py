@@ -30,7 +30,7 @@ from training.data.feature_cache import PreparedTakes
 from training.data.take import TakeFolder
 from training.data.windows import Windows
 from training.diffusion import LINEAR
-from training.loop import TrainingStopped
+from training.run.loop import TrainingStopped
 from training.speakers import Speakers
 
 SMALL = replace(TINY, width=16, feed_forward=16, heads=2, layers=1, speech_width=8, dropout=0.0)

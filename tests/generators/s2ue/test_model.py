@@ -14,7 +14,7 @@ from generators.s2ue.config import ABLATIONS, LossWeights, NetworkConfig
 from generators.s2ue.model import Network
 from motion.errors import InputError
 from tests.generators.s2ue.small_network import FACE, SMALL, small_network
-from training.graph_convolution import ComponentEncoder
+from training.layers.graph_convolution import ComponentEncoder
 from training.spaces.anatomy import (
     components_of,
 )

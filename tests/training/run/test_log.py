@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from motion.errors import InputError
-from training.run_log import RunLog
+from training.run.log import RunLog
 
 
 def grown(path: Path, upto: int) -> RunLog:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import torch
 
-from training.speaker_latent import SpeakerEncoder, latent_loss
+from training.layers.speaker_latent import SpeakerEncoder, latent_loss
 
 
 def test_a_normal_latent_costs_nothing() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from training.batch_order import (
+from training.run.batch_order import (
     batches_per_epoch,
     chance_of_part,
     parts_of_step,

@@ -17,18 +17,18 @@ from torch.amp.grad_scaler import GradScaler
 from torch.optim import Adam, AdamW, Optimizer
 
 from motion.errors import InputError
-from training.averaging import AveragedWeights
-from training.batch_order import (
+from training.config import TrainingConfig
+from training.run.averaging import AveragedWeights
+from training.run.batch_order import (
     batches_per_epoch,
     chance_of_part,
     parts_of_step,
     rows_of_step,
 )
-from training.batch_statistics import StepStatistics, batch_normed
-from training.config import TrainingConfig
-from training.group import Group
-from training.passes import Pass, Teaching
-from training.task import Network, Task, TaskInPasses
+from training.run.batch_statistics import StepStatistics, batch_normed
+from training.run.group import Group
+from training.run.passes import Pass, Teaching
+from training.run.task import Network, Task, TaskInPasses
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,17 +12,17 @@ import torch
 from torch import Tensor
 
 from motion.errors import InputError
-from training.checkpoint import Best, restore_checkpoint, write_checkpoint
 from training.config import TrainingConfig
-from training.curves import draw_curves
 from training.device import check_device
-from training.group import Group
-from training.interruption import stop_request
-from training.learner import Learner
-from training.run_folder import RunFolder
-from training.run_log import RunLog
-from training.stopwatch import Stopwatch
-from training.task import Network, Task
+from training.run.checkpoint import Best, restore_checkpoint, write_checkpoint
+from training.run.curves import draw_curves
+from training.run.folder import RunFolder
+from training.run.group import Group
+from training.run.interruption import stop_request
+from training.run.learner import Learner
+from training.run.log import RunLog
+from training.run.stopwatch import Stopwatch
+from training.run.task import Network, Task
 from training.weights_file import read_weights, write_weights
 
 Show = Callable[[int, int, str], None]
@@ -73,7 +73,7 @@ def train(
 
     However often a run is stopped and continued, weights, log and curves come out the same bytes
     on the processor of one machine with one number of threads; a graphics processor may differ in
-    the last digits. Several processes (`training.group`) make the same call, and come to
+    the last digits. Several processes (`training.run.group`) make the same call, and come to
     what one would, up to rounding.
 
     Parameters

@@ -7,10 +7,10 @@ import json
 import torch
 from torch import nn
 
-from training.checkpoint import Best
 from training.config import TrainingConfig
-from training.loop import Trained
-from training.run_facts import package_versions, run_facts
+from training.run.checkpoint import Best
+from training.run.facts import package_versions, run_facts
+from training.run.loop import Trained
 
 
 def test_a_run_tells_its_config_its_best_step_its_data_and_versions() -> None:

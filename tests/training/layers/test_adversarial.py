@@ -7,7 +7,7 @@ import math
 import pytest
 import torch
 
-from training.adversarial import discriminator_loss, generator_loss
+from training.layers.adversarial import discriminator_loss, generator_loss
 
 
 def test_equations_18_and_19_are_logarithms_of_probabilities() -> None:

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from tests.training.lines import Line
 from training.config import Decay, TrainingConfig
-from training.loop import TrainingStopped, train
-from training.run_folder import RunFolder
+from training.run.folder import RunFolder
+from training.run.loop import TrainingStopped, train
 from training.weights_file import read_weights
 
 PLAIN = TrainingConfig(steps=9, batch_size=8, learning_rate=0.05, validate_every=4)

@@ -15,8 +15,8 @@ import torch
 from torch import Tensor
 from torch.optim.swa_utils import AveragedModel
 
-from training.batch_statistics import batch_normed
-from training.task import Network
+from training.run.batch_statistics import batch_normed
+from training.run.task import Network
 
 
 class AveragedWeights(Generic[Network]):

@@ -18,7 +18,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.modules.batchnorm import _BatchNorm
 
-from training.group import Group
+from training.run.group import Group
 
 Compute = Callable[[], object]
 """Passes one part forward, with the same chance each time."""

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from training.diffusion import LINEAR
-from training.linear_skip import LinearSkip
+from training.layers.linear_skip import LinearSkip
 
 FRAMES, PART = 12, 3
 STEPS = (0, 300, 700)

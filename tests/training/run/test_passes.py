@@ -17,13 +17,13 @@ from torch import Tensor, nn
 
 from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, Line
-from training.batch_order import rows_of_step
 from training.config import TrainingConfig
-from training.group import Group
-from training.learner import Learner
-from training.loop import TrainingStopped, train
-from training.passes import Pass
-from training.run_folder import RunFolder
+from training.run.batch_order import rows_of_step
+from training.run.folder import RunFolder
+from training.run.group import Group
+from training.run.learner import Learner
+from training.run.loop import TrainingStopped, train
+from training.run.passes import Pass
 from training.weights_file import read_weights
 
 JUDGE = Pass(name="judge", parts=("judge",), learning_rate=0.005)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from training.graph_convolution import ComponentEncoder, GraphConvolution
+from training.layers.graph_convolution import ComponentEncoder, GraphConvolution
 from training.spaces.anatomy import component_graph
 
 

@@ -8,8 +8,8 @@ import torch
 from tests.training.lines import ENTRIES
 from tests.training.plain_lines import PlainLine
 from training.config import Decay, TrainingConfig
-from training.group import Group
-from training.learner import Learner
+from training.run.group import Group
+from training.run.learner import Learner
 
 CONFIG = TrainingConfig(steps=8, batch_size=10, learning_rate=0.02, gradient_clip=0.5)
 

@@ -7,7 +7,7 @@ from importlib import metadata
 from typing import Any, Final
 
 from training.config import TrainingConfig
-from training.loop import Trained
+from training.run.loop import Trained
 
 _PACKAGES: Final = ("motionjury", "numpy", "safetensors", "scipy", "torch")
 

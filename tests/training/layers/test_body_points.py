@@ -8,7 +8,7 @@ import torch
 from motion.clip import MotionClip
 from motion.rest_pose import REST_JOINTS
 from motion.skinning import skinning_matrices
-from training.body_points import BodyPoints
+from training.layers.body_points import BodyPoints
 from training.spaces.smplx_6d import smplx_6d_values
 
 

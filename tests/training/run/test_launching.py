@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from training.launching import group_size, is_leader, run_in_processes
+from training.run.launching import group_size, is_leader, run_in_processes
 
 SAYS = "import os, sys; rank = os.environ['RANK']; print('rank', rank, file=sys.stderr); "
 
@@ -37,7 +37,7 @@ def test_the_leader_speaks_for_all_where_all_fail(capfd: pytest.CaptureFixture[s
 def test_one_that_fails_alone_is_heard_and_ends_the_others(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("training.launching._SETTLING", 0.2)
+    monkeypatch.setattr("training.run.launching._SETTLING", 0.2)
     assert run("import signal; sys.exit(5) if rank == '2' else signal.pause()") == 5
     assert capfd.readouterr().err == "rank 0\nrank 2\n"
 

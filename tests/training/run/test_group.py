@@ -12,13 +12,13 @@ import torch
 
 from tests.training.plain_lines import CONFIG, PlainLine
 from training.config import TrainingConfig
-from training.launching import run_in_processes
-from training.loop import train
-from training.run_folder import RunFolder
+from training.run.folder import RunFolder
+from training.run.launching import run_in_processes
+from training.run.loop import train
 from training.weights_file import WeightsFile, read_weights
 
 pytestmark = pytest.mark.slow
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(autouse=True)

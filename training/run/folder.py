@@ -24,7 +24,7 @@ class RunFolder:
 
     @property
     def log(self) -> Path:
-        """One JSON object a line: see `training.run_log`."""
+        """One JSON object a line: see `training.run.log`."""
         return self.root / "log.jsonl"
 
     @property

@@ -1,6 +1,6 @@
 """The processes that train one network together, and what they tell each other.
 
-A launcher (`training.launching`, torchrun, ``accelerate launch``) starts them, each with
+A launcher (`training.run.launching`, torchrun, ``accelerate launch``) starts them, each with
 the same command; one process alone is a group of one.
 """
 
@@ -19,7 +19,7 @@ from torch import Tensor, nn
 from torch.distributed import all_reduce
 
 from motion.errors import InputError
-from training.launching import group_size
+from training.run.launching import group_size
 
 _PATIENCE: Final = timedelta(hours=2)
 """Longest wait for another process: one may measure and save while the others wait."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from training.curves import draw_curves
+from training.run.curves import draw_curves
 
 
 def lines(steps: int) -> list[dict[str, object]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import torch
 
-from training.temporal_layers import Decoder, over_time
+from training.layers.temporal_layers import Decoder, over_time
 
 
 @pytest.mark.parametrize(("kernel", "dilation"), [(3, 1), (5, 1), (3, 4)])

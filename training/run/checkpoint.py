@@ -8,8 +8,8 @@ from pathlib import Path
 
 from motion.errors import InputError
 from training.config import UNCOMPARED, TrainingConfig
-from training.learner import Learner
-from training.task import Network, Task
+from training.run.learner import Learner
+from training.run.task import Network, Task
 from training.weights_file import WeightsFile, read_weights, write_weights
 
 
@@ -40,7 +40,7 @@ def write_checkpoint(
 ) -> None:
     """Save the state after `step` steps.
 
-    Order of examples and chance need no state: `training.batch_order` tells both from
+    Order of examples and chance need no state: `training.run.batch_order` tells both from
     the seed and the step.
     """
     facts = {

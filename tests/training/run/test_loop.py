@@ -13,8 +13,8 @@ import torch
 from motion.errors import InputError
 from tests.training.lines import ENTRIES, VALUES, Line
 from training.config import TrainingConfig
-from training.loop import TrainingStopped, train
-from training.run_folder import RunFolder
+from training.run.folder import RunFolder
+from training.run.loop import TrainingStopped, train
 from training.weights_file import read_weights
 
 CONFIG = TrainingConfig(

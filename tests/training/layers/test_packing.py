@@ -5,7 +5,7 @@ from __future__ import annotations
 import torch
 from transformers import ASTConfig, ASTModel
 
-from training.packing import PackedLinear, pack
+from training.layers.packing import PackedLinear, pack
 
 
 def test_a_packed_transformer_hears_the_same() -> None:
