@@ -210,9 +210,7 @@ def _way_over(frames: int, seeds: int) -> NDArray[np.float64]:
         Times the distances of the shared frames, what is added to the second window.
     """
     lasts = seeds + round(FADES * (frames - seeds))
-    held = np.zeros(lasts)
-    held[:seeds] = _HELD ** np.arange(seeds)
+    held = np.diag(np.append(_HELD ** np.arange(seeds), np.zeros(lasts - seeds)))
     bends = np.diff(np.eye(frames + 2), n=2, axis=0)[:, :lasts]
-    way = np.zeros((frames, seeds))
-    way[:lasts] = np.linalg.solve(np.diag(held) + _BENT * bends.T @ bends, np.diag(held)[:, :seeds])
-    return way
+    way = np.linalg.solve(held + _BENT * bends.T @ bends, held[:, :seeds])
+    return np.pad(way, ((0, frames - lasts), (0, 0)))
