@@ -17,7 +17,7 @@ from tests.support.short_training import short_training
 from training.run.folder import RunFolder
 
 
-@pytest.fixture(scope="package", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def _short_training() -> Iterator[None]:
     with short_training():
         yield
