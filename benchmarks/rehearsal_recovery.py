@@ -22,12 +22,12 @@ from analysis.answers.layouts import PAIRWISE
 from analysis.answers.participant_facts import KnownFacts
 from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
+from analysis.results.known_values import KnownValue
 from analysis.results.left_out import LeftOut, leave_out
 from analysis.results.net_preference import sided
 from analysis.results.preference import win_share
 from motion.files import write_text
 from motion.segment import EMOTIONS, Segment
-from studyapp.rehearsal.record import Expected
 from studyapp.rehearsal.simulation.conduct import Conduct
 from studyapp.rehearsal.simulation.judgement import judge
 from studyapp.rehearsal.simulation.kinds import DESCRIPTIONS, KINDS, Kind
@@ -237,7 +237,7 @@ def _removed(made: Simulated, left_out: LeftOut) -> Iterator[tuple[Kind, str]]:
         yield made.kinds[who], left_out.rules[place].rule
 
 
-def _add(tally: Tally, study: PairwiseStudy, answers: pd.DataFrame, entry: Expected) -> None:
+def _add(tally: Tally, study: PairwiseStudy, answers: pd.DataFrame, entry: KnownValue) -> None:
     own = answers[answers["question"] == entry.question]
     share = win_share(sided(own, (own["right"] == study.reference).to_numpy(bool)))
     tally.add(entry.value, share.estimate, share.low, share.high)

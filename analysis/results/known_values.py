@@ -37,7 +37,9 @@ class KnownValue:
     question : str
         Name of the question.
     measure : {'win_share', 'own_speech', 'mean_rating', 'mean_rank'}
-        What the number is.
+        Wins plus half the ties of the first condition of a comparison, in [0, 1]; the same of a
+        motion with its own speech against itself with another, in [0, 1]; the mean rating, on the
+        question's scale; the mean rank, 1 the best.
     value : float
         Over all raters and all segments such as these: what an interval is an interval for.
     on_these_segments : float

@@ -8,6 +8,7 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from benchmarks.server.beside import beside
 from tests.support.study_server import HOST
 from tests.support.visitor import Ledger, StrandedError, Visitor
 from tests.support.wire import Wire
@@ -47,14 +48,8 @@ async def judge(arrived: list[Arrived], *, ledger: Ledger, seconds: float) -> No
 
     What they see is noted in `ledger`; that they are cut short at the end is no error.
     """
-    end = time.perf_counter() + seconds
-    tasks = [asyncio.create_task(_trials(one, ledger)) for one in arrived]
-    await asyncio.sleep(end - time.perf_counter())
-    for task in tasks:
-        task.cancel()
-    for task in tasks:
-        with suppress(asyncio.CancelledError):
-            await task
+    async with beside(_trials(one, ledger) for one in arrived):
+        await asyncio.sleep(seconds)
     for one in arrived:
         one.visitor.wire.close()
 

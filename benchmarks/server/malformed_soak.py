@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import random
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from sqlalchemy import select
-
 from studyapp.database.engine import Database
-from studyapp.database.tables import Base, RefusalLine
 from tests.support.databases import Backend, fresh_database
 from tests.support.fabricated_study import StudyShape, write_fabricated_study
 from tests.support.malformed_requests import Known, malformed_requests
 from tests.support.page_scan import seen_form, seen_videos
 from tests.support.said import secrets_in
+from tests.support.stored import everything_stored
 from tests.support.study_server import HOST, study_server
 from tests.support.visitor import Ledger, Visitor
 from tests.support.wire import Wire
@@ -64,11 +61,11 @@ def malformed_soak(backend: Backend, *, requests: int, seed: int) -> Outcome:
             study_server(folder, said, database_url=database.url) as server,
         ):
             known = asyncio.run(_participants(server.port))
-            before = stored(database.url)
+            before = _stored(database.url)
             sent = malformed_requests(requests, known, seed)
             answers = asyncio.run(_send(server.port, sent))
             problems = []
-            if stored(database.url) != before:
+            if _stored(database.url) != before:
                 problems.append("something was stored or changed")
             asyncio.run(_participants(server.port))
         problems += [f"the log holds {found}" for found in secrets_in(said)]
@@ -80,25 +77,9 @@ def malformed_soak(backend: Backend, *, requests: int, seed: int) -> Outcome:
     return Outcome(answers=answers, problems=tuple(problems))
 
 
-def stored(url: str) -> dict[str, str]:
-    """Return a digest of every table's rows.
-
-    Left out are notes of what was refused, which must be made and are bounded by the services,
-    and when a participant last did anything: who sends a bad answer is still there.
-    """
-    database = Database.open(url)
-    digests = {}
-    try:
-        with database.reading() as session:
-            for table in Base.metadata.sorted_tables:
-                if table is RefusalLine.__table__:
-                    continue
-                columns = [column for column in table.columns if column.name != "last_active_at"]
-                rows = sorted(map(repr, session.execute(select(*columns))))
-                digests[table.name] = hashlib.sha256("\n".join(rows).encode()).hexdigest()
-    finally:
-        database.close()
-    return digests
+def _stored(url: str) -> dict[str, str]:
+    with closing(Database.open(url)) as database:
+        return everything_stored(database)
 
 
 async def _participants(port: int) -> Known:

@@ -23,6 +23,7 @@ from typing import Final
 
 import numpy as np
 
+from benchmarks.server.beside import beside
 from benchmarks.server.load import Arrived, arrive
 from studyapp.session.videos.watch_evidence import MOST_INTERVALS, MOST_REPORTS
 from tests.support.databases import BACKENDS, FreshDatabase, fresh_database
@@ -107,15 +108,10 @@ async def _taking_part(arrived: list[Arrived], ledger: Ledger) -> AsyncIterator[
         with suppress(StrandedError):
             await visitor.go_on(one.address, one.page)
 
-    tasks = [asyncio.create_task(go_on(number, one)) for number, one in enumerate(arrived)]
-    try:
+    async with beside(go_on(number, one) for number, one in enumerate(arrived)):
         yield
-    finally:
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
-        for one in arrived:
-            one.visitor.wire.close()
+    for one in arrived:
+        one.visitor.wire.close()
 
 
 @contextmanager

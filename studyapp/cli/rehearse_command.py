@@ -103,8 +103,8 @@ def command(
 
 
 def _said(result: RehearsalResult) -> str:
-    gone = f"{result.left} left on the way; " if result.left else ""
+    gone = f"; {result.left} left on the way" if result.left else ""
     return (
         f"{result.completed} simulated participants completed the study, {result.kept} of them "
-        f"in an earlier run; {gone}{len(result.probes)} improper submissions changed nothing."
+        f"in an earlier run{gone}."
     )

@@ -1,20 +1,24 @@
-"""Progress by arm and emotion, and how long trials take."""
+"""Of the answered trials: progress by arm and emotion, how long they take, and on which sides."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median, quantiles
 from typing import Final, NamedTuple
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from studyapp.database.tables import StudySession, Trial
+from studyapp.database.tables import StudySession, Trial, TrialStimulus
 
 ANALYSED: Final = ("main", "repeat")
 """Kinds of trial whose answers the analysis uses."""
+
+MOST_SPREADS: Final = 3.0
+"""Hardly any condition comes farther from one half by chance, in standard errors of a fair coin."""
 
 FEWEST: Final = 4
 """Quartiles of fewer values say nothing."""
@@ -125,3 +129,70 @@ def times_of_trials(trials: Iterable[AnsweredTrial], kinds: Sequence[str]) -> tu
         if trial.seconds is not None and trial.kind in found:
             found[trial.kind].append(trial.seconds)
     return tuple(times(kind, seconds) for kind, seconds in found.items() if seconds)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sides:
+    """How often a condition was shown on either side of a pair.
+
+    Attributes
+    ----------
+    left, right : int
+        In trials that have been answered and are analysed.
+    """
+
+    condition: str
+    left: int
+    right: int
+
+    @property
+    def shown(self) -> int:
+        """How often in all."""
+        return self.left + self.right
+
+    @property
+    def balanced(self) -> bool:
+        """Whether chance alone may well have shared the sides out like this."""
+        if self.shown == 0:
+            return True
+        spread = 0.5 * math.sqrt(self.shown)
+        return abs(self.left - self.shown / 2) <= MOST_SPREADS * spread
+
+
+def shown_on_sides(session: Session) -> dict[tuple[str, int], int]:
+    """Count how often each condition had number 1 or 2 in answered pairs."""
+    judged = (
+        select(TrialStimulus.trial_id)
+        .where(TrialStimulus.number > 0)
+        .group_by(TrialStimulus.trial_id)
+        .having(func.count() == len(("left", "right")))
+    )
+    rows = (
+        session.connection()
+        .execute(
+            select(TrialStimulus.condition, TrialStimulus.number, func.count())
+            .join(Trial, Trial.id == TrialStimulus.trial_id)
+            .where(
+                Trial.answered_at.is_not(None),
+                Trial.kind.in_(ANALYSED),
+                TrialStimulus.number > 0,
+                TrialStimulus.trial_id.in_(judged),
+            )
+            .group_by(TrialStimulus.condition, TrialStimulus.number)
+        )
+        .all()
+    )
+    return {(condition, number): count for condition, number, count in rows}
+
+
+def sides(counts: Mapping[tuple[str, int], int]) -> tuple[Sides, ...]:
+    """Return the sides of each condition, by name."""
+    conditions: Iterable[str] = sorted({condition for condition, _ in counts})
+    return tuple(
+        Sides(
+            condition=condition,
+            left=counts.get((condition, 1), 0),
+            right=counts.get((condition, 2), 0),
+        )
+        for condition in conditions
+    )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import NamedTuple
 
 from sqlalchemy import or_, select
@@ -57,26 +56,19 @@ class CheckedItem:
 
 def checks(session: Session, study: Study, wanted: Collection[int]) -> list[Check]:
     """Judge every check that was answered, or left out, in the study sessions `wanted`."""
-    rows = (
-        session.connection()
-        .execute(
-            select(
-                Trial.id,
-                Trial.study_session_id,
-                Trial.kind,
-                Trial.part,
-                Trial.segment,
-                Trial.expected,
-                Trial.instructed,
-                Trial.answered_at.is_not(None),
-            )
-            .where(
-                Trial.kind.in_(JUDGED),
-                or_(Trial.answered_at.is_not(None), Trial.unplayable_at.is_not(None)),
-            )
-            .order_by(Trial.id)
-        )
-        .all()
+    settled = or_(Trial.answered_at.is_not(None), Trial.unplayable_at.is_not(None))
+    query = select(
+        Trial.id,
+        Trial.study_session_id,
+        Trial.kind,
+        Trial.part,
+        Trial.segment,
+        Trial.expected,
+        Trial.instructed,
+        Trial.answered_at.is_not(None),
+    )
+    rows = session.connection().execute(
+        query.where(Trial.kind.in_(JUDGED), settled).order_by(Trial.id)
     )
     shown = _conditions(session)
     answers = _answers(session)
@@ -134,33 +126,18 @@ def _item(kind: str, item: str, of_item: Sequence[Check], failures: dict[int, in
 
 def _conditions(session: Session) -> dict[int, tuple[str, ...]]:
     """Return the conditions that each check shows, number 1 first."""
-    rows = (
-        session.connection()
-        .execute(
-            select(TrialStimulus.trial_id, TrialStimulus.condition)
-            .join(Trial, Trial.id == TrialStimulus.trial_id)
-            .where(Trial.kind.in_(JUDGED), TrialStimulus.number > 0)
-            .order_by(TrialStimulus.trial_id, TrialStimulus.number)
-        )
-        .all()
-    )
-    return {
-        trial: tuple(condition for _, condition in of_trial)
-        for trial, of_trial in groupby(rows, key=lambda row: row[0])
-    }
+    query = select(TrialStimulus.trial_id, TrialStimulus.condition).join(TrialStimulus.trial)
+    query = query.where(Trial.kind.in_(JUDGED), TrialStimulus.number > 0)
+    found: dict[int, tuple[str, ...]] = defaultdict(tuple)
+    for trial, condition in session.connection().execute(query.order_by(TrialStimulus.number)):
+        found[trial] += (condition,)
+    return found
 
 
 def _answers(session: Session) -> dict[int, dict[tuple[str, int | None], int]]:
-    rows = (
-        session.connection()
-        .execute(
-            select(Response.trial_id, Response.question, Response.stimulus, Response.value)
-            .join(Trial, Trial.id == Response.trial_id)
-            .where(Trial.kind.in_(JUDGED))
-        )
-        .all()
-    )
+    query = select(Response.trial_id, Response.question, Response.stimulus, Response.value)
+    query = query.join(Response.trial).where(Trial.kind.in_(JUDGED))
     found: dict[int, dict[tuple[str, int | None], int]] = defaultdict(dict)
-    for trial, question, stimulus, value in rows:
+    for trial, question, stimulus, value in session.connection().execute(query):
         found[trial][question, stimulus] = value
     return found

@@ -6,12 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from studyapp.monitoring.answered_trials import Times
+from studyapp.monitoring.answered_trials import Sides, Times
 from studyapp.monitoring.checks import CheckedItem
-from studyapp.monitoring.dropouts import Dropouts
-from studyapp.monitoring.place_counts import PlaceCounts
+from studyapp.monitoring.counts import Dropouts, PlaceCounts
 from studyapp.monitoring.playback import PlayedVideo
-from studyapp.monitoring.sides import Sides
 
 FEWEST_SHOWINGS: Final = 10
 MOST_STALLED: Final = 0.2

@@ -20,7 +20,7 @@ from studyapp.database.tables import (
 )
 from studyapp.monitoring.study_sessions import Sitting, sittings
 from studyapp.researchers.exclusion_decisions import DecidedExclusion, exclusion_decisions
-from studyapp.session.exclusion import JUDGED
+from studyapp.session.exclusion import JUDGED, is_failed
 from studyapp.session.served_study import ServedStudy
 from studyapp.session.videos.watch_evidence import FASTEST, length, watched_share, watched_so_far
 from studyapp.study.settings.study import Study
@@ -160,8 +160,7 @@ def _outcome(study: Study, trial: Trial) -> str:
         return ""
     if trial.kind not in JUDGED:
         return "answered"
-    answers = {(given.question, given.stimulus): given.value for given in trial.responses}
-    return "failed" if study.failed(trial, answers) else "passed"
+    return "failed" if is_failed(study, trial) else "passed"
 
 
 def _own_events(found: StudySession) -> Iterator[Event]:

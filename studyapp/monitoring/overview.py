@@ -11,9 +11,12 @@ from typing import Final
 from studyapp.database.engine import Database
 from studyapp.monitoring.answered_trials import (
     Progress,
+    Sides,
     Times,
     answered_trials,
     progress,
+    shown_on_sides,
+    sides,
     times,
     times_of_trials,
 )
@@ -23,11 +26,9 @@ from studyapp.monitoring.checks import (
     checks,
     failed_by_sitting,
 )
+from studyapp.monitoring.counts import Dropouts, PlaceCounts, all_together, count_places, dropouts
 from studyapp.monitoring.decisions import Decision, decisions
-from studyapp.monitoring.dropouts import Dropouts, dropouts
-from studyapp.monitoring.place_counts import PlaceCounts, all_together, count_places
 from studyapp.monitoring.playback import PlayedVideo, played_videos
-from studyapp.monitoring.sides import Sides, shown_on_sides, sides
 from studyapp.monitoring.study_sessions import Sitting, present_ones, sittings
 from studyapp.session.arrival.intake import Intake, present_intake
 from studyapp.session.exclusion import JUDGED

@@ -9,7 +9,7 @@ from typing import Final
 
 from studyapp.database.engine import Database
 from studyapp.monitoring.checks import checks, failed_by_sitting
-from studyapp.monitoring.dropouts import LEFT, stands_at
+from studyapp.monitoring.counts import LEFT, stands_at
 from studyapp.monitoring.study_sessions import Sitting, Standing, sittings
 from studyapp.session.served_study import ServedStudy
 

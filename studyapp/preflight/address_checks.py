@@ -8,28 +8,7 @@ from urllib.parse import urlsplit
 
 import httpx
 
-from studyapp.preflight.finding import Finding, error, warning
-
-ADDRESS_UNREACHABLE: Final = error(
-    "address-unreachable",
-    "the study cannot be reached at the address that was given",
-    "Start the server and the proxy before it, and look at the name and the certificate",
-)
-ADDRESS_INSECURE: Final = warning(
-    "address-insecure",
-    "participants' answers would travel unencrypted, and recruiters accept no such address",
-    "Serve the study under https://, behind Caddy or nginx",
-)
-ADDRESS_OTHER: Final = error(
-    "address-other",
-    "something else than this study answers at the address",
-    "Correct the address, or the proxy's rule for it",
-)
-RANGES_LOST: Final = error(
-    "ranges-lost",
-    "on the way to the address byte ranges are lost, without which Safari plays no video",
-    "Let the proxy pass the header Range, and neither compress nor cache videos",
-)
+from studyapp.preflight.finding import Finding, finding
 
 SECONDS: Final = 15.0
 HEALTH: Final = "healthz"
@@ -54,14 +33,15 @@ def address_findings(
     base = address if address.endswith("/") else f"{address}/"
     parts = urlsplit(base)
     if parts.scheme != "https" and parts.hostname not in _LOCAL:
-        yield ADDRESS_INSECURE.found(f"{base} does not begin with https://", where=base)
+        yield finding("address-insecure", f"{base} does not begin with https://", where=base)
     try:
         with httpx.Client(
             base_url=base, timeout=SECONDS, follow_redirects=True, transport=transport
         ) as client:
             health = client.get(HEALTH)
             if health.status_code != 200 or health.text.strip() != "ok":
-                yield ADDRESS_OTHER.found(
+                yield finding(
+                    "address-other",
                     f"{base}{HEALTH} answers {health.status_code}, not as a study's server that is "
                     "well",
                     where=base,
@@ -71,12 +51,15 @@ def address_findings(
                 SCRIPT, headers={"Range": "bytes=0-9", "Accept-Encoding": "identity"}
             )
             if piece.status_code != 206 or len(piece.content) != 10:
-                yield RANGES_LOST.found(
+                yield finding(
+                    "ranges-lost",
                     f"asked for 10 bytes of {base}{SCRIPT}, it answers {piece.status_code} with "
                     f"{len(piece.content)}",
                     where=base,
                 )
     except (httpx.HTTPError, httpx.InvalidURL) as lost:
-        yield ADDRESS_UNREACHABLE.found(
-            f"{base} cannot be reached: {lost or type(lost).__name__}", where=base
+        yield finding(
+            "address-unreachable",
+            f"{base} cannot be reached: {lost or type(lost).__name__}",
+            where=base,
         )

@@ -13,37 +13,8 @@ from studyapp.preflight.balance import (
     orders_of_pairs,
     places_of_conditions,
 )
-from studyapp.preflight.finding import Finding, note, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import MOST_PLACES, Material
-
-BALANCE: Final = note(
-    "balance", "how evenly planned participants see sides, segments, conditions and orders"
-)
-SIDES_UNEVEN: Final = warning(
-    "sides-uneven",
-    "a condition stands on one side, or first on the page, more often than chance allows",
-    "Plan with more participants or trials, or with another seed",
-)
-SEGMENTS_UNEVEN: Final = warning(
-    "segments-uneven",
-    "some segments are judged much more often than others",
-    "Ask for trials that the number of segments divides, or have as many of each emotion",
-)
-SEGMENTS_UNUSED: Final = warning(
-    "segments-unused",
-    "some segments are judged by nobody",
-    "Plan with more participants or trials, or leave those segments out",
-)
-CONDITIONS_UNEVEN: Final = warning(
-    "conditions-uneven",
-    "some conditions are compared much more often than others",
-    "Plan with a number of participants or trials that the number of pairs divides",
-)
-ORDERS_UNEVEN: Final = warning(
-    "orders-uneven",
-    "one comparison comes before another more often than chance allows",
-    "Plan with another seed",
-)
 
 SHARE_OFF: Final = 0.05
 """How far a share may be from an even one."""
@@ -61,9 +32,10 @@ def balance_findings(material: Material) -> Iterator[Finding]:
     if not any(plan for _, plans in planned for plan in plans):
         return
     if material.study.follows_votes:
-        yield BALANCE.found(
+        yield finding(
+            "balance",
             "pairs are chosen as answers come, so that what participants will see cannot be "
-            "counted beforehand"
+            "counted beforehand",
         )
         return
     places: list[Share] = []
@@ -73,7 +45,7 @@ def balance_findings(material: Material) -> Iterator[Finding]:
         orders += orders_of_pairs(plans)
     together = [plan for _, plans in planned for plan in plans]
     segments = counts_of_segments(together, list(material.by_name))
-    yield BALANCE.found(_balance(material, places, segments))
+    yield finding("balance", _balance(material, places, segments))
     yield from _share_findings(places, orders)
     yield from _count_findings(material, segments)
 
@@ -94,13 +66,14 @@ def _balance(material: Material, places: list[Share], segments: dict[str, int]) 
 
 
 def _share_findings(places: Iterable[Share], orders: Iterable[Share]) -> Iterator[Finding]:
-    for kind, shares, of in (
-        (SIDES_UNEVEN, places, "trials"),
-        (ORDERS_UNEVEN, orders, "participants"),
+    for name, shares, of in (
+        ("sides-uneven", places, "trials"),
+        ("orders-uneven", orders, "participants"),
     ):
         for share in shares:
             if share.off > SHARE_OFF and share.deviations > BEYOND_CHANCE:
-                yield kind.found(
+                yield finding(
+                    name,
                     f"{share.what} in {share.share:.0%} of {share.of} {of}, instead of "
                     f"{share.even:.0%}",
                     where="seed",
@@ -110,11 +83,14 @@ def _share_findings(places: Iterable[Share], orders: Iterable[Share]) -> Iterato
 def _count_findings(material: Material, segments: dict[str, int]) -> Iterator[Finding]:
     unused = [name for name, times in segments.items() if not times]
     if unused:
-        yield SEGMENTS_UNUSED.found(f"nobody judges {_some(unused)}", where="speech/segments.csv")
+        yield finding(
+            "segments-unused", f"nobody judges {_some(unused)}", where="speech/segments.csv"
+        )
     used = {name: times for name, times in segments.items() if times}
     if _uneven(used.values()):
         least, most = (pick(used, key=used.__getitem__) for pick in (min, max))
-        yield SEGMENTS_UNEVEN.found(
+        yield finding(
+            "segments-uneven",
             f"segment {most} is judged {used[most]} times and segment {least} {used[least]} times",
             where="speech/segments.csv",
         )
@@ -122,7 +98,8 @@ def _count_findings(material: Material, segments: dict[str, int]) -> Iterator[Fi
         for part, pairs in counts_of_pairs(plans).items():
             if _uneven(pairs.values()):
                 rare, often = (pick(pairs, key=pairs.__getitem__) for pick in (min, max))
-                yield CONDITIONS_UNEVEN.found(
+                yield finding(
+                    "conditions-uneven",
                     f"{listed(often)} are shown {pairs[often]} times, {listed(rare)} "
                     f"{pairs[rare]} times",
                     where=part or arm.name,

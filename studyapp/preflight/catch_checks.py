@@ -23,7 +23,7 @@ from motion.freeze import freeze
 from motion.resample import resample
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import forward_kinematics, joint_index
-from studyapp.preflight.finding import Finding, note, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.study.settings.study import Study
 
@@ -78,16 +78,6 @@ def pictures_of(video: Path) -> Pictures | None:
         return None
     return Pictures(np.stack(grey)) if grey else None
 
-
-CATCH_HARDLY_DIFFERS: Final = warning(
-    "catch-hardly-differs",
-    "the flawed motion of a catch trial can hardly be told from the one beside it",
-    "Break the motion more plainly, bring another one, or leave these segments out; whoever cannot "
-    "see the flaw would be left out of the analysis for it",
-)
-CATCH_DIFFERENCE: Final = note(
-    "catch-difference", "how much the motions of catch trials differ, beside ordinary pairs"
-)
 
 LEAST_METRES: Final = 0.02
 """Mean distance of joints below which nobody is expected to see a difference of position."""
@@ -173,7 +163,8 @@ def catch_motion_findings(
         return
     between = median(usual) if usual else 0.0
     beside = f"; other pairs {_centimetres(between)}" if usual else ""
-    yield CATCH_DIFFERENCE.found(
+    yield finding(
+        "catch-difference",
         f"in catch trials the joints lie {_centimetres(median(d.metres for d in caught.values()))} "
         f"apart{beside} (means over joints and time, of the middle segment)",
         where="catch",
@@ -186,7 +177,8 @@ def catch_motion_findings(
     }
     if hardly:
         worst = min(hardly, key=lambda segment: hardly[segment].metres)
-        yield CATCH_HARDLY_DIFFERS.found(
+        yield finding(
+            "catch-hardly-differs",
             f"{study.catch.condition!r} and {study.catch_against!r} hardly differ in {len(hardly)} "
             f"of {len(caught)} segments: in {worst} the joints lie "
             f"{_centimetres(hardly[worst].metres)} apart{beside}",
@@ -221,7 +213,8 @@ def catch_picture_findings(material: Material) -> Iterator[Finding]:
         return
     between = median(usual) if usual else 0.0
     beside = f"; other pairs by {between:.1f}" if usual else ""
-    yield CATCH_DIFFERENCE.found(
+    yield finding(
+        "catch-difference",
         f"in catch trials the pictures differ by {median(caught.values()):.1f} of 255 levels of "
         f"grey{beside} (of the middle segment)",
         where="catch",
@@ -230,7 +223,8 @@ def catch_picture_findings(material: Material) -> Iterator[Finding]:
     hardly |= {name: found for name, found in caught.items() if found == 0}
     if hardly:
         worst = min(hardly, key=hardly.__getitem__)
-        yield CATCH_HARDLY_DIFFERS.found(
+        yield finding(
+            "catch-hardly-differs",
             f"{study.catch.condition!r} and {study.catch_against!r} hardly differ in {len(hardly)} "
             f"of {len(caught)} segments: in {worst} their pictures differ by {hardly[worst]:.1f} "
             f"of 255 levels of grey{beside}",

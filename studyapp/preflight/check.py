@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
-from typing import Final
 
 from pydantic import ValidationError
 
@@ -14,7 +13,7 @@ from studyapp.preflight.balance_checks import balance_findings
 from studyapp.preflight.catch_checks import catch_picture_findings
 from studyapp.preflight.design_checks import design_findings
 from studyapp.preflight.expected_time import expected_time
-from studyapp.preflight.finding import Finding, Severity, error
+from studyapp.preflight.finding import SEVERITIES, Finding, finding
 from studyapp.preflight.finished_video_checks import (
     finished_video_findings,
     video_table,
@@ -44,22 +43,6 @@ from studyapp.study.settings.reading import parse_text, read_text
 from studyapp.study.settings.recruitment import Recruitment
 from studyapp.study.settings.study import Study
 
-STUDY_FILE: Final = error(
-    "study-file",
-    "study.toml cannot be read: a key is unknown, missing or out of range",
-    "Correct these keys",
-)
-SPEECH_UNREADABLE: Final = error(
-    "speech-unreadable",
-    "the study has no usable speech, so that nothing else can be looked at",
-    "Bring recordings in with 'motionjury import'",
-)
-VIDEO_LIST_UNREADABLE: Final = error(
-    "video-list-unreadable",
-    "stimuli.json is damaged",
-    "Delete it and run 'motionjury render' again",
-)
-
 
 def check(
     folder: StudyFolder, *, address: str | None = None, pilot: StudyFolder | None = None
@@ -82,8 +65,7 @@ def check(
     findings = list(_findings(folder, pace))
     if address is not None:
         findings += address_findings(address)
-    order = list(Severity)
-    return sorted(findings, key=lambda finding: order.index(finding.severity))
+    return sorted(findings, key=lambda found: SEVERITIES.index(found.severity))
 
 
 def finished_videos(folder: StudyFolder, *, everything: bool = False) -> list[str]:
@@ -107,8 +89,9 @@ def _findings(folder: StudyFolder, pace: Pace | None) -> Iterator[Finding]:
     try:
         material = Material.of(folder, study)
     except InputError as missing:
-        kind = VIDEO_LIST_UNREADABLE if folder.stimuli.name in missing.where else SPEECH_UNREADABLE
-        yield kind.found(
+        of_videos = folder.stimuli.name in missing.where
+        yield finding(
+            "video-list-unreadable" if of_videos else "speech-unreadable",
             missing.what,
             where=missing.where.removeprefix(f"{folder.root}/"),
             remedy=missing.remedy or None,
@@ -139,7 +122,7 @@ def _material_findings(material: Material, study: Study, pace: Pace | None) -> I
         findings += time_findings(study, expected, seen)
         findings += pay_findings(study, minutes_needed(expected, seen))
     yield from findings
-    if not any(found.severity is Severity.ERROR for found in findings):
+    if not any(found.severity == "error" for found in findings):
         yield from probe_findings(material)
 
 
@@ -166,4 +149,4 @@ def _file_findings(text: str, wrong: InputError) -> Iterator[Finding]:
         rest = rest.replace(problem, "")
     for problem in rest.split("; "):
         if problem.strip("; "):
-            yield STUDY_FILE.found(problem, where="study.toml", remedy=wrong.remedy)
+            yield finding("study-file", problem, where="study.toml", remedy=wrong.remedy)

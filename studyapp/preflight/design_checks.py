@@ -9,60 +9,12 @@ from typing import Final
 
 from motion.listing import listed
 from motion.segment import EMOTIONS
-from studyapp.preflight.finding import Finding, error, note, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.results.study_notes import study_notes
 from studyapp.study.design.planned_trial import Kind, PlannedTrial
 from studyapp.study.settings.exclusions import Coverage
 from studyapp.study.settings.study import Study
-
-NO_TRIALS: Final = error(
-    "no-trials",
-    "the segments allow no trial at all",
-    "Bring in more speech, or change what study.toml asks of its segments",
-)
-TRIALS: Final = note("trials", "how many trials of which kind a participant sees")
-DESIGN: Final = note("design", "what the segments and conditions allow, beside what was asked for")
-EMOTIONS_MISSING: Final = note(
-    "emotions-missing", "emotions of which there is no segment, so that results say nothing of them"
-)
-SPEECH_REPEATED: Final = note(
-    "speech-repeated",
-    "catch trials or attention checks have speech that comes in another trial too",
-    "More segments would hide them",
-)
-NO_CHECKS: Final = warning(
-    "no-checks",
-    "there are neither catch trials nor attention checks, so inattentive participants cannot be "
-    "told apart",
-    "Set catch.trials or attention.trials in study.toml",
-)
-NO_CATCH_TRIALS: Final = note(
-    "no-catch-trials",
-    "no trial has an answer that is seen at once: attention checks tell who reads the page, not "
-    "who watches the videos",
-    "Set catch.trials in study.toml",
-)
-CHECKS_FEW: Final = warning(
-    "checks-few",
-    "so many checks may be failed as there are, so that nobody is ever left out by them",
-    "Lower max_failed, or set more trials",
-)
-CLOSED: Final = warning(
-    "closed",
-    "the study lets nobody in",
-    "Set open = true in study.toml, or open it on the researchers' pages",
-)
-EXCLUSIONS: Final = note(
-    "exclusions",
-    "who is left out of the analysis, in which order",
-    "A rule that is changed once people have taken part counts as exploratory",
-)
-EXCLUSION_WITHOUT_EFFECT: Final = warning(
-    "exclusion-without-effect",
-    "an exclusion rule can leave nobody out",
-    "Take it out, or lower watching.coverage in study.toml",
-)
 
 KIND_WORDS: Final[Mapping[Kind, str]] = MappingProxyType(
     {
@@ -79,25 +31,27 @@ def design_findings(material: Material) -> Iterator[Finding]:
     """Say what a participant sees, and what the design cannot tell."""
     study, segments = material.study, material.segments
     if not study.open:
-        yield CLOSED.found(CLOSED.means, where="open")
+        yield finding("closed", where="open")
     plan = next(material.plans, ())
     counts = Counter(trial.kind for trial in plan)
     said = ", ".join(
         f"{counts[kind]} {words}" for kind, words in KIND_WORDS.items() if counts[kind]
     )
     if not (counts["main"] or counts["practice"]):
-        yield NO_TRIALS.found(
-            f"these {len(segments)} segments allow no trial at all", where="speech/segments.csv"
+        yield finding(
+            "no-trials",
+            f"these {len(segments)} segments allow no trial at all",
+            where="speech/segments.csv",
         )
         return
-    yield TRIALS.found(f"a participant sees {len(plan)} trials: {said}")
+    yield finding("trials", f"a participant sees {len(plan)} trials: {said}")
     yield from _extra_findings(plan)
     for sentence in (*study.notes(segments), *study_notes(study)):
-        yield DESIGN.found(sentence.rstrip("."))
+        yield finding("design", sentence.rstrip("."))
     emotions = {segment.emotion for segment in segments}
     silent = [emotion for emotion in EMOTIONS if emotion not in emotions]
     if silent and any("{emotion}" in question.text for question in study.questions):
-        yield EMOTIONS_MISSING.found(f"the results will say nothing about {listed(silent)}")
+        yield finding("emotions-missing", f"the results will say nothing about {listed(silent)}")
     yield from _check_findings(study)
     yield from _exclusion_findings(study)
 
@@ -105,15 +59,16 @@ def design_findings(material: Material) -> Iterator[Finding]:
 def _check_findings(study: Study) -> Iterator[Finding]:
     """Say whether inattentive participants can be told apart."""
     if not study.catch.trials and not study.attention.trials:
-        yield NO_CHECKS.found(NO_CHECKS.means, where="catch")
+        yield finding("no-checks", where="catch")
     elif not study.catch.trials:
-        yield NO_CATCH_TRIALS.found(NO_CATCH_TRIALS.means, where="catch")
+        yield finding("no-catch-trials", where="catch")
     for key, checks, words in (
         ("catch", study.catch, "catch trials"),
         ("attention", study.attention, "attention checks"),
     ):
         if 0 < checks.trials <= checks.max_failed and study.exclusions is None:
-            yield CHECKS_FEW.found(
+            yield finding(
+                "checks-few",
                 f"{checks.max_failed} of {checks.trials} {words} may be failed, so that nobody is "
                 "left out by them",
                 where=f"{key}.max_failed",
@@ -127,12 +82,15 @@ def _exclusion_findings(study: Study) -> Iterator[Finding]:
         f"{place}. who {rule.made().description} ({rule.written()})"
         for place, rule in enumerate(rules, start=1)
     )
-    yield EXCLUSIONS.found(
-        f"left out of the analysis, in this order: {said or 'nobody'}", where="exclusions"
+    yield finding(
+        "exclusions",
+        f"left out of the analysis, in this order: {said or 'nobody'}",
+        where="exclusions",
     )
     for rule in rules:
         if isinstance(rule, Coverage) and rule.below <= study.watching.coverage:
-            yield EXCLUSION_WITHOUT_EFFECT.found(
+            yield finding(
+                "exclusion-without-effect",
                 f"the exclusion {rule.written()} can leave nobody out, as questions can only be "
                 f"answered once {study.watching.coverage:g} of each video was watched",
                 where="exclusions",
@@ -145,7 +103,8 @@ def _extra_findings(plan: Sequence[PlannedTrial]) -> Iterator[Finding]:
     times = Counter(trial.segment for trial in plan)
     again = sum(times[segment] > 1 for segment in extra)
     if again:
-        yield SPEECH_REPEATED.found(
+        yield finding(
+            "speech-repeated",
             f"{again} of {len(extra)} catch trials and attention checks have speech that comes in "
-            "another trial too, which sets them apart"
+            "another trial too, which sets them apart",
         )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil
 from statistics import median
 from typing import Final
 
@@ -51,11 +50,6 @@ class ExpectedTime:
         """All of it."""
         return self.videos + self.around
 
-    @property
-    def minutes(self) -> int:
-        """All of it, in whole minutes."""
-        return max(1, ceil(self.seconds / 60))
-
 
 def expected_time(material: Material) -> ExpectedTime | None:
     """Return what the middle participant needs; None where there is no trial."""
@@ -78,7 +72,7 @@ def expected_time(material: Material) -> ExpectedTime | None:
 def _of_plan(plan: Sequence[PlannedTrial], material: Material) -> ExpectedTime | None:
     if not plan:
         return None
-    videos = [[_lasts(content, material) for content in _shown(trial)] for trial in plan]
+    videos = [[_lasts(content, material) for content in trial.shown] for trial in plan]
     pages = [
         expected_seconds(durations, len(material.study.asks(trial)))
         for trial, durations in zip(plan, videos, strict=True)
@@ -109,8 +103,3 @@ def _lasts(content: Content, material: Material) -> float:
     """Return how long a video lasts, or will last once it is rendered."""
     video = material.shown.get(content)
     return video.duration if video else material.by_name[content[0].segment].duration
-
-
-def _shown(trial: PlannedTrial) -> tuple[Content, ...]:
-    """Return the videos of a trial, the reference among them."""
-    return trial.videos if trial.reference is None else ((trial.reference,), *trial.videos)

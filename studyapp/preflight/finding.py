@@ -1,89 +1,84 @@
-"""What `motionjury check` finds."""
+"""What `motionjury check` finds; `findings.toml` declares all there is to find."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import Enum
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Final, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, TypeAdapter
+
+Severity = Literal["error", "warning", "note"]
+SEVERITIES: Final[tuple[Severity, ...]] = get_args(Severity)
+"""The worst first."""
 
 
-class Severity(Enum):
-    """How much a finding matters."""
+class FindingKind(BaseModel):
+    """One thing that can be found, as `findings.toml` declares it."""
 
-    ERROR = "error"
-    """The study must not be launched."""
-    WARNING = "warning"
-    """It can be, and somebody should have decided that it may."""
-    NOTE = "note"
-    """Worth knowing; nothing needs to be done."""
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
-
-@dataclass(frozen=True, kw_only=True)
-class FindingKind:
-    """One thing that can be found.
-
-    Attributes
-    ----------
-    name : str
-        Small letters and hyphens; it never changes, so that programs can look for it.
-    severity : Severity
-    means : str
-        What it means, as a clause.
-    remedy : str
-        What to do, as a sentence without a full stop; empty where nothing needs to be done.
-    """
-
-    name: str
     severity: Severity
     means: str
     remedy: str = ""
 
-    def found(self, what: str, *, where: str = "", remedy: str | None = None) -> Finding:
-        """Return that it was found.
 
-        Parameters
-        ----------
-        what : str
-            What is the matter here, as a clause.
-        where : str
-            A file of the study folder, or a key of the study file.
-        remedy : str, optional
-            What to do here, where that says more than the kind's own remedy.
-        """
-        return Finding(
-            kind=self, what=what, where=where, remedy=self.remedy if remedy is None else remedy
-        )
+class Finding(BaseModel):
+    """One finding.
 
+    Attributes
+    ----------
+    name : str
+        Its kind, as in the table of `docs/check.md`; it never changes.
+    where : str
+        A file of the study folder, or a key of the study file; may be empty.
+    what, remedy : str
+        What is the matter and what to do; wording may change.
+    """
 
-def error(name: str, means: str, remedy: str) -> FindingKind:
-    """Return a kind of finding with which a study must not be launched."""
-    return FindingKind(name=name, severity=Severity.ERROR, means=means, remedy=remedy)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
-
-def warning(name: str, means: str, remedy: str) -> FindingKind:
-    """Return a kind of finding that somebody should decide about."""
-    return FindingKind(name=name, severity=Severity.WARNING, means=means, remedy=remedy)
-
-
-def note(name: str, means: str, remedy: str = "") -> FindingKind:
-    """Return a kind of finding that is worth knowing."""
-    return FindingKind(name=name, severity=Severity.NOTE, means=means, remedy=remedy)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Finding:
-    """One finding: what it is, where, how much it matters, and what to do."""
-
-    kind: FindingKind
+    name: str
+    severity: Severity
+    where: str
     what: str
-    where: str = ""
-    remedy: str = ""
+    remedy: str
 
-    @property
-    def name(self) -> str:
-        """The kind's name."""
-        return self.kind.name
 
-    @property
-    def severity(self) -> Severity:
-        """How much it matters."""
-        return self.kind.severity
+@cache
+def catalogue() -> Mapping[str, Mapping[str, FindingKind]]:
+    """Return every kind of finding under its name, by where it is looked for."""
+    text = files(__package__).joinpath("findings.toml").read_text("utf-8")
+    return TypeAdapter(dict[str, dict[str, FindingKind]]).validate_python(tomllib.loads(text))
+
+
+@cache
+def kinds() -> Mapping[str, FindingKind]:
+    """Return every kind of finding under its name."""
+    return {name: kind for own in catalogue().values() for name, kind in own.items()}
+
+
+def finding(name: str, what: str = "", *, where: str = "", remedy: str | None = None) -> Finding:
+    """Return that a kind of finding was found.
+
+    Parameters
+    ----------
+    name : str
+        Of its kind.
+    what : str
+        What is the matter here, as a clause; where it is empty, what the kind means.
+    where : str
+        A file of the study folder, or a key of the study file.
+    remedy : str, optional
+        What to do here, where that says more than the kind's own remedy.
+    """
+    kind = kinds()[name]
+    return Finding(
+        name=name,
+        severity=kind.severity,
+        where=where,
+        what=what or kind.means,
+        remedy=kind.remedy if remedy is None else remedy,
+    )

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 from motion.segment import Segment
-from studyapp.preflight.finding import Finding, FindingKind, error, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.session.served_study import described
 from studyapp.stimuli.media_probe import (
@@ -22,75 +22,21 @@ from studyapp.stimuli.media_probe import (
 from studyapp.study.design.stimulus import Content
 from studyapp.study.finished_videos import finished_video, similar_file
 
-VIDEO_MISSING: Final = error(
-    "video-missing",
-    "a video that participants would be shown is not there",
-    "Run 'motionjury render'",
-)
-VIDEO_DAMAGED: Final = error(
-    "video-damaged", "a video cannot be opened or has no picture", "Bring or render it anew"
-)
-SOUND_MISSING: Final = error(
-    "sound-missing",
-    "a video that is to be heard has no sound",
-    "Bring or render it with its speech",
-)
-VIDEO_LENGTH: Final = error(
-    "video-length",
-    "a video is longer or shorter than its segment",
-    f"Bring or render it anew; lengths may differ by {DURATION_TOLERANCE} s",
-)
-VIDEO_UNPLAYABLE: Final = error(
-    "video-unplayable",
-    "a video is encoded so that not every browser plays it",
-    "Encode it as H.264 (yuv420p) and AAC in MP4",
-)
-PICTURE_SIZE_DIFFERS: Final = error(
-    "picture-size-differs",
-    "videos of one speech have pictures of different size, which tells them apart",
-    "Encode all finished videos alike",
-)
-FRAME_RATE_DIFFERS: Final = error(
-    "frame-rate-differs",
-    "videos of one speech have different numbers of frames per second, which tells them apart",
-    "Encode all finished videos alike",
-)
-PICTURE_FORMAT_DIFFERS: Final = error(
-    "picture-format-differs",
-    "the pictures of one speech's videos are encoded in different ways, which tells them apart",
-    "Encode all finished videos alike",
-)
-SOUND_FORMAT_DIFFERS: Final = error(
-    "sound-format-differs",
-    "the sound of one speech's videos is encoded in different ways, which tells them apart",
-    "Encode all finished videos alike",
-)
-PICTURE_SMALL: Final = warning(
-    "picture-small",
-    "pictures are so small that hands and faces can hardly be judged",
-    "Bring larger videos, or set video.size in study.toml to 480 or more and render again",
-)
-FRAME_RATE_LOW: Final = warning(
-    "frame-rate-low",
-    "videos have so few frames per second that all motion looks jerky",
-    "Bring videos of 24 frames per second or more, or set video.frame_rate and render again",
-)
-
-OF_FLAW: Final[Mapping[FlawKind, FindingKind]] = MappingProxyType(
+OF_FLAW: Final[Mapping[FlawKind, str]] = MappingProxyType(
     {
-        "damaged": VIDEO_DAMAGED,
-        "no picture": VIDEO_DAMAGED,
-        "no sound": SOUND_MISSING,
-        "length": VIDEO_LENGTH,
+        "damaged": "video-damaged",
+        "no picture": "video-damaged",
+        "no sound": "sound-missing",
+        "length": "video-length",
     }
 )
 
-_DIFFERS: Final[Mapping[str, FindingKind]] = MappingProxyType(
+_DIFFERS: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "size": PICTURE_SIZE_DIFFERS,
-        "frame_rate": FRAME_RATE_DIFFERS,
-        "picture": PICTURE_FORMAT_DIFFERS,
-        "sound": SOUND_FORMAT_DIFFERS,
+        "size": "picture-size-differs",
+        "frame_rate": "frame-rate-differs",
+        "picture": "picture-format-differs",
+        "sound": "sound-format-differs",
     }
 )
 
@@ -150,7 +96,7 @@ def video_table(material: Material, *, everything: bool = False) -> Iterator[str
 
 def flaw_finding(flaw: Flaw, name: str, remedy: str) -> Finding:
     """Return what is wrong with the video `name`."""
-    return OF_FLAW[flaw.kind].found(f"{name} {flaw.what}", where=name, remedy=remedy)
+    return finding(OF_FLAW[flaw.kind], f"{name} {flaw.what}", where=name, remedy=remedy)
 
 
 def _original_findings(material: Material, content: Content, segment: Segment) -> Iterator[Finding]:
@@ -159,7 +105,8 @@ def _original_findings(material: Material, content: Content, segment: Segment) -
     name = material.name_of(file)
     if not file.is_file():
         similar = similar_file(file, material.brought.keys())
-        yield VIDEO_MISSING.found(
+        yield finding(
+            "video-missing",
             f"the video of {described(content)} is missing",
             where=name,
             remedy=f"Bring it as {file}, or set allow_gaps = true in study.toml to leave the "
@@ -189,7 +136,7 @@ def _format_findings(material: Material) -> Iterator[Finding]:
         remedy = encode_like(wanted or next(iter(of_segment.values())))
         for name, found in of_segment.items():
             if (why := found.unplayable) is not None:
-                yield VIDEO_UNPLAYABLE.found(f"{name} {why}", where=name, remedy=remedy)
+                yield finding("video-unplayable", f"{name} {why}", where=name, remedy=remedy)
         named = {**of_segment, **({"a rendered video": wanted} if wanted else {})}
         for attribute, words in VideoFormat.WORDS.items():
             of_value: dict[object, str] = {}
@@ -197,7 +144,8 @@ def _format_findings(material: Material) -> Iterator[Finding]:
                 of_value.setdefault(getattr(found, attribute), name)
             if len(of_value) > 1:
                 told = ", ".join(f"{value} in {name}" for value, name in of_value.items())
-                yield _DIFFERS[attribute].found(
+                yield finding(
+                    _DIFFERS[attribute],
                     f"{words} differs, which tells videos apart: {told}",
                     where=next(iter(of_segment)),
                     remedy=remedy,
@@ -218,12 +166,14 @@ def _look_findings(material: Material) -> Iterator[Finding]:
         slowest = min(found.frame_rate for found in known.values())
         where = material.name_of(small)
     if smallest < SMALLEST:
-        yield PICTURE_SMALL.found(
+        yield finding(
+            "picture-small",
             f"pictures are {smallest:g} pixels wide or high, too few to judge hands and faces by",
             where=where,
         )
     if slowest < SLOWEST:
-        yield FRAME_RATE_LOW.found(
+        yield finding(
+            "frame-rate-low",
             f"videos have {slowest:g} frames per second, so that all motion looks jerky",
             where=where,
         )

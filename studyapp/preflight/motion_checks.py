@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Final
 
 import numpy as np
 
@@ -13,41 +12,10 @@ from motion.formats import read_clip
 from motion.freeze import CHANNELS, freeze, moving_channels
 from motion.listing import listed
 from studyapp.preflight.catch_checks import catch_motion_findings
-from studyapp.preflight.finding import Finding, error, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.stimuli.shown_body import left_out, shown_abilities
 from studyapp.study.settings.study import Study
-
-MOTION_UNREADABLE: Final = error(
-    "motion-unreadable",
-    "a motion file is damaged or cannot be shown",
-    "Bring it in anew with 'motionjury import', or run 'motionjury generate'",
-)
-BODY_UNUSABLE: Final = error(
-    "body-unusable",
-    "the body or the expression matrix that the study names cannot be used",
-    "Correct video.body or video.expression_matrix in study.toml",
-)
-FREEZE_WITHOUT_EFFECT: Final = warning(
-    "freeze-without-effect",
-    "freeze holds nothing still in finished videos",
-    "Bring videos that hold it still: participants are told that it is",
-)
-MOTION_NOT_SHOWN: Final = warning(
-    "motion-not-shown",
-    "the study's body leaves out a part of the motion",
-    "Choose another body, give an expression matrix, or freeze that channel",
-)
-MOTION_INTERPOLATED: Final = warning(
-    "motion-interpolated",
-    "motion has fewer frames per second than the videos, which makes it look smoother",
-    "Bring in the original at its full rate if there is one",
-)
-CHANNEL_TELLS_APART: Final = warning(
-    "channel-tells-apart",
-    "a channel moves in some conditions only",
-    "Name the channel in freeze in study.toml and render again",
-)
 
 
 def motion_findings(material: Material) -> Iterator[Finding]:
@@ -67,7 +35,8 @@ def motion_findings(material: Material) -> Iterator[Finding]:
 def _freeze_findings(study: Study) -> Iterator[Finding]:
     finished = [name for name in study.conditions if study.is_finished(name)]
     if study.freeze and finished:
-        yield FREEZE_WITHOUT_EFFECT.found(
+        yield finding(
+            "freeze-without-effect",
             f"freeze holds nothing still in the finished videos of {listed(finished)}",
             where="freeze",
         )
@@ -96,8 +65,11 @@ def _read_motion(
                 made[segment.name] = read_clip(path)
             except InputError as unusable:
                 broken.append(
-                    MOTION_UNREADABLE.found(
-                        unusable.what, where=material.name_of(path), remedy=unusable.remedy
+                    finding(
+                        "motion-unreadable",
+                        unusable.what,
+                        where=material.name_of(path),
+                        remedy=unusable.remedy,
                     )
                 )
     return clips, broken
@@ -109,7 +81,8 @@ def _body_findings(material: Material, clips: Mapping[str, list[MotionClip]]) ->
     try:
         body = shown_abilities(material.folder, study)
     except InputError as unusable:
-        yield BODY_UNUSABLE.found(
+        yield finding(
+            "body-unusable",
             unusable.what,
             where=unusable.where.removeprefix(f"{material.folder.root}/"),
             remedy=unusable.remedy,
@@ -117,7 +90,7 @@ def _body_findings(material: Material, clips: Mapping[str, list[MotionClip]]) ->
         return
     shown = ((name, freeze(clip, study.freeze)) for name, made in clips.items() for clip in made)
     for sentence in left_out(shown, body):
-        yield MOTION_NOT_SHOWN.found(sentence.rstrip("."), where="video")
+        yield finding("motion-not-shown", sentence.rstrip("."), where="video")
 
 
 def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Iterator[Finding]:
@@ -125,7 +98,8 @@ def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Itera
     for condition, made in clips.items():
         slowest = min((clip.frame_rate for clip in made), default=study.video.frame_rate)
         if slowest < study.video.frame_rate:
-            yield MOTION_INTERPOLATED.found(
+            yield finding(
+                "motion-interpolated",
                 f"the motion of {condition!r} has {slowest:g} frames per second and is shown at "
                 f"{study.video.frame_rate}: what lies between is interpolated, so its fast "
                 "movements look smoother than they were",
@@ -139,7 +113,8 @@ def _kind_findings(study: Study, clips: Mapping[str, list[MotionClip]]) -> Itera
     for channel in CHANNELS:
         still = [condition for condition, channels in moving.items() if channel not in channels]
         if channel not in study.freeze and 0 < len(still) < len(moving):
-            yield CHANNEL_TELLS_APART.found(
+            yield finding(
+                "channel-tells-apart",
                 f"{channel} never moves in {listed(still)} but does in the other conditions, "
                 "which tells them apart",
                 where="freeze",

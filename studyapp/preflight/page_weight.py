@@ -6,18 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from studyapp.preflight.finding import Finding, error, note
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.study.design.planned_trial import PlannedTrial
 from studyapp.study.design.stimulus import Content
-
-PAGE_WEIGHT: Final = note("page-weight", "how many megabytes of video participants load")
-PAGE_HEAVY: Final = error(
-    "page-heavy",
-    "a page loads more than watching.megabytes_per_page allows",
-    "Make the videos smaller (video.size, video.frame_rate, or shorter segments) and render again, "
-    "or allow more if all participants have fast connections",
-)
 
 MEGABYTE: Final = 10**6
 
@@ -51,7 +43,7 @@ def weight_of(plan: Sequence[PlannedTrial], sizes: Mapping[Content, int]) -> Wei
     sizes : mapping of Content to int
         Bytes of each video; those that are not there count nothing.
     """
-    pages = [sum(sizes.get(content, 0) for content in _shown(trial)) for trial in plan]
+    pages = [sum(sizes.get(content, 0) for content in trial.shown) for trial in plan]
     with_next = [here + after for here, after in zip(pages, [*pages[1:], 0], strict=False)]
     return Weight(heaviest=max(with_next, default=0), total=sum(pages))
 
@@ -64,22 +56,19 @@ def weight_findings(material: Material) -> Iterator[Finding]:
     weights = [weight_of(plan, sizes) for _, plans in material.planned for plan in plans[:PLACES]]
     heaviest = max(weight.heaviest for weight in weights)
     total = max(weight.total for weight in weights)
-    yield PAGE_WEIGHT.found(
+    yield finding(
+        "page-weight",
         f"a page loads up to {_megabytes(heaviest)} of videos, its own and those of the next one; "
-        f"a participant loads up to {_megabytes(total)} in all"
+        f"a participant loads up to {_megabytes(total)} in all",
     )
     allowed = material.study.watching.megabytes_per_page
     if heaviest > allowed * MEGABYTE:
-        yield PAGE_HEAVY.found(
+        yield finding(
+            "page-heavy",
             f"a page loads up to {_megabytes(heaviest)} of videos, more than the "
             f"{allowed:g} MB that watching.megabytes_per_page allows",
             where="watching.megabytes_per_page",
         )
-
-
-def _shown(trial: PlannedTrial) -> tuple[Content, ...]:
-    """Return the videos of a trial, the reference among them."""
-    return trial.videos if trial.reference is None else ((trial.reference,), *trial.videos)
 
 
 def _megabytes(size: int) -> str:

@@ -9,47 +9,9 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from motion.listing import listed
-from studyapp.preflight.finding import Finding, error, note, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.study.settings.pay import hourly, money
 from studyapp.study.settings.study import Study
-
-PAY_UNKNOWN: Final = error(
-    "pay-unknown",
-    "a recruiting site must be told what participants get and how long it takes",
-    "Fill in what is missing in study.toml",
-)
-PAY_NOT_STATED: Final = note(
-    "pay-not-stated",
-    "what participants get is not stated in numbers, so that nobody can say what an hour pays",
-    "State recruitment.pay.amount and currency in study.toml",
-)
-HOURLY_PAY: Final = note("hourly-pay", "what participants are paid for an hour")
-CURRENCY_UNKNOWN: Final = warning(
-    "currency-unknown",
-    "the currency of the Prolific account is not stated, so that its minimum cannot be held "
-    "against the pay",
-    'State recruitment.pay.currency in study.toml: "GBP" or "USD"',
-)
-PAY_BELOW_OWN_MINIMUM: Final = warning(
-    "pay-below-own-minimum",
-    "an hour pays less than recruitment.pay.hourly_minimum",
-    "Pay more, or show less",
-)
-PAY_BELOW_PROLIFIC_MINIMUM: Final = warning(
-    "pay-below-prolific-minimum",
-    "an hour pays less than Prolific allows: it refuses such studies, or asks for the rest later",
-    "Raise recruitment.prolific.reward, or show less",
-)
-PAY_BELOW_PROLIFIC_ADVICE: Final = note(
-    "pay-below-prolific-advice",
-    "an hour pays less than Prolific recommends",
-    "Pay more if you can: better paid participants are found sooner",
-)
-PAYMENT_TEXT_DIFFERS: Final = warning(
-    "payment-text-differs",
-    "page.payment tells participants another amount than they get",
-    "Have both say the same in study.toml",
-)
 
 
 class Floors(NamedTuple):
@@ -81,12 +43,12 @@ def pay_findings(study: Study, needed: int | None) -> Iterator[Finding]:
         reward = f"recruitment.{recruitment.channel}.reward"
         missing = [*([] if amount else [reward]), *([] if told else ["page.minutes"])]
         if missing:
-            yield PAY_UNKNOWN.found(
-                f"{listed(missing)} must be known to recruiters", where=missing[0]
+            yield finding(
+                "pay-unknown", f"{listed(missing)} must be known to recruiters", where=missing[0]
             )
             return
     if amount is None:
-        yield PAY_NOT_STATED.found(PAY_NOT_STATED.means, where="recruitment.pay")
+        yield finding("pay-not-stated", where="recruitment.pay")
         return
     yield from _text_findings(study, amount)
     minutes = {
@@ -102,7 +64,7 @@ def pay_findings(study: Study, needed: int | None) -> Iterator[Finding]:
         f"{'they are told' if words == 'told' else 'they are expected to need'}"
         for words, count in known.items()
     )
-    yield HOURLY_PAY.found(f"participants are paid {said}", where="recruitment")
+    yield finding("hourly-pay", f"participants are paid {said}", where="recruitment")
     yield from _floor_findings(study, min(hourly(amount, count) for count in known.values()))
 
 
@@ -111,7 +73,8 @@ def _floor_findings(study: Study, paid: float) -> Iterator[Finding]:
     recruitment = study.recruitment
     currency, least = recruitment.currency, recruitment.pay.least
     if least is not None and currency == recruitment.pay.currency and paid < least:
-        yield PAY_BELOW_OWN_MINIMUM.found(
+        yield finding(
+            "pay-below-own-minimum",
             f"an hour pays {money(paid, currency)}, less than your minimum of "
             f"{money(least, currency)}",
             where="recruitment.pay.hourly_minimum",
@@ -119,16 +82,18 @@ def _floor_findings(study: Study, paid: float) -> Iterator[Finding]:
     if recruitment.channel != "prolific":
         return
     if not currency:
-        yield CURRENCY_UNKNOWN.found(CURRENCY_UNKNOWN.means, where="recruitment.pay.currency")
+        yield finding("currency-unknown", where="recruitment.pay.currency")
     elif (floors := PROLIFIC.get(currency)) is not None:
         if paid < floors.least:
-            yield PAY_BELOW_PROLIFIC_MINIMUM.found(
+            yield finding(
+                "pay-below-prolific-minimum",
                 f"an hour pays {money(paid, currency)}, and Prolific allows no less than "
                 f"{money(floors.least, currency)}",
                 where="recruitment.prolific.reward",
             )
         elif paid < floors.advised:
-            yield PAY_BELOW_PROLIFIC_ADVICE.found(
+            yield finding(
+                "pay-below-prolific-advice",
                 f"an hour pays {money(paid, currency)}, and Prolific recommends "
                 f"{money(floors.advised, currency)}",
                 where="recruitment.prolific.reward",
@@ -139,7 +104,8 @@ def _text_findings(study: Study, amount: Decimal) -> Iterator[Finding]:
     """Say where what participants read holds amounts, and none is what they get."""
     told = [Decimal(found.replace(",", ".")) for found in _NUMBER.findall(study.page.payment)]
     if told and amount not in told:
-        yield PAYMENT_TEXT_DIFFERS.found(
+        yield finding(
+            "payment-text-differs",
             f"page.payment says {study.page.payment!r}, and participants get "
             f"{money(amount, study.recruitment.currency)}",
             where="page.payment",

@@ -10,36 +10,12 @@ from typing import Final, Literal
 from pydantic import BaseModel, ConfigDict
 
 from motion.listing import listed
-from studyapp.preflight.finding import Finding, Severity
+from studyapp.preflight.finding import SEVERITIES, Finding
 
 ALIKE: Final = 3
 """Findings of one kind that are told one by one; of more, the first ones and their number."""
 
 WIDTH: Final = 96
-
-_ORDER: Final = tuple(Severity)
-
-
-class FoundRecord(BaseModel):
-    """One finding.
-
-    Attributes
-    ----------
-    name : str
-        Its kind, as in the table of `docs/check.md`; it never changes.
-    where : str
-        A file of the study folder, or a key of the study file; may be empty.
-    what, remedy : str
-        What is the matter and what to do; wording may change.
-    """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    name: str
-    severity: Literal["error", "warning", "note"]
-    where: str
-    what: str
-    remedy: str
 
 
 class CheckRecord(BaseModel):
@@ -53,7 +29,7 @@ class CheckRecord(BaseModel):
         The study folder's name.
     errors, warnings, notes : int
         How many of each.
-    findings : tuple of FoundRecord
+    findings : tuple of Finding
         Errors first.
     """
 
@@ -64,7 +40,7 @@ class CheckRecord(BaseModel):
     errors: int
     warnings: int
     notes: int
-    findings: tuple[FoundRecord, ...]
+    findings: tuple[Finding, ...]
 
 
 def record(study: str, findings: Sequence[Finding]) -> CheckRecord:
@@ -72,19 +48,10 @@ def record(study: str, findings: Sequence[Finding]) -> CheckRecord:
     counts = Counter(found.severity for found in findings)
     return CheckRecord(
         study=study,
-        errors=counts[Severity.ERROR],
-        warnings=counts[Severity.WARNING],
-        notes=counts[Severity.NOTE],
-        findings=tuple(
-            FoundRecord(
-                name=found.name,
-                severity=found.severity.value,
-                where=found.where,
-                what=found.what,
-                remedy=found.remedy,
-            )
-            for found in findings
-        ),
+        errors=counts["error"],
+        warnings=counts["warning"],
+        notes=counts["note"],
+        findings=tuple(findings),
     )
 
 
@@ -99,12 +66,12 @@ def told(findings: Sequence[Finding], *, everything: bool = False) -> Iterator[s
     of_kind: dict[str, list[Finding]] = {}
     for found in findings:
         of_kind.setdefault(found.name, []).append(found)
-    for severity in _ORDER:
+    for severity in SEVERITIES:
         for name, alike in of_kind.items():
-            if alike[0].severity is not severity:
+            if alike[0].severity != severity:
                 continue
             told_singly = alike if everything or len(alike) <= ALIKE + 1 else alike[:ALIKE]
-            yield f"{severity.value}: {name}"
+            yield f"{severity}: {name}"
             for place, found in enumerate(told_singly):
                 following = told_singly[place + 1 : place + 2]
                 same = bool(following) and following[0].remedy == found.remedy
@@ -116,20 +83,12 @@ def told(findings: Sequence[Finding], *, everything: bool = False) -> Iterator[s
 
 def _told(found: Finding, *, remedy: str) -> Iterator[str]:
     where = f"{found.where}: " if found.where and found.where not in found.what else ""
-    yield from textwrap.wrap(
-        f"{where}{found.what}.",
-        WIDTH,
-        initial_indent="  ",
-        subsequent_indent="  ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-    if remedy:
+    for text, indent in ((f"{where}{found.what}", "  "), (remedy, "  > ")):
         yield from textwrap.wrap(
-            f"{remedy}.",
+            f"{text}." if text else "",
             WIDTH,
-            initial_indent="  > ",
-            subsequent_indent="    ",
+            initial_indent=indent,
+            subsequent_indent=" " * len(indent),
             break_long_words=False,
             break_on_hyphens=False,
         )

@@ -19,7 +19,7 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.tables import Video
-from studyapp.preflight.finding import Finding, error, note, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.preflight.time_checks import arrivals
 from studyapp.recruitment.prolific_draft import places_of
@@ -60,58 +60,6 @@ def token_of_a_video(database: Database, served: ServedStudy, clock: Clock) -> s
         return session.scalars(select(Video.token).order_by(Video.id).limit(1)).one()
 
 
-DATABASE_UNUSABLE: Final = error(
-    "database-unusable",
-    "the database that answers go to cannot be opened",
-    "Check DATABASE_URL, that its server runs, and that the folder is writable",
-)
-DATABASE_OLDER: Final = note(
-    "database-older",
-    "an older version made the database",
-    "Make a copy; 'motionjury serve' brings it to the newest schema",
-)
-DESIGN_CHANGED: Final = error(
-    "design-changed",
-    "people have taken part in another design than study.toml has",
-    "Undo the change, or serve it with --new-version: earlier answers are kept apart",
-)
-INTAKE_CLOSED: Final = warning(
-    "intake-closed",
-    "researchers have paused or closed the study on its pages, so that nobody is let in",
-    "Resume it on the researchers' pages",
-)
-ANSWERS_THERE: Final = note(
-    "answers-there", "people have taken part already", "Their answers stay and count"
-)
-NOT_REHEARSED: Final = note(
-    "not-rehearsed",
-    "no simulated participant has taken the study yet",
-    "Run 'motionjury rehearse': it tells whether the design can answer the question",
-)
-FOLDER_UNWRITABLE: Final = error(
-    "folder-unwritable",
-    "answers would be written into a folder that may not be written",
-    "Give yourself the right to write there, or set DATABASE_URL",
-)
-DISK_FULL: Final = error(
-    "disk-full",
-    "the disk has no room for the answers",
-    "Make room, or set DATABASE_URL to a database elsewhere",
-)
-DISK_SHORT: Final = warning(
-    "disk-short",
-    "the disk has little room beside the answers that will come",
-    "Make room before participants come",
-)
-CANNOT_BE_SERVED: Final = error(
-    "cannot-be-served", "the study's own server does not start", "Mend what it says"
-)
-NO_BYTE_RANGES: Final = error(
-    "no-byte-ranges",
-    "videos are not sent piece by piece, without which Safari plays none",
-    "Serve the study with 'motionjury serve', and let proxies pass the header Range",
-)
-
 BYTES_PER_PARTICIPANT: Final = 200_000
 """What a study session may leave in the database. Simulated participants leave 27 kB (30 pairs) to
 39 kB (rankings); people pause and replay, which leaves more evidence of watching."""
@@ -129,7 +77,7 @@ def serving_findings(material: Material) -> Iterator[Finding]:
     yield from _database_findings(material)
     yield from _room_findings(material.folder, material.study)
     if not material.folder.rehearsal.exists():
-        yield NOT_REHEARSED.found(NOT_REHEARSED.means)
+        yield finding("not-rehearsed")
 
 
 def _database_findings(material: Material) -> Iterator[Finding]:
@@ -137,8 +85,8 @@ def _database_findings(material: Material) -> Iterator[Finding]:
     try:
         database = Database.open_for_reading(url, of_any_age=True)
     except InputError as unusable:
-        yield DATABASE_UNUSABLE.found(
-            unusable.what, where=unusable.where, remedy=unusable.remedy or None
+        yield finding(
+            "database-unusable", unusable.what, where=unusable.where, remedy=unusable.remedy or None
         )
         return
     if database is None:
@@ -147,7 +95,7 @@ def _database_findings(material: Material) -> Iterator[Finding]:
         current = Database.open_for_reading(url)
     except InputError as older:
         database.close()
-        yield DATABASE_OLDER.found(older.what, where=older.where)
+        yield finding("database-older", older.what, where=older.where)
         return
     database.close()
     if current is None:
@@ -155,15 +103,15 @@ def _database_findings(material: Material) -> Iterator[Finding]:
     try:
         count = arrivals(current)
         if count:
-            yield ANSWERS_THERE.found(f"{count} participants have come already")
+            yield finding("answers-there", f"{count} participants have come already")
         with current.reading() as session:
             state = present_intake(session).state
         if state != "open":
-            yield INTAKE_CLOSED.found(f"the study is {state} on the researchers' pages")
+            yield finding("intake-closed", f"the study is {state} on the researchers' pages")
         design = design_digest(material.study, material.segments, material.shown)
         # A study that lacks videos is told so elsewhere; its design is not known yet.
         if set(material.contents) <= material.shown.keys() and must_be_new_version(current, design):
-            yield DESIGN_CHANGED.found(DESIGN_CHANGED.means, where="study.toml")
+            yield finding("design-changed", where="study.toml")
     finally:
         current.close()
 
@@ -173,7 +121,9 @@ def _room_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
     if database_url_of(folder.root) != sqlite_url(folder.responses):
         return
     if not os.access(folder.root, os.W_OK):
-        yield FOLDER_UNWRITABLE.found(f"{folder.root} may not be written", where=str(folder.root))
+        yield finding(
+            "folder-unwritable", f"{folder.root} may not be written", where=str(folder.root)
+        )
         return
     needed = places_of(study) * BYTES_PER_PARTICIPANT
     free = shutil.disk_usage(folder.root).free
@@ -182,9 +132,9 @@ def _room_findings(folder: StudyFolder, study: Study) -> Iterator[Finding]:
         f"need {as_text(needed)}"
     )
     if free < needed:
-        yield DISK_FULL.found(said, where="responses.db")
+        yield finding("disk-full", said, where="responses.db")
     elif free < needed + SPARE:
-        yield DISK_SHORT.found(said, where="responses.db")
+        yield finding("disk-short", said, where="responses.db")
 
 
 def probe_findings(material: Material) -> Iterator[Finding]:
@@ -204,8 +154,8 @@ def probe_findings(material: Material) -> Iterator[Finding]:
             )
             yield from _range_findings(app, served)
     except InputError as refused:
-        yield CANNOT_BE_SERVED.found(
-            refused.what, where=refused.where, remedy=refused.remedy or None
+        yield finding(
+            "cannot-be-served", refused.what, where=refused.where, remedy=refused.remedy or None
         )
 
 
@@ -223,11 +173,14 @@ def _range_findings(app: Flask, served: ServedStudy) -> Iterator[Finding]:
             asked = "the store that videos come from"
             status, got = _from_store(elsewhere)
         if status != 206 or got != _PIECE:
-            yield NO_BYTE_RANGES.found(
-                f"asked for {_PIECE} bytes of a video, {asked} answered {status} with {got}"
+            yield finding(
+                "no-byte-ranges",
+                f"asked for {_PIECE} bytes of a video, {asked} answered {status} with {got}",
             )
     except httpx.HTTPError as lost:
-        yield NO_BYTE_RANGES.found(f"the store that videos come from cannot be reached: {lost}")
+        yield finding(
+            "no-byte-ranges", f"the store that videos come from cannot be reached: {lost}"
+        )
     finally:
         here.database.close()
 

@@ -10,10 +10,8 @@ from typing import Final
 
 from motion.errors import InputError
 from motion.listing import listed
-from studyapp.preflight.finding import Finding, error, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.finished_video_checks import (
-    VIDEO_LENGTH,
-    VIDEO_MISSING,
     encode_like,
     flaw_finding,
 )
@@ -34,38 +32,6 @@ from studyapp.study.media import VideoFile
 
 RENDER: Final = "Run 'motionjury render'"
 
-NOTHING_RENDERED: Final = error("nothing-rendered", "the study has no videos yet", RENDER)
-COPY_OUT_OF_DATE: Final = error(
-    "copy-out-of-date", "a finished video has changed since it was copied for participants", RENDER
-)
-LENGTHS_DIFFER: Final = error(
-    "lengths-differ",
-    "videos that stand beside each other last differently long, which tells them apart",
-    "Delete them and run 'motionjury render'",
-)
-SIZES_DIFFER: Final = error(
-    "sizes-differ", "the size of a file tells which of two videos it is", RENDER
-)
-METADATA_TELLS: Final = error(
-    "metadata-tells",
-    "what is written in a video's file tells it apart, or names a condition",
-    "Delete the file and run 'motionjury render', which leaves all that out",
-)
-LOADS_BEFORE_PLAYING: Final = error(
-    "loads-before-playing",
-    "a video's index comes last (no faststart), so that it plays only once all of it has come",
-    "Delete the file and run 'motionjury render', which puts the index first",
-)
-SOUND_UNWANTED: Final = error(
-    "sound-unwanted",
-    "a video that is to be shown without sound has some",
-    "Delete the file and run 'motionjury render', which leaves the sound out",
-)
-STRUCTURE_TELLS: Final = warning(
-    "structure-tells",
-    "files tell conditions apart to those who take them to pieces",
-    "Encode all finished videos alike",
-)
 
 _OF_SOUND: Final = "handler_name: SoundHandler"
 
@@ -76,12 +42,13 @@ LENGTH_TOLERANCE: Final = 0.05
 def shown_video_findings(material: Material) -> Iterator[Finding]:
     """Yield what is missing or broken of what participants get, and what it gives away."""
     if material.media is None:
-        yield NOTHING_RENDERED.found(NOTHING_RENDERED.means, where="stimuli.json")
+        yield finding("nothing-rendered", where="stimuli.json")
         return
     for content in material.contents:
         yield from _shown_findings(material, content)
     for copy in out_of_date(material.folder):
-        yield COPY_OUT_OF_DATE.found(
+        yield finding(
+            "copy-out-of-date",
             f"the video of {copy.condition!r} for segment {copy.segment} has changed since it was "
             "copied for the participants",
             where=copy.file,
@@ -102,7 +69,8 @@ def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
         if study.is_finished(shown.condition) and not original.is_file():
             return
         made = "copied for the participants" if copied else "rendered"
-        yield VIDEO_MISSING.found(
+        yield finding(
+            "video-missing",
             f"the video of {described(content)} is missing: it was not {made}",
             where=f"videos of segment {shown.segment}",
             remedy=RENDER,
@@ -111,7 +79,8 @@ def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
     name = material.name_of(found.file)
     segment = material.by_name[shown.segment]
     if not copied and abs(found.duration - segment.duration) > 1e-6:
-        yield VIDEO_LENGTH.found(
+        yield finding(
+            "video-length",
             f"{name} lasts {found.duration:g} s, its segment {segment.duration:g} s",
             where=name,
             remedy="The segments changed: run 'motionjury generate' and 'motionjury render'",
@@ -122,9 +91,10 @@ def _shown_findings(material: Material, content: Content) -> Iterator[Finding]:
         yield flaw_finding(flaw, name, "Delete the file and run 'motionjury render'")
         return
     if shown.speech is None and (encoded := format_of(found.file)) and encoded.sound:
-        yield SOUND_UNWANTED.found(f"{name} has sound, and is to be shown without", where=name)
+        yield finding("sound-unwanted", f"{name} has sound, and is to be shown without", where=name)
     if plays_at_once(found.file) is False:
-        yield LOADS_BEFORE_PLAYING.found(
+        yield finding(
+            "loads-before-playing",
             f"{name} has its index behind its pictures, so that it plays only once all of it has "
             "come",
             where=name,
@@ -144,13 +114,15 @@ def _size_findings(beside: Mapping[str, Mapping[str, VideoFile]]) -> Iterator[Fi
     for segment, files in beside.items():
         sizes = {video.file.stat().st_size for video in files.values()}
         if len(sizes) > 1:
-            yield SIZES_DIFFER.found(
+            yield finding(
+                "sizes-differ",
                 f"the videos of segment {segment} differ in file size, which tells them apart",
                 where=next(iter(files)),
             )
         lengths = [lasts for video in files.values() if (lasts := _seconds_of(video.file))]
         if lengths and max(lengths) - min(lengths) > LENGTH_TOLERANCE:
-            yield LENGTHS_DIFFER.found(
+            yield finding(
+                "lengths-differ",
                 f"the videos of segment {segment} last from {min(lengths):.2f} to "
                 f"{max(lengths):.2f} s, which tells them apart",
                 where=next(iter(files)),
@@ -179,13 +151,15 @@ def _written_findings(
         }
         naming = {name: named for name, texts in said.items() if (named := _named(texts, names))}
         for name, named in naming.items():
-            yield METADATA_TELLS.found(f"{name} says {named}", where=name)
+            yield finding("metadata-tells", f"{name} says {named}", where=name)
         common = set.intersection(*map(set, said.values()))
         odd = [(name, text) for name, texts in said.items() for text in texts if text not in common]
         if odd and not naming:
             name, text = odd[0]
-            yield METADATA_TELLS.found(
-                f"{name} says {text!r}, which other videos of segment {segment} do not", where=name
+            yield finding(
+                "metadata-tells",
+                f"{name} says {text!r}, which other videos of segment {segment} do not",
+                where=name,
             )
 
 
@@ -215,7 +189,8 @@ def _structure_findings(material: Material) -> Iterator[Finding]:
                 telling.setdefault(words, files[0])
     example = next(filter(None, map(format_of, telling.values())), None)
     if example is not None:
-        yield STRUCTURE_TELLS.found(
+        yield finding(
+            "structure-tells",
             "files tell conditions apart to those who take them to pieces, by "
             f"{listed(list(telling))}",
             where=material.name_of(next(iter(telling.values()))),

@@ -10,33 +10,11 @@ from typing import Final
 
 from motion.audio import Audio, read_audio
 from motion.errors import InputError
-from renderer.video.loudness import SHORTEST, TARGET, integrated_loudness
-from studyapp.preflight.finding import Finding, error, warning
+from renderer.video.loudness import SHORTEST, integrated_loudness
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.study.design.stimulus import Stimulus
 from studyapp.study.finished_videos import finished_video
-
-SOUND_SILENT: Final = error(
-    "sound-silent",
-    "a video that is to be heard is silent from beginning to end",
-    "Bring the speech anew, with its sound, and run 'motionjury render'",
-)
-SOUND_MOSTLY_SILENT: Final = warning(
-    "sound-mostly-silent",
-    "most of a video is silent, so that there is little to judge gestures by",
-    "Cut the segment to where somebody speaks, or leave it out",
-)
-LOUDNESS_DIFFERS_BESIDE: Final = warning(
-    "loudness-differs-beside",
-    "videos that stand beside each other are not equally loud, which tells them apart",
-    f"Bring finished videos at {TARGET:g} LUFS, as rendered ones are",
-)
-LOUDNESS_DIFFERS: Final = warning(
-    "loudness-differs",
-    "one segment is louder than another, so that participants turn the sound up and down",
-    "Run 'motionjury render', and see what it says of the speech; bring finished videos "
-    f"at {TARGET:g} LUFS, as rendered ones are",
-)
 
 LOUDNESS_TOLERANCE: Final = 1.0
 """LU by which two videos may differ, as EBU R 128 allows live programmes."""
@@ -75,7 +53,7 @@ def sound_findings(material: Material) -> Iterator[Finding]:
             heard[name] = _Heard(name=name, segment=stimulus.segment, loudness=loudness)
             yield from _pause_findings(audio, name)
         elif audio.duration >= SHORTEST:
-            yield SOUND_SILENT.found(f"{name} is silent from beginning to end", where=name)
+            yield finding("sound-silent", f"{name} is silent from beginning to end", where=name)
     yield from _loudness_findings(heard)
 
 
@@ -96,7 +74,7 @@ def _sounding(material: Material) -> Mapping[str, tuple[Stimulus, Path]]:
 def _pause_findings(audio: Audio, name: str) -> Iterator[Finding]:
     silent = silent_share(audio)
     if silent > MOST_SILENCE:
-        yield SOUND_MOSTLY_SILENT.found(f"{silent:.0%} of {name} is silent", where=name)
+        yield finding("sound-mostly-silent", f"{silent:.0%} of {name} is silent", where=name)
 
 
 def silent_share(audio: Audio) -> float:
@@ -118,10 +96,10 @@ def _loudness_findings(heard: Mapping[str, _Heard]) -> Iterator[Finding]:
         said = _apart(of_segment)
         if said:
             differs = True
-            yield LOUDNESS_DIFFERS_BESIDE.found(said, where=of_segment[0].name)
+            yield finding("loudness-differs-beside", said, where=of_segment[0].name)
     said = _apart(list(heard.values()))
     if said and not differs:
-        yield LOUDNESS_DIFFERS.found(said, where="videos")
+        yield finding("loudness-differs", said, where="videos")
 
 
 def _apart(heard: list[_Heard]) -> str:

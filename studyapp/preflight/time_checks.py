@@ -13,7 +13,7 @@ from motion.errors import InputError
 from studyapp.database.engine import Database, database_url_of, sqlite_url
 from studyapp.database.tables import StudySession
 from studyapp.preflight.expected_time import ExpectedTime, expected_time
-from studyapp.preflight.finding import Finding, note, warning
+from studyapp.preflight.finding import Finding, finding
 from studyapp.preflight.material import Material
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
@@ -108,25 +108,6 @@ def _pace(material: Material, url: str, source: str) -> Pace | None:
     )
 
 
-EXPECTED_DURATION: Final = note(
-    "expected-duration", "how long a participant will need, by videos, questions and texts"
-)
-DURATION_MISSTATED: Final = warning(
-    "duration-misstated",
-    "participants are told another duration than they will need",
-    "Correct page.minutes in study.toml: whoever is told too little is paid too little",
-)
-DURATION_LONG: Final = warning(
-    "duration-long",
-    "the study takes so long that people tire and leave",
-    "Show fewer trials or shorter segments to more participants",
-)
-LEASE_SHORT: Final = warning(
-    "lease-short",
-    "a slow participant's place may be given to somebody else while they work on one page",
-    "Raise lease_minutes in study.toml",
-)
-
 LONG_MINUTES: Final = 60
 
 MINUTES_OFF: Final = 3
@@ -152,26 +133,30 @@ def time_findings(study: Study, expected: ExpectedTime, pace: Pace | None) -> It
         if pace
         else ""
     )
-    yield EXPECTED_DURATION.found(
+    yield finding(
+        "expected-duration",
         f"a participant needs about {needed} minutes: {expected.videos / 60:.1f} of videos watched "
         f"once, {expected.around / 60:.1f} of reading and answering{seen}",
         where="page.minutes",
     )
     told = study.page.minutes
     if told is not None and abs(told - needed) > max(MINUTES_OFF, SHARE_OFF * needed):
-        yield DURATION_MISSTATED.found(
+        yield finding(
+            "duration-misstated",
             f"page.minutes says {told}, and participants need about {needed}",
             where="page.minutes",
             remedy=f"Set minutes = {needed} under [page] in study.toml, and see what it pays then",
         )
     if needed > LONG_MINUTES:
-        yield DURATION_LONG.found(
+        yield finding(
+            "duration-long",
             f"about {needed} minutes is longer than the {LONG_MINUTES} after which people tire and "
             "leave",
             where="study.toml",
         )
     if study.lease_minutes * 60 < SLOW * expected.longest_page:
-        yield LEASE_SHORT.found(
+        yield finding(
+            "lease-short",
             f"the longest page takes about {expected.longest_page / 60:.0f} minutes, and after "
             f"{study.lease_minutes} minutes of silence the place is given to somebody else",
             where="lease_minutes",

@@ -6,15 +6,15 @@ import shutil
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from motion.errors import InputError
-from studyapp.rehearsal.forms import FormFields
+from studyapp.rehearsal.forms import Form, FormFields
 from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.participant import SAME_PAGE_AT_MOST, Participant
-from studyapp.rehearsal.visit import Departure, InterruptedRehearsal
+from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Locator, Playwright
@@ -60,8 +60,10 @@ def by_browser(participant: Participant, server: str, is_back: bool) -> None:
     with _browser() as browser:
         tab = browser.new_page(base_url=server, viewport=WINDOW)  # type: ignore[arg-type]
         tab.set_default_timeout(1000 * PATIENCE)
+        visit = _Window(stop=participant.stop, speed=participant.speed, tab=tab)
+        tab.on("pageerror", lambda error: visit.complaints.append(str(error)))
         try:
-            _Window(participant=participant, tab=tab).take_part(is_back=is_back)
+            participant.go_through(visit, is_back=is_back)
         except Error as error:
             raise BrokenPageError(
                 Page(tab.url, tab.content()),
@@ -95,61 +97,53 @@ def _launched(playwright: Playwright) -> Browser:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Window:
+class _Window(Visit):
     """One participant's browser window.
 
     Attributes
     ----------
-    participant : Participant
-        Who looks at it.
     tab : playwright.sync_api.Page
         What it shows.
+    complaints : list of str
+        What its scripts have failed with.
     """
 
-    participant: Participant
     tab: Tab
+    complaints: list[str] = field(default_factory=list)
 
-    def take_part(self, *, is_back: bool) -> None:
-        """Go from the link to the end; raises what `Participant.take_part` does."""
-        person = self.participant
-        complaints: list[str] = []
-        self.tab.on("pageerror", lambda error: complaints.append(str(error)))
-        self.tab.goto(person.entrance)
-        before, same = "", 0
-        while (code := (page := self._page()).completion_code) is None:
-            state = self._state()
-            same = same + 1 if state == before else 1
-            if same > SAME_PAGE_AT_MOST:
-                raise BrokenPageError(page, "comes back in a browser though it was filled in")
-            before = state
-            if page.asks:
-                self._answer(page, is_back=is_back)
-            else:
-                self._fill(self.tab.locator("main"), person.said(page))
-                self._press(self.tab.locator("main form[method=post] [type=submit]").first, state)
-            if complaints:
-                raise BrokenPageError(page, f"has a script that fails ({complaints[0]})")
-        if person.ledger is not None:
-            person.ledger.completed(person.name, code)
+    def open(self, address: str) -> Page:
+        """Return the page at `address`, after redirects."""
+        self.tab.goto(address)
+        return self._page()
 
-    def _answer(self, page: Page, *, is_back: bool) -> None:
-        person = self.participant
-        sight = person.eyes.look(page)
-        position = sight.trial.position
-        conduct = person.conduct(sight)
-        if conduct.leaves_at == position and not is_back:
-            raise Departure(returns=conduct.returns)
-        judgement = person.judged(sight)
+    def send(self, page: Page, form: Form, answers: FormFields) -> Page:
+        """Fill in the form of `page`, press its button, and return the page that follows."""
+        state = self._state()
+        if page.asks:
+            self._fill(self.tab.locator("#answers"), answers)
+            self._wait("say that everything is done", lambda: self._has("#needed.complete"))
+            button = self.tab.locator("#next")
+        else:
+            self._fill(self.tab.locator("main"), answers)
+            button = self.tab.locator("main form[method=post] [type=submit]").first
+        if self.clicks_twice:
+            button.dblclick()
+        else:
+            button.click()
+        self._wait("lead on", lambda: self._state() not in ("", state))
+        if self.complaints:
+            raise BrokenPageError(page, f"has a script that fails ({self.complaints[0]})")
+        return self._page()
+
+    def listen(self, page: Page) -> None:
+        """Hear nothing: what is said is known."""
+
+    def watch(self, page: Page) -> None:
+        """Play each video to its end, and once more where a busy machine has left parts out."""
         self._play_all(page)
-        self._fill(self.tab.locator("#answers"), judgement.fields())
-        self._wait("say that everything is done", lambda: self._has("#needed.complete"))
-        self._rest(conduct.thinks(position) / person.speed)
-        self._press(self.tab.locator("#next"), self._state(), twice=conduct.clicks_twice)
-        if person.ledger is not None:
-            person.ledger.answered(person.name, position, judgement)
+        self.rest(self.thinks)
 
     def _play_all(self, page: Page) -> None:
-        """Play each video to its end, and once more where a busy machine has left parts out."""
         buttons = self.tab.locator("main button.play")
         self._wait("show a button to play each video", lambda: _shown(buttons, len(page.players)))
         for number, player in enumerate(page.players):
@@ -202,14 +196,6 @@ class _Window:
             field.fill(value)
             field.blur()
 
-    def _press(self, button: Locator, state: str, *, twice: bool = False) -> None:
-        """Press a button that leads on, and wait until another page is there."""
-        if twice:
-            button.dblclick()
-        else:
-            button.click()
-        self._wait("lead on", lambda: self._state() not in ("", state))
-
     def _page(self) -> Page:
         self._wait("load", lambda: self._state() != "")
         return Page(self.tab.url, self.tab.content())
@@ -236,7 +222,7 @@ class _Window:
     def _wait(self, what: str, happened: Callable[[], object], seconds: float = 0.0) -> None:
         deadline = time.monotonic() + seconds + PATIENCE
         while not happened():
-            if self.participant.stop.is_set():
+            if self.stop.is_set():
                 raise InterruptedRehearsal
             if time.monotonic() > deadline:
                 page = Page(self.tab.url, self.tab.content())
@@ -244,10 +230,6 @@ class _Window:
                 shown = f" (it says: {' '.join(said)})" if any(said) else ""
                 raise BrokenPageError(page, f"does not {what} in a browser{shown}")
             self.tab.wait_for_timeout(LOOKS_AGAIN)
-
-    def _rest(self, seconds: float) -> None:
-        if self.participant.stop.wait(seconds):
-            raise InterruptedRehearsal
 
 
 def _shown(buttons: Locator, count: int) -> bool:

@@ -2,49 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session, joinedload, selectinload
 
 from studyapp.database.engine import Database
-from studyapp.database.tables import FormAnswer, Response, StudySession, Trial, Video, WatchRecord
-from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.players import token_candidates
+from studyapp.database.tables import StudySession, Trial, Video
+from studyapp.rehearsal.pages import BrokenPageError, Page, token_candidates
 from studyapp.rehearsal.simulation.sight import SeenTrial, Sight
-from studyapp.study.design.asking import AnswerKey, Answers
 from studyapp.study.design.stimulus import Stimulus
-
-
-@dataclass(frozen=True, kw_only=True)
-class FinishedSitting:
-    """A study session that is over, and its last answered trial.
-
-    Attributes
-    ----------
-    token : str
-        Of the study session.
-    trial, video : str
-        Tokens of the trial, and of its first video.
-    seen : SeenTrial
-        What it showed.
-    values : Answers
-        What was answered.
-    reasons : mapping of AnswerKey to tuple of str
-        What was ticked beside it.
-    """
-
-    token: str
-    trial: str
-    video: str
-    seen: SeenTrial
-    values: Answers
-    reasons: Mapping[AnswerKey, tuple[str, ...]]
-
-
-StoredAnswer = tuple[int, str, int | None, int, tuple[str, ...]]
-"""Position, question, stimulus, value and reasons."""
 
 
 @dataclass(frozen=True)
@@ -91,96 +58,6 @@ class Eyes:
                 trial=seen(trial),
                 trials=session.scalars(planned).one(),
             )
-
-    def later_trials(self, page: Page) -> tuple[str, ...]:
-        """Return the tokens of the trials that come after the one on `page`, the next one first."""
-        shown = select(Trial).join(Trial.videos).where(Video.token.in_(_tokens(page))).distinct()
-        with self.database.reading() as session:
-            (trial,) = session.scalars(shown).all()
-            later = select(Trial.token).where(
-                Trial.study_session_id == trial.study_session_id, Trial.position > trial.position
-            )
-            return tuple(session.scalars(later.order_by(Trial.position)))
-
-    def stored(self, page: Page) -> tuple[StoredAnswer, ...]:
-        """Return all answers of the participant who sees `page`."""
-        sitting = (
-            select(Trial.study_session_id).join(Trial.videos).where(Video.token.in_(_tokens(page)))
-        )
-        query = (
-            select(
-                Trial.position,
-                Response.question,
-                Response.stimulus,
-                Response.value,
-                Response.reasons,
-            )
-            .join(Response.trial)
-            .where(Trial.study_session_id.in_(sitting))
-            .order_by(Trial.position, Response.question, Response.stimulus)
-        )
-        with self.database.reading() as session:
-            return tuple(
-                (row.position, row.question, row.stimulus, row.value, tuple(row.reasons))
-                for row in session.execute(query)
-            )
-
-    def finished(self) -> tuple[FinishedSitting, ...]:
-        """Return what finished participants have answered last, the first to finish first."""
-        query = (
-            select(StudySession)
-            .where(StudySession.completed_at.is_not(None))
-            .order_by(StudySession.completed_at, StudySession.id)
-            .options(
-                selectinload(StudySession.trials).selectinload(Trial.responses),
-                selectinload(StudySession.trials).selectinload(Trial.stimuli),
-                selectinload(StudySession.trials).selectinload(Trial.videos),
-            )
-        )
-        with self.database.reading() as session:
-            return tuple(
-                FinishedSitting(
-                    token=sitting.token,
-                    trial=last.token,
-                    seen=seen(last),
-                    video=last.videos[0].token,
-                    values={(r.question, r.stimulus): r.value for r in last.responses},
-                    reasons={(r.question, r.stimulus): tuple(r.reasons) for r in last.responses},
-                )
-                for sitting in session.scalars(query)
-                for last in [trial for trial in sitting.trials if trial.responses][-1:]
-            )
-
-    def everything(self) -> tuple[object, ...]:
-        """Return all that is stored of everybody, as far as a submission could change it."""
-        queries = (
-            select(Response.trial_id, Response.question, Response.stimulus, Response.value),
-            select(StudySession.id, StudySession.completed_at, StudySession.withdrawn_at),
-            select(Trial.id, Trial.answered_at, Trial.unplayable_at),
-            select(WatchRecord.video_id, WatchRecord.latest),
-            select(FormAnswer.study_session_id, FormAnswer.question),
-        )
-        with self.database.reading() as session:
-            return tuple(
-                sorted((tuple(row) for row in session.execute(query)), key=repr)
-                for query in queries
-            )
-
-    def told(self, name: str) -> tuple[int, int]:
-        """Return how many study sessions and answers about themselves `name` has stored."""
-        sittings = (
-            select(func.count())
-            .select_from(StudySession)
-            .where(StudySession.recruiter_participant == name)
-        )
-        answers = (
-            select(func.count())
-            .select_from(FormAnswer)
-            .join(FormAnswer.study_session)
-            .where(StudySession.recruiter_participant == name)
-        )
-        with self.database.reading() as session:
-            return session.scalar(sittings) or 0, session.scalar(answers) or 0
 
     def hear(self, page: Page) -> str:
         """Return the digits that are spoken to the participant whose page `page` is.

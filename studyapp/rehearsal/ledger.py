@@ -10,11 +10,10 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from studyapp.rehearsal.simulation.judgement import Judgement
-from studyapp.study.design.asking import AnswerKey
+from studyapp.study.design.asking import Answers
 
-AcknowledgedKey = tuple[str, int, str, int]
-"""Participant, position of the trial, question, and number of the stimulus (0 for the trial)."""
+AnswerPlace = tuple[str, str, int]
+"""Token of the trial, question, and number of the stimulus (0 for the trial)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +22,7 @@ class Acknowledged:
 
     Attributes
     ----------
-    answers : dict of AcknowledgedKey to int
+    answers : dict of AnswerPlace to int
         Values.
     codes : dict of str to str
         The completion code of each participant who has one.
@@ -31,7 +30,7 @@ class Acknowledged:
         How often each participant left to come back, and came back.
     """
 
-    answers: dict[AcknowledgedKey, int] = field(default_factory=dict)
+    answers: dict[AnswerPlace, int] = field(default_factory=dict)
     codes: dict[str, str] = field(default_factory=dict)
     left: Counter[str] = field(default_factory=Counter)
     returned: Counter[str] = field(default_factory=Counter)
@@ -53,10 +52,10 @@ class Ledger:
     path: Path
     lock: Lock = field(default_factory=Lock, repr=False)
 
-    def answered(self, name: str, position: int, judgement: Judgement) -> None:
-        """Note that the answers to a trial were taken."""
-        said = [[*_plain(key), value] for key, value in judgement.values.items()]
-        self._add({"participant": name, "position": position, "answers": said})
+    def answered(self, name: str, trial: str, values: Answers) -> None:
+        """Note that the answers to the trial with the token `trial` were taken."""
+        said = [[question, stimulus or 0, v] for (question, stimulus), v in values.items()]
+        self._add({"participant": name, "trial": trial, "answers": said})
 
     def completed(self, name: str, code: str) -> None:
         """Note that a participant was shown the completion code."""
@@ -76,7 +75,7 @@ class Ledger:
         for line in self._lines():
             name = line["participant"]
             for question, stimulus, value in line.get("answers", ()):
-                found.answers[name, line["position"], question, stimulus] = value
+                found.answers[line["trial"], question, stimulus] = value
             if "code" in line:
                 found.codes[name] = line["code"]
             found.left.update([name] * ("left" in line))
@@ -112,8 +111,3 @@ class Ledger:
                 continue
             if isinstance(line, dict) and "participant" in line:
                 yield line
-
-
-def _plain(key: AnswerKey) -> tuple[str, int]:
-    question, stimulus = key
-    return question, stimulus or 0

@@ -10,7 +10,6 @@ from bs4 import BeautifulSoup, Tag
 
 from motion.errors import InputError
 from studyapp.rehearsal.forms import Form, FormData, FormFields, IncompleteFormError, read_form
-from studyapp.rehearsal.players import Player, UnplayableError, read_player
 
 
 class BrokenPageError(InputError):
@@ -23,6 +22,36 @@ class BrokenPageError(InputError):
             where=urlsplit(page.address).path,
             remedy="Open the study in a browser and look at that page",
         )
+
+
+@dataclass(frozen=True)
+class Player:
+    """One video as the page plays it.
+
+    Attributes
+    ----------
+    source : str
+        Absolute address of the file.
+    watched_address : str
+        Absolute address that is told which parts were played.
+    duration : float
+        Seconds.
+    """
+
+    source: str
+    watched_address: str
+    duration: float
+
+    @property
+    def token_candidates(self) -> tuple[str, ...]:
+        """Parts of the address that can be the media token; nothing else tells what is shown."""
+        return token_candidates(self.source)
+
+
+def token_candidates(address: str) -> tuple[str, ...]:
+    """Return the parts of an address that can be a token."""
+    parts = urlsplit(address).path.split("/")
+    return tuple(piece for part in parts if part for piece in {part, part.partition(".")[0]})
 
 
 @dataclass(frozen=True)
@@ -77,17 +106,9 @@ class Page:
     @property
     def answer_form(self) -> Form:
         """The form of a trial; it holds the token of the presentation it is for."""
-        return self._trial_form("answers")
-
-    @property
-    def trouble_form(self) -> Form:
-        """The form that says of a trial that a video does not play."""
-        return self._trial_form("unplayable")
-
-    def _trial_form(self, name: str) -> Form:
-        form = self._soup.find("form", id=name)
+        form = self._soup.find("form", id="answers")
         if not isinstance(form, Tag):
-            raise BrokenPageError(self, f"has no form with the id {name!r}")
+            raise BrokenPageError(self, "has no form with the id 'answers'")
         read = read_form(self._soup, form)
         if not read.trial:
             raise BrokenPageError(self, "does not say in a hidden field 'trial' what it asks about")
@@ -99,10 +120,23 @@ class Page:
         videos = self._soup.find_all("video")
         if not videos:
             raise BrokenPageError(self, "has no video")
-        try:
-            return tuple(read_player(video, self.address) for video in videos)
-        except UnplayableError as error:
-            raise BrokenPageError(self, str(error)) from None
+        return tuple(self._player(video) for video in videos)
+
+    def _player(self, video: Tag) -> Player:
+        inner = video.find("source")
+        found = {
+            "src": video.get("src") or (inner.get("src") if inner else None),
+            "data-duration": video.get("data-duration"),
+            "data-watched-url": video.get("data-watched-url"),
+        }
+        for name, value in found.items():
+            if not value:
+                raise BrokenPageError(self, f"has a video without {name}")
+        return Player(
+            source=urljoin(self.address, str(found["src"])),
+            watched_address=urljoin(self.address, str(found["data-watched-url"])),
+            duration=float(str(found["data-duration"])),
+        )
 
     @property
     def sounds(self) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import Event
@@ -19,29 +18,12 @@ from studyapp.rehearsal.simulation.judgement import Judgement, judge
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.sight import Sight
-from studyapp.rehearsal.visit import Departure, Visit
+from studyapp.rehearsal.visit import Departure, PlainVisit, Visit
 from studyapp.study.settings.study import Study
 from studyapp.web.participants.about_participant import FORM_FIELD
 
 SAME_PAGE_AT_MOST: Final = 3
 """A page that comes back this often, though it was answered, leads nowhere."""
-
-AnswerTrial = Callable[[Visit, Page, Judgement], Page]
-"""Answers the trial of a page and returns the page that follows."""
-
-FillForm = Callable[[Visit, Page, FormFields], Page]
-"""Fills in the form of any other page and returns the page that follows."""
-
-
-def answer_trial(visit: Visit, page: Page, judgement: Judgement) -> Page:
-    """Watch the videos on `page`, send the answers, and return the page that follows."""
-    visit.watch(page)
-    return visit.send(page, page.answer_form, judgement.fields())
-
-
-def fill_form(visit: Visit, page: Page, answers: FormFields) -> Page:
-    """Send the form of `page` and return the page that follows."""
-    return visit.send(page, page.next_form, answers)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,10 +44,6 @@ class Participant:
         How fast the rehearsal's clock runs; it watches in that time.
     stop : Event
         Set when the rehearsal is to stop.
-    answer : callable
-        How it answers trials.
-    fill : callable
-        How it fills in the forms of other pages.
     ledger : Ledger or None
         Where it notes what it was told is stored.
     """
@@ -77,8 +55,6 @@ class Participant:
     eyes: Eyes
     speed: float
     stop: Event
-    answer: AnswerTrial = answer_trial
-    fill: FillForm = fill_form
     ledger: Ledger | None = None
 
     @property
@@ -114,13 +90,18 @@ class Participant:
         InterruptedRehearsal
             If the rehearsal was stopped.
         """
-        visit = Visit(client=client, stop=self.stop, speed=self.speed)
+        visit = PlainVisit(client=client, stop=self.stop, speed=self.speed)
+        return self.go_through(visit, is_back=is_back)
+
+    def go_through(self, visit: Visit, *, is_back: bool) -> str:
+        """Do so in a visit of any kind."""
         page = visit.open(self.entrance)
         before: tuple[str, str] | None = None
         same = 0
         came_once_more = False
         while (code := page.completion_code) is None:
-            step = (page.address, page.answer_form.trial if page.asks else page.next_form.action)
+            trial = page.answer_form.trial if page.asks else ""
+            step = (page.address, trial or page.next_form.action)
             same = same + 1 if step == before else 1
             if same > SAME_PAGE_AT_MOST:
                 raise BrokenPageError(page, "comes back though it was filled in as it asks")
@@ -145,27 +126,28 @@ class Participant:
             judgement = self.judged(sight)
             page = self.answer(visit, page, judgement)
             if self.ledger is not None:
-                self.ledger.answered(self.name, position, judgement)
+                self.ledger.answered(self.name, trial, judgement.values)
         if self.ledger is not None:
             self.ledger.completed(self.name, code)
         return code
 
+    def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
+        """Watch the videos on `page`, send the answers, and return the page that follows."""
+        visit.watch(page)
+        return visit.send(page, page.answer_form, judgement.fields())
+
+    def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
+        """Send the form of `page` and return the page that follows."""
+        return visit.send(page, page.next_form, answers)
+
     def say(self, visit: Visit, page: Page) -> FormFields:
         """Return what this participant answers of what the form of `page` asks, having listened."""
         visit.listen(page)
-        return self.said(page)
-
-    def said(self, page: Page) -> FormFields:
-        """Return what this participant answers of what the form of `page` asks."""
         asked = page.next_form.asked
         known = {name: said for name, said in self.about.items() if name in asked}
         if not page.sounds:
             return known
         return known | dict.fromkeys(sorted(asked - set(known)), (self.eyes.hear(page),))
-
-    def judge(self, page: Page) -> Judgement:
-        """Return this participant's answers to the trial on `page`."""
-        return self.judged(self.eyes.look(page))
 
     def judged(self, sight: Sight) -> Judgement:
         """Return this participant's answers to a trial that it has seen."""

@@ -9,20 +9,17 @@ from dataclasses import asdict, dataclass
 from datetime import timedelta
 from typing import Final
 
-from sqlalchemy import select, update
-from sqlalchemy.orm import selectinload
+from sqlalchemy import update
 
 from motion.errors import InputError
 from motion.segment import Segment
 from studyapp.clock import Clock
 from studyapp.database.engine import Database
 from studyapp.database.tables import StudySession
-from studyapp.rehearsal.eyes import rater_name
 from studyapp.rehearsal.ledger import Ledger
+from studyapp.rehearsal.people import people
 from studyapp.rehearsal.record import Truth, read_truth, write_truth
-from studyapp.rehearsal.simulation.conduct import Conduct
 from studyapp.rehearsal.simulation.population import Population, default_population
-from studyapp.rehearsal.simulation.raters import Rater
 from studyapp.rehearsal.simulation.truth import expectations
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
@@ -129,13 +126,14 @@ def call_roster(database: Database, count: int, truth: Truth) -> Roster:
     asked for, at most as many as there are in the first place; and one for everybody who left for
     good, at most `MOST_GONE` times as many.
     """
-    sittings = _sittings(database)
-    finished = [each.name for each in sittings if each.is_finished]
-    excluded = sum(each.is_finished and not each.has_place for each in sittings)
-    gone = [each.name for each in sittings if each.is_gone(truth)]
+    with database.reading() as session:
+        begun = people(session, truth)
+    finished = [each.name for each in begun if each.completed]
+    excluded = sum(each.completed and not each.has_place for each in begun)
+    gone = [each.name for each in begun if each.has_left]
     wanted = count + min(excluded, count) + min(len(gone), MOST_GONE * count)
     names = [f"rehearsal-{number:05d}" for number in range(wanted)]
-    known = {each.name for each in sittings}
+    known = {each.name for each in begun}
     over = {*finished, *gone}
     return Roster(
         wanted=wanted,
@@ -164,43 +162,3 @@ def let_time_pass(database: Database, roster: Roster, lease_minutes: int) -> Non
                 .where(StudySession.recruiter_participant.in_(names))
                 .values(last_active_at=moment)
             )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Sitting:
-    """What is stored of one simulated participant."""
-
-    name: str
-    rater: str
-    is_finished: bool
-    has_place: bool
-    trials: int
-    settled: int
-
-    def is_gone(self, truth: Truth) -> bool:
-        """Tell whether it has left for good: it does so once it sees a certain trial."""
-        rater = Rater(population=truth.population, seed=truth.seed, name=self.rater)
-        conduct = Conduct(rater=rater, trials=self.trials, coverage=0.0)
-        leaves_at = None if conduct.returns else conduct.leaves_at
-        return not self.is_finished and leaves_at is not None and self.settled >= leaves_at - 1
-
-
-def _sittings(database: Database) -> list[_Sitting]:
-    """Return what is stored of every simulated participant, in the order of their arrival."""
-    with database.reading() as session:
-        sittings = session.scalars(
-            select(StudySession)
-            .order_by(StudySession.id)
-            .options(selectinload(StudySession.place), selectinload(StudySession.trials))
-        )
-        return [
-            _Sitting(
-                name=sitting.recruiter_participant or "",
-                rater=rater_name(session, sitting),
-                is_finished=sitting.completed_at is not None,
-                has_place=sitting.place is not None,
-                trials=max(1, len(sitting.trials)),
-                settled=sum(trial.settled for trial in sitting.trials),
-            )
-            for sitting in sittings
-        ]

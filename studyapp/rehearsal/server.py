@@ -19,7 +19,7 @@ from typing import IO, Final
 import httpx
 
 from motion.errors import InputError
-from studyapp.rehearsal.connection import study_client
+from studyapp.rehearsal.visit import study_client
 from studyapp.study.folder import StudyFolder
 from studyapp.web.health import HEALTH
 from studyapp.web.server import run_server

@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
+import ssl
+from abc import ABC, abstractmethod
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from threading import Event
+from typing import Final
 
 import httpx
 
 from studyapp.rehearsal.forms import Form, FormFields
-from studyapp.rehearsal.pages import BrokenPageError, Page
-from studyapp.rehearsal.players import Player
+from studyapp.rehearsal.pages import BrokenPageError, Page, Player
+
+REQUEST_SECONDS: Final = 60.0
+
+
+def study_client(server: str) -> httpx.Client:
+    """Return a client for one participant of the server at address `server`.
+
+    Every request opens a connection of its own. A server closes those that nobody has used for
+    some seconds, as long as a participant may watch; a request on its way at that very moment
+    would be lost, and only browsers send it again by themselves.
+    """
+    return httpx.Client(
+        base_url=server,
+        follow_redirects=True,
+        timeout=REQUEST_SECONDS,
+        limits=httpx.Limits(max_keepalive_connections=0),
+        trust_env=False,
+        # Certificates are not needed on the loopback, and loading them takes longer than a visit.
+        verify=ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT),
+        headers={"Accept": "text/html"},
+    )
 
 
 class Departure(Exception):  # noqa: N818 - it is no error
@@ -32,17 +55,15 @@ class InterruptedRehearsal(Exception):  # noqa: N818 - it is no error
 
 
 @dataclass(frozen=True, kw_only=True)
-class Visit:
-    """One browser window.
+class Visit(ABC):
+    """One browser window, or what stands for it.
 
     Attributes
     ----------
-    client : httpx.Client
-        Follows redirects.
     stop : Event
         Set when the rehearsal is to stop.
     speed : float
-        How fast the rehearsal's clock runs; videos are played in that time.
+        How fast the rehearsal's clock runs.
     watches : float
         Share of each video that is watched, in [0, 1].
     thinks : float
@@ -51,18 +72,18 @@ class Visit:
         Whether every button is pressed twice, as fast as that goes.
     """
 
-    client: httpx.Client
     stop: Event
     speed: float
     watches: float = 1.0
     thinks: float = 0.0
     clicks_twice: bool = False
 
+    @abstractmethod
     def open(self, address: str) -> Page:
         """Return the page at `address`, after redirects."""
-        return _page(self.client.get(address))
 
-    def send(self, page: Page, form: Form, answers: FormFields | None = None) -> Page:
+    @abstractmethod
+    def send(self, page: Page, form: Form, answers: FormFields) -> Page:
         """Send `form` of `page` with `answers` and return the page that follows.
 
         Raises
@@ -70,7 +91,40 @@ class Visit:
         BrokenPageError
             If it is not taken; from who clicks twice, both must be.
         """
-        data = page.filled(form, answers or {})
+
+    @abstractmethod
+    def watch(self, page: Page) -> None:
+        """Play the videos on `page`, one after the other, and think."""
+
+    @abstractmethod
+    def listen(self, page: Page) -> None:
+        """Hear what can be listened to on `page`."""
+
+    def rest(self, seconds: float) -> None:
+        """Let so much time pass on the rehearsal's clock."""
+        if self.stop.wait(seconds / self.speed):
+            raise InterruptedRehearsal
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlainVisit(Visit):
+    """A visit without a browser: its requests alone.
+
+    Attributes
+    ----------
+    client : httpx.Client
+        Follows redirects.
+    """
+
+    client: httpx.Client
+
+    def open(self, address: str) -> Page:
+        """Return the page at `address`, after redirects."""
+        return _page(self.client.get(address))
+
+    def send(self, page: Page, form: Form, answers: FormFields) -> Page:
+        """Send `form` of `page` with `answers` and return the page that follows."""
+        data = page.filled(form, answers)
         if self.stop.is_set():
             raise InterruptedRehearsal
         target = page.target(form)
@@ -87,18 +141,14 @@ class Visit:
         """
         for player in page.players:
             self._stream(page, player.source, "video")
-            self._wait(player.duration * self.watches)
+            self.rest(player.duration * self.watches)
             self._report(page, player)
-        self._wait(self.thinks)
+        self.rest(self.thinks)
 
     def listen(self, page: Page) -> None:
         """Fetch what can be listened to on `page`."""
         for source in page.sounds:
             self._stream(page, source, "audio")
-
-    def _wait(self, seconds: float) -> None:
-        if self.stop.wait(seconds / self.speed):
-            raise InterruptedRehearsal
 
     def _stream(self, page: Page, source: str, kind: str) -> None:
         opening = self.client.get(source, headers={"Range": "bytes=0-1023"})

@@ -10,7 +10,7 @@ from analysis.measurement.presets import PRESETS, REPORT
 from analysis.report.sections.metric import PAPER_OF
 from analysis.report.subject import Excerpt, Origin, Subject
 from motion.segment import Segment
-from studyapp.rehearsal.record import known_values, read_truth
+from studyapp.rehearsal.record import read_truth
 from studyapp.results.analysed_tasks import compared
 from studyapp.results.metrics import measure_study
 from studyapp.results.report_strips import study_stills
@@ -60,7 +60,7 @@ def study_subject(
         frozen=study.freeze,
         study_sha256=hashlib.sha256(folder.definition.read_bytes()).hexdigest(),
         seed=study.seed,
-        truth=(known_values(read_truth(folder.rehearsal_truth)) if origin == "rehearsal" else ()),
+        truth=read_truth(folder.rehearsal_truth).expected if origin == "rehearsal" else (),
         metrics=_metrics(folder, study, segments),
         stills=shown.stills,
         no_stills=shown.reason,

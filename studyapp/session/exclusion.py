@@ -41,13 +41,13 @@ def is_excluded(study: Study, study_session: StudySession) -> bool:
 
 def failures(study: Study, trials: Iterable[Trial]) -> dict[str, int]:
     """Return how many of `trials` were failed, by kind; to leave one out is to fail it."""
-    failed = [trial.kind for trial in trials if _failed(study, trial)]
+    judged = (trial for trial in trials if trial.settled and trial.kind in JUDGED)
+    failed = [trial.kind for trial in judged if is_failed(study, trial)]
     return {kind: failed.count(kind) for kind in JUDGED}
 
 
-def _failed(study: Study, trial: Trial) -> bool:
-    if not trial.settled or trial.kind not in JUDGED:
-        return False
+def is_failed(study: Study, trial: Trial) -> bool:
+    """Tell whether a catch trial or attention check that somebody is done with was failed."""
     if trial.answered_at is None:
         return True
     answers = {(given.question, given.stimulus): given.value for given in trial.responses}

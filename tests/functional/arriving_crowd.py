@@ -10,14 +10,13 @@ from pathlib import Path
 from threading import Event, Semaphore
 
 from studyapp.database.engine import Database, sqlite_url
-from studyapp.rehearsal.connection import study_client
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.forms import FormFields
 from studyapp.rehearsal.pages import Page
-from studyapp.rehearsal.participant import Participant, answer_trial, fill_form
+from studyapp.rehearsal.participant import Participant
 from studyapp.rehearsal.simulation.judgement import Judgement
 from studyapp.rehearsal.simulation.population import default_population
-from studyapp.rehearsal.visit import Visit
+from studyapp.rehearsal.visit import Visit, study_client
 from studyapp.study.folder import StudyFolder
 
 AS_REAL = 1.0
@@ -57,7 +56,7 @@ class ArrivingCrowd:
 
     def _take_part(self, name: str) -> str:
         study = self.folder.study()
-        participant = Participant(
+        participant = _Arriving(
             name=name,
             study=study,
             population=replace(default_population(study), kinds={}),
@@ -65,25 +64,31 @@ class ArrivingCrowd:
             eyes=self.eyes,
             speed=AS_REAL,
             stop=self.stop,
-            answer=self._answer,
-            fill=self._fill,
+            crowd=self,
         )
         with study_client(self.server) as client:
             return participant.take_part(client)
 
-    def _answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
-        """Watch in real time, and think in none."""
-        if not self.may_answer.is_set():
-            self.here.release()
-            self.may_answer.wait()
-        return answer_trial(replace(visit, thinks=0.0), page, judgement)
 
-    def _fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
+@dataclass(frozen=True, kw_only=True)
+class _Arriving(Participant):
+    crowd: ArrivingCrowd
+
+    def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
+        """Watch in real time, and think in none."""
+        if not self.crowd.may_answer.is_set():
+            self.crowd.here.release()
+            self.crowd.may_answer.wait()
+        return super().answer(replace(visit, thinks=0.0), page, judgement)
+
+    def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
+        """Write the crowd's remark where one is asked for."""
+        remark = self.crowd.remark
         said = {
-            name: (self.remark,) if name.endswith("remarks") else values
+            name: (remark,) if name.endswith("remarks") else values
             for name, values in answers.items()
         }
-        return fill_form(visit, page, said)
+        return super().fill(visit, page, said)
 
 
 @contextmanager

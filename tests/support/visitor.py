@@ -10,6 +10,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from studyapp.rehearsal.ledger import AnswerPlace
 from tests.support.page_scan import SeenForm, seen_files, seen_form, seen_videos
 from tests.support.wire import LostConnectionError, Reply, Wire
 
@@ -49,8 +50,8 @@ class Ledger:
         How long each request took.
     errors : list of str
         What went wrong; never an address, which holds a participant's token.
-    acknowledged : mapping of str to mapping of str to str
-        By the trial's token, the answers that the server has said it stored.
+    acknowledged : mapping of AnswerPlace to int
+        The answers that the server has said it stored.
     lost : int
         Requests that were sent again because the server went away or failed.
     completed : int
@@ -59,7 +60,7 @@ class Ledger:
 
     seconds: dict[Kind, list[float]] = field(default_factory=dict)
     errors: list[str] = field(default_factory=list)
-    acknowledged: dict[str, dict[str, str]] = field(default_factory=dict)
+    acknowledged: dict[AnswerPlace, int] = field(default_factory=dict)
     lost: int = 0
     completed: int = 0
 
@@ -167,7 +168,9 @@ class Visitor:
         answers = {name: self.chance.choice(values) for name, values in form.choices.items()}
         for _ in range(2 if self.chance.random() < SENT_TWICE else 1):
             await self._send("answers", form, answers)
-            self.ledger.acknowledged[form.hidden["trial"]] = answers
+            self.ledger.acknowledged.update(
+                {(form.hidden["trial"], name, 0): int(value) for name, value in answers.items()}
+            )
 
     async def _spend(self, least: float, most: float = 0.0) -> None:
         """Let as many seconds pass as a person needs, from `least` to `most`."""

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from studyapp.database.tables import Place, Response, StudySession, Trial
-from studyapp.monitoring.dropouts import dropouts
+from studyapp.database.tables import Place, Response, Trial
+from studyapp.monitoring.counts import dropouts
 from studyapp.monitoring.study_sessions import Sitting
-from studyapp.rehearsal.ledger import Acknowledged, AcknowledgedKey
-from studyapp.rehearsal.recovery.people import Person
+from studyapp.rehearsal.ledger import Acknowledged, AnswerPlace
+from studyapp.rehearsal.people import Person
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Check:
     """One thing that was counted.
 
@@ -51,8 +50,8 @@ def checks(
     sittings: Sequence[Sitting],
     *,
     completed_in_report: int,
-) -> tuple[Check, ...]:
-    """Return everything that was counted twice: by those who took part, and by the study.
+) -> Iterator[Check]:
+    """Yield everything that was counted twice: by those who took part, and by the study.
 
     Parameters
     ----------
@@ -65,98 +64,42 @@ def checks(
     completed_in_report : int
         How many the report counts as having reached the end.
     """
-    return (
-        *_of_people(told, everybody, sittings, completed_in_report),
-        *_of_answers(told.answers, *_stored(session)),
-        *_of_places(session),
-    )
-
-
-def _of_people(
-    told: Acknowledged,
-    everybody: Sequence[Person],
-    sittings: Sequence[Sitting],
-    completed_in_report: int,
-) -> Iterator[Check]:
-    stopped = Counter(person.kind for person in everybody if not person.completed)
-    finished = sum(sitting.standing in ("done", "replaced") for sitting in sittings)
     codes = {person.name: person.code for person in everybody if person.completed}
-    came_back = [name for name in told.returned if told.returned[name]]
+    came_back = [name for name, times in told.returned.items() if times]
+    places = select(Place.study_session_id).where(Place.study_session_id.is_not(None))
+    held = session.scalars(places).all()
+    ended = sum(sitting.standing in ("done", "replaced") for sitting in sittings)
+    gone = sum(who.rater.kind == "dropping_out" for who in everybody if not who.completed)
+    right_codes = {code for name, code in told.codes.items() if codes.get(name) == code}
+    names = {person.name for person in everybody}
+    back_and_done = sum(name in codes for name in came_back)
+    yield Check("participants began", len(names), len(sittings), "one study session each")
+    yield Check("completed, says the live view", len(told.codes), ended)
+    yield Check("completed, says the report", len(told.codes), completed_in_report)
+    yield Check("left for good", gone, dropouts(sittings).left)
+    yield Check("came back after leaving and finished", len(came_back), back_and_done)
     yield Check(
-        what="participants began",
-        happened=len({person.name for person in everybody}),
-        counted=len(sittings),
-        remark="one study session each",
+        "were shown the code that is stored, each another one", len(told.codes), len(right_codes)
     )
-    yield Check(what="completed, says the live view", happened=len(told.codes), counted=finished)
-    yield Check(
-        what="completed, says the report", happened=len(told.codes), counted=completed_in_report
-    )
-    yield Check(
-        what="left for good",
-        happened=stopped["dropping_out"],
-        counted=dropouts(sittings).left,
-    )
-    yield Check(
-        what="came back after leaving and finished",
-        happened=len(came_back),
-        counted=sum(name in codes for name in came_back),
-    )
-    yield Check(
-        what="were shown the code that is stored, each another one",
-        happened=len(told.codes),
-        counted=len({code for name, code in told.codes.items() if codes.get(name) == code}),
-    )
+    yield Check("places held, each by a study session of its own", len(held), len(set(held)))
+    yield from answer_checks(session, told.answers)
 
 
-def _of_answers(
-    told: dict[AcknowledgedKey, int], stored: dict[AcknowledgedKey, list[int]], rows: int
-) -> Iterator[Check]:
-    as_told = sum(stored.get(key) == [value] for key, value in told.items())
+def answer_checks(session: Session, told: Mapping[AnswerPlace, int]) -> Iterator[Check]:
+    """Yield whether the answers that participants were `told` of are stored once, as given."""
+    query = select(Trial.token, Response.question, Response.stimulus, Response.value)
+    stored: dict[AnswerPlace, list[int]] = {}
+    for trial, question, stimulus, value in session.execute(query.join(Response.trial)):
+        stored.setdefault((trial, question, stimulus or 0), []).append(value)
+    kept = sum(stored.get(place) == [value] for place, value in told.items())
+    yield Check("acknowledged answers, stored once and as they were given", len(told), kept)
+    unknown = len(stored.keys() - told.keys())
     yield Check(
-        what="acknowledged answers, stored once and as they were given",
-        happened=len(told),
-        counted=as_told,
-    )
-    unknown = sum(key not in told for key in stored)
-    yield Check(
-        what="answers stored without having been acknowledged",
-        happened=0,
-        counted=unknown,
+        "answers stored without having been acknowledged",
+        0,
+        unknown,
         remark="the acknowledgement was lost where the rehearsal was stopped" if unknown else "",
         allowed=True,
     )
-    yield Check(what="answers stored twice", happened=0, counted=rows - len(stored))
-
-
-def _of_places(session: Session) -> Iterator[Check]:
-    held = session.scalars(
-        select(Place.study_session_id).where(Place.study_session_id.is_not(None))
-    ).all()
-    yield Check(
-        what="places held, each by a study session of its own",
-        happened=len(held),
-        counted=len(set(held)),
-    )
-
-
-def _stored(session: Session) -> tuple[dict[AcknowledgedKey, list[int]], int]:
-    """Return the stored values by what they answer, and how many rows there are."""
-    query = (
-        select(
-            StudySession.recruiter_participant,
-            Trial.position,
-            Response.question,
-            Response.stimulus,
-            Response.value,
-        )
-        .join(Trial, Trial.id == Response.trial_id)
-        .join(StudySession, StudySession.id == Trial.study_session_id)
-    )
-    found: dict[AcknowledgedKey, list[int]] = {}
-    rows = 0
-    for name, position, question, stimulus, value in session.execute(query):
-        rows += 1
-        key = (name or "", position, question, stimulus or 0)
-        found.setdefault(key, []).append(value)
-    return found, rows
+    twice = sum(len(values) - 1 for values in stored.values())
+    yield Check("answers stored twice", 0, twice)

@@ -16,11 +16,12 @@ from analysis.results.report import Settings, Source, TableReport, analyse_answe
 from analysis.stats.clustered_mean import Estimate
 from motion.errors import InputError
 from studyapp.clock import Clock
-from studyapp.monitoring.study_sessions import Sitting, sittings
+from studyapp.monitoring.study_sessions import sittings
 from studyapp.rehearsal.ledger import Ledger
-from studyapp.rehearsal.record import known_values, read_truth
+from studyapp.rehearsal.people import people
+from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.recovery.bookkeeping import Check, checks
-from studyapp.rehearsal.recovery.people import KindRecovered, kinds_recovered, people
+from studyapp.rehearsal.recovery.kinds import KindRecovered, kinds_recovered
 from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
 from studyapp.results.answers import Answers, answers_in, snapshot
 from studyapp.results.report_arms import arm_of_each, arm_states
@@ -86,7 +87,7 @@ def recover(folder: StudyFolder) -> Recovery:
     study = folder.study()
     truth = read_truth(folder.rehearsal_truth)
     served = ServedStudy.read(folder.root).opened_for(rehearsal=True)
-    known = known_values(truth)
+    known = truth.expected
     with snapshot(folder, "rehearsal") as session:
         if session is None:
             raise InputError(
@@ -98,13 +99,14 @@ def recover(folder: StudyFolder) -> Recovery:
         tasks = analysed_tasks(study, answers, rules_of(study, answers))
         reports = [analysed(study, task, answers) for task in tasks]
         everybody = people(session, truth)
-        seen: Sequence[Sitting] = sittings(session, served, Clock().now())
-        counted = checks(
-            session,
-            Ledger(folder.acknowledged).read(),
-            everybody,
-            seen,
-            completed_in_report=sum(flow.completed or 0 for flow in reports[0].flow),
+        counted = tuple(
+            checks(
+                session,
+                Ledger(folder.acknowledged).read(),
+                everybody,
+                sittings(session, served, Clock().now()),
+                completed_in_report=sum(flow.completed or 0 for flow in reports[0].flow),
+            )
         )
     return Recovery(
         title=study.title,

@@ -1,4 +1,4 @@
-"""The tables of what came of a rehearsal, as they are written."""
+"""The tables of what came of a rehearsal."""
 
 from __future__ import annotations
 
@@ -7,6 +7,15 @@ import pandas as pd
 from studyapp.rehearsal.recovery.recovery import Recovery
 from studyapp.rehearsal.simulation.kinds import DESCRIPTIONS
 
+VALUES = (
+    *("part", "question", "measure", "about", "put_in", "put_in_on_these_segments"),
+    *("found", "low", "high", "inside", "participants", "reason"),
+)
+DIFFERENCES = (
+    *("part", "question", "measure", "first", "second", "put_in", "found", "low", "high"),
+    *("sign", "participants", "reason"),
+)
+
 
 def recovery_tables(recovery: Recovery) -> dict[str, pd.DataFrame]:
     """Return every table under the name of its file."""
@@ -14,60 +23,36 @@ def recovery_tables(recovery: Recovery) -> dict[str, pd.DataFrame]:
         "values.csv": _values(recovery),
         "differences.csv": _differences(recovery),
         "raters.csv": _raters(recovery),
-        "bookkeeping.csv": _bookkeeping(recovery),
+        "bookkeeping.csv": pd.DataFrame(
+            [vars(check) | {"agrees": check.agrees} for check in recovery.checks],
+            columns=["what", "happened", "counted", "agrees", "remark"],
+        ),
     }
 
 
 def _values(recovery: Recovery) -> pd.DataFrame:
-    return pd.DataFrame(
-        [
-            {
-                "part": known.part,
-                "question": known.question,
-                "measure": known.measure,
-                "about": known.about,
-                "put_in": known.value,
-                "put_in_on_these_segments": known.on_these_segments,
-                "found": found.estimate,
-                "low": found.low,
-                "high": found.high,
-                "inside": found.covers(known.value) if found.has_interval else None,
-                "participants": found.participants,
-                "reason": found.reason,
-            }
-            for known, found in recovery.values
-        ],
-        columns=[
-            *("part", "question", "measure", "about", "put_in", "put_in_on_these_segments"),
-            *("found", "low", "high", "inside", "participants", "reason"),
-        ],
-    )
+    rows = [
+        vars(known)
+        | vars(found)
+        | {
+            "put_in": known.value,
+            "put_in_on_these_segments": known.on_these_segments,
+            "found": found.estimate,
+            "inside": found.covers(known.value) if found.has_interval else None,
+        }
+        for known, found in recovery.values
+    ]
+    return pd.DataFrame(rows, columns=VALUES)
 
 
 def _differences(recovery: Recovery) -> pd.DataFrame:
-    return pd.DataFrame(
-        [
-            {
-                "part": each.part,
-                "question": each.question,
-                "measure": each.measure,
-                "first": each.first,
-                "second": each.second,
-                "put_in": each.truth,
-                "found": each.found.estimate,
-                "low": each.found.low,
-                "high": each.found.high,
-                "sign": each.sign,
-                "participants": each.found.participants,
-                "reason": each.found.reason,
-            }
-            for each in recovery.differences
-        ],
-        columns=[
-            *("part", "question", "measure", "first", "second", "put_in", "found", "low", "high"),
-            *("sign", "participants", "reason"),
-        ],
-    )
+    rows = [
+        vars(each)
+        | vars(each.found)
+        | {"put_in": each.truth, "found": each.found.estimate, "sign": each.sign}
+        for each in recovery.differences
+    ]
+    return pd.DataFrame(rows, columns=DIFFERENCES)
 
 
 def _raters(recovery: Recovery) -> pd.DataFrame:
@@ -87,20 +72,5 @@ def _raters(recovery: Recovery) -> pd.DataFrame:
                 "wrongly_excluded": kind.wrongly_excluded,
             }
             for kind in recovery.kinds
-        ]
-    )
-
-
-def _bookkeeping(recovery: Recovery) -> pd.DataFrame:
-    return pd.DataFrame(
-        [
-            {
-                "what": check.what,
-                "happened": check.happened,
-                "counted": check.counted,
-                "agrees": check.agrees,
-                "remark": check.remark,
-            }
-            for check in recovery.checks
         ]
     )

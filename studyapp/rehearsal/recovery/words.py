@@ -12,7 +12,7 @@ from scipy.stats import binom
 from analysis.results.known_values import KnownDifference, Sign
 from analysis.stats.clustered_mean import LEVEL, Estimate
 from motion.listing import listed
-from studyapp.rehearsal.recovery.people import KindRecovered
+from studyapp.rehearsal.recovery.kinds import KindRecovered
 from studyapp.rehearsal.recovery.recovery import Recovery
 from studyapp.rehearsal.simulation.kinds import Kind
 

@@ -9,8 +9,9 @@ from itertools import combinations
 
 import numpy as np
 
+from analysis.results.headline import Measure
+from analysis.results.known_values import KnownValue
 from motion.segment import Segment
-from studyapp.rehearsal.record import Expected, Measure
 from studyapp.rehearsal.simulation.integrals import mean_rank, mean_rating, win_share
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import segment_fit, speech_fit
@@ -26,7 +27,7 @@ Average = Callable[[np.ndarray, float], float]
 
 def expectations(
     study: Study, segments: Sequence[Segment], *, population: Population, seed: int
-) -> tuple[Expected, ...]:
+) -> tuple[KnownValue, ...]:
     """Return what a rehearsal of `study` with `segments` should find.
 
     Nothing is expected of rankings with ties: how many there are depends on all motions at once.
@@ -77,14 +78,14 @@ class _Items:
         )
 
 
-def _of_pairs(study: PairwiseStudy, items: _Items) -> Iterator[Expected]:
+def _of_pairs(study: PairwiseStudy, items: _Items) -> Iterator[KnownValue]:
     for arm in study.arms:
         for pair in combinations(arm.conditions, 2):
             for question in study.questions:
                 yield _pair(items, pair, question.name)
 
 
-def _of_mismatch(study: MismatchStudy, items: _Items) -> Iterator[Expected]:
+def _of_mismatch(study: MismatchStudy, items: _Items) -> Iterator[KnownValue]:
     for question in study.questions:
         ties = question.levels > 2
         if study.fit and question.belongs_to(FIT):
@@ -95,14 +96,14 @@ def _of_mismatch(study: MismatchStudy, items: _Items) -> Iterator[Expected]:
                 yield _pair(items, pair, question.name, part=REALISM, ties=ties)
 
 
-def _of_ratings(study: RatingStudy, items: _Items) -> Iterator[Expected]:
+def _of_ratings(study: RatingStudy, items: _Items) -> Iterator[KnownValue]:
     for part in study.sets:
         for question in study.questions:
             for condition in part.conditions if question.belongs_to(part.name) else ():
                 yield _rating(items, condition, question.name, question.values, part=part.name)
 
 
-def _of_rankings(study: RankingStudy, items: _Items) -> Iterator[Expected]:
+def _of_rankings(study: RankingStudy, items: _Items) -> Iterator[KnownValue]:
     for block in study.blocks if not study.ties else ():
         shown = replace(items, segments=block.segments(items.segments))
         for question in study.questions:
@@ -113,7 +114,7 @@ def _of_rankings(study: RankingStudy, items: _Items) -> Iterator[Expected]:
 
 def _pair(
     items: _Items, pair: tuple[str, str], question: str, *, part: str = "", ties: bool = True
-) -> Expected:
+) -> KnownValue:
     first, second = pair
     population = items.population
     value, on_these = _averages(
@@ -126,7 +127,7 @@ def _pair(
     return _expected("win_share", comparison_name(*pair), part, question, value, on_these)
 
 
-def _own_speech(items: _Items, condition: str, question: str, *, ties: bool) -> Expected:
+def _own_speech(items: _Items, condition: str, question: str, *, ties: bool) -> KnownValue:
     population = items.population
     value, on_these = _averages(
         lambda gap, spread: win_share(population, float(gap[0]), spread, ties=ties),
@@ -140,7 +141,7 @@ def _own_speech(items: _Items, condition: str, question: str, *, ties: bool) -> 
 
 def _rating(
     items: _Items, condition: str, question: str, values: Sequence[int], *, part: str
-) -> Expected:
+) -> KnownValue:
     population = items.population
     value, on_these = _averages(
         lambda utility, spread: mean_rating(population, float(utility[0]), spread, values),
@@ -154,7 +155,7 @@ def _rating(
 
 def _rank(
     items: _Items, condition: str, others: Sequence[str], question: str, *, part: str
-) -> Expected:
+) -> KnownValue:
     own, own_luck = items.quality(condition, question), items.luck(condition, question)
     value, on_these = _averages(
         lambda gaps, spread: mean_rank(gaps.tolist(), spread),
@@ -187,12 +188,12 @@ def _averages(
 
 def _expected(
     measure: Measure, about: str, part: str, question: str, value: float, on_these: float
-) -> Expected:
-    return Expected(
+) -> KnownValue:
+    return KnownValue(
         part=part,
         question=question,
         measure=measure,
         about=about,
         value=value,
-        value_on_these_segments=on_these,
+        on_these_segments=on_these,
     )

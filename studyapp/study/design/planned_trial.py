@@ -52,6 +52,11 @@ class PlannedTrial:
     repeats: int | None = None
 
     @property
+    def shown(self) -> tuple[Content, ...]:
+        """All its videos, the reference's first."""
+        return self.videos if self.reference is None else ((self.reference,), *self.videos)
+
+    @property
     def stimuli(self) -> tuple[Stimulus, ...]:
         """What is judged, number 1 first."""
         return tuple(stimulus for video in self.videos for stimulus in video)

@@ -9,8 +9,8 @@ from flask.typing import ResponseReturnValue
 
 from analysis.stats.peeking import LEVEL, equally_spaced, false_positive_rate
 from motion.errors import InputError
+from studyapp.monitoring.counts import PlaceCounts
 from studyapp.monitoring.overview import places_so_far
-from studyapp.monitoring.place_counts import PlaceCounts
 from studyapp.researchers.interim.documents import ResultsDocument
 from studyapp.researchers.interim.keeping import kept_figures
 from studyapp.researchers.looks import (

@@ -9,15 +9,14 @@ import pytest
 from studyapp.monitoring.answered_trials import (
     AnsweredTrial,
     progress,
+    sides,
     times,
     times_of_trials,
 )
 from studyapp.monitoring.checks import Check, checked_items, failed_by_sitting
-from studyapp.monitoring.dropouts import LeftAt, dropouts
+from studyapp.monitoring.counts import LeftAt, all_together, count_places, dropouts
 from studyapp.monitoring.overview import forecast
-from studyapp.monitoring.place_counts import all_together, count_places
 from studyapp.monitoring.selection import ROWS, page_of, pages_of
-from studyapp.monitoring.sides import sides
 from studyapp.study.design.arm import Arm
 from tests.studyapp.monitoring.made_study_sessions import NOON, sitting
 

@@ -4,13 +4,11 @@ from typing import Any
 
 import pytest
 
-from studyapp.monitoring.answered_trials import Times
+from studyapp.monitoring.answered_trials import Sides, Times
 from studyapp.monitoring.checks import CheckedItem
+from studyapp.monitoring.counts import Dropouts, LeftAt, PlaceCounts
 from studyapp.monitoring.decisions import decisions
-from studyapp.monitoring.dropouts import Dropouts, LeftAt
-from studyapp.monitoring.place_counts import PlaceCounts
 from studyapp.monitoring.playback import PlayedVideo
-from studyapp.monitoring.sides import Sides
 
 QUIET: dict[str, Any] = {
     "places": PlaceCounts(arm="", wanted=10, done=4, active=1, stale=0),

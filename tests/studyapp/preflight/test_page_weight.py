@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from motion.segment import Segment
-from studyapp.preflight.finding import Severity
 from studyapp.preflight.material import Material
 from studyapp.preflight.page_weight import Weight, weight_findings, weight_of
 from studyapp.study.design.planned_trial import PlannedTrial
@@ -53,7 +52,7 @@ def test_a_page_above_the_budget_is_an_error_with_a_remedy(
 
     findings = list(weight_findings(Material.of(folder, folder.study())))
 
-    said = [finding for finding in findings if finding.severity is Severity.ERROR]
+    said = [finding for finding in findings if finding.severity == "error"]
     assert len(said) == errors
     assert findings[0].what.startswith("a page loads up to 0.")
     assert all("megabytes_per_page" in f.what and "smaller" in f.remedy for f in said)

@@ -13,7 +13,7 @@ from motion.audio import Audio
 from motion.formats import read_clip, write_clip
 from renderer.video.encoder import SOUND_RATE, VideoWriter
 from studyapp.preflight.check import check
-from studyapp.preflight.finding import Severity
+from studyapp.preflight.finding import SEVERITIES, Severity
 from studyapp.results.study_notes import study_notes
 from studyapp.stimuli.generation import generate
 from studyapp.stimuli.recordings import Take, import_take
@@ -70,20 +70,20 @@ def change(folder: StudyFolder, *keys: str, value: object) -> None:
 
 
 def test_a_rendered_study_has_no_errors(ready: StudyFolder) -> None:
-    assert findings_of(ready, Severity.ERROR) == []
+    assert findings_of(ready, "error") == []
 
 
 def test_errors_come_first(ready: StudyFolder) -> None:
     (ready.root / read_stimuli(ready.stimuli).pairs[0].file).unlink()
     severities = [finding.severity for finding in check(ready)]
-    assert severities == sorted(severities, key=list(Severity).index)
-    assert severities[0] is Severity.ERROR
+    assert severities == sorted(severities, key=SEVERITIES.index)
+    assert severities[0] == "error"
 
 
 def test_each_missing_video_is_named_with_its_conditions(ready: StudyFolder) -> None:
     pair = read_stimuli(ready.stimuli).pairs[3]
     (ready.root / pair.file).unlink()
-    (error,) = findings_of(ready, Severity.ERROR)
+    (error,) = findings_of(ready, "error")
     assert repr(pair.left) in error
     assert repr(pair.right) in error
     assert pair.segment in error
@@ -94,8 +94,8 @@ def test_before_rendering_the_design_is_told_all_the_same(
 ) -> None:
     import_take(folder, take())
 
-    assert findings_of(folder, Severity.ERROR) == ["the study has no videos yet"]
-    assert any("pairs per participant" in note for note in findings_of(folder, Severity.NOTE))
+    assert findings_of(folder, "error") == ["the study has no videos yet"]
+    assert any("pairs per participant" in note for note in findings_of(folder, "note"))
 
 
 def test_pairs_that_their_size_tells_apart_are_an_error(ready: StudyFolder) -> None:
@@ -103,7 +103,7 @@ def test_pairs_that_their_size_tells_apart_are_an_error(ready: StudyFolder) -> N
     with (ready.root / pair.file).open("ab") as file:
         file.write((12).to_bytes(4, "big") + b"free" + bytes(4))
 
-    assert findings_of(ready, Severity.ERROR) == [
+    assert findings_of(ready, "error") == [
         f"the videos of segment {pair.segment} differ in file size, which tells them apart"
     ]
 
@@ -117,7 +117,7 @@ def test_a_video_that_cannot_be_played_is_an_error(
     damaged = files[0].read_bytes()[:400] if content is None else content
     for file in files:
         file.write_bytes(damaged)
-    errors = findings_of(ready, Severity.ERROR)
+    errors = findings_of(ready, "error")
     assert len(errors) == len(files)
     assert all(pair.file in error for pair, error in zip(pairs, errors, strict=True))
 
@@ -136,16 +136,16 @@ def test_segments_that_differ_in_loudness_are_warned_of(ready: StudyFolder) -> N
     one, two, three = (segment.name for segment in ready.segments())
     for segment, amplitude in ((one, 0.1), (two, 0.105), (three, 0.1)):
         hum(ready, segment, amplitude)
-    assert not any("louder" in warning for warning in findings_of(ready, Severity.WARNING))
+    assert not any("louder" in warning for warning in findings_of(ready, "warning"))
     hum(ready, two, 0.2)
-    (warning,) = (w for w in findings_of(ready, Severity.WARNING) if "louder" in w)
+    (warning,) = (w for w in findings_of(ready, "warning") if "louder" in w)
     assert f"segment {two} is 6.0 LU louder than segment" in warning
     assert "(-17.0 and -23.0 LUFS)" in warning
 
 
 def test_missing_speech_is_named(ready: StudyFolder) -> None:
     (ready.speech / "take.wav").unlink()
-    (found,) = [each for each in check(ready) if each.severity is Severity.ERROR]
+    (found,) = [each for each in check(ready) if each.severity == "error"]
     assert found.name == "speech-unreadable"
     assert found.where.endswith("segments.csv, line 2")
     assert "take.wav" in found.what
@@ -155,13 +155,13 @@ def test_a_video_of_another_length_than_its_speech_is_an_error(ready: StudyFolde
     stimuli = read_stimuli(ready.stimuli)
     first = stimuli.pairs[0].model_copy(update={"duration": 9.0})
     write_stimuli(ready.stimuli, Stimuli(pairs=(first, *stimuli.pairs[1:])))
-    (error,) = findings_of(ready, Severity.ERROR)
+    (error,) = findings_of(ready, "error")
     assert "lasts 9 s" in error
 
 
 def test_what_the_segments_allow_is_said_beside_the_published_design(ready: StudyFolder) -> None:
     change(ready, "trials", value=24)
-    notes = " ".join(findings_of(ready, Severity.NOTE))
+    notes = " ".join(findings_of(ready, "note"))
     assert "3 segments of neutral allow 3 pairs" in notes
     assert "published design has 24" in notes
     assert "3 pairs instead of 24" in notes
@@ -172,14 +172,14 @@ def test_extra_trials_whose_speech_comes_elsewhere_are_counted(ready: StudyFolde
     said = " of 3 catch trials and attention checks have speech that comes in another trial too"
 
     # Two of three segments are heard in pairs, so that one is left for a catch trial.
-    assert any(note.startswith(f"2{said}") for note in findings_of(ready, Severity.NOTE))
+    assert any(note.startswith(f"2{said}") for note in findings_of(ready, "note"))
     change(ready, "catch", "trials", value=1)
-    assert not any("in another trial too" in note for note in findings_of(ready, Severity.NOTE))
+    assert not any("in another trial too" in note for note in findings_of(ready, "note"))
 
 
 def test_motion_with_fewer_frames_than_the_videos_is_warned_of(ready: StudyFolder) -> None:
     change(ready, "video", "frame_rate", value=60)
-    warnings = " ".join(findings_of(ready, Severity.WARNING))
+    warnings = " ".join(findings_of(ready, "warning"))
     assert "'ground_truth' has 30 frames per second" in warnings
 
 
@@ -189,15 +189,15 @@ def test_a_channel_that_only_some_conditions_move_is_warned_of_until_it_is_froze
     generate(ready)
     change(ready, "freeze", value=[])
     said = "face never moves in ground_truth"
-    assert any(said in warning for warning in findings_of(ready, Severity.WARNING))
+    assert any(said in warning for warning in findings_of(ready, "warning"))
     change(ready, "freeze", value=["face", "hands", "root", "lower_body"])
-    assert not any("never moves" in w for w in findings_of(ready, Severity.WARNING))
+    assert not any("never moves" in w for w in findings_of(ready, "warning"))
 
 
 def test_an_empty_contact_is_warned_of_until_it_is_filled_in(ready: StudyFolder) -> None:
-    assert "participants have nobody to ask" in findings_of(ready, Severity.WARNING)
+    assert "participants have nobody to ask" in findings_of(ready, "warning")
     change(ready, "page", "contact", value="lab@example.org")
-    assert "participants have nobody to ask" not in findings_of(ready, Severity.WARNING)
+    assert "participants have nobody to ask" not in findings_of(ready, "warning")
 
 
 def test_texts_left_in_english_are_warned_of_once_the_pages_are_not(ready: StudyFolder) -> None:
@@ -205,16 +205,14 @@ def test_texts_left_in_english_are_warned_of_once_the_pages_are_not(ready: Study
         "the pages are in the language 'ja', but title, page.consent, the question "
         "'synchronisation' and the question 'emotion' still say what the English template says"
     )
-    assert said not in findings_of(ready, Severity.WARNING)
+    assert said not in findings_of(ready, "warning")
     change(ready, "page", "language", value="ja")
-    assert said in findings_of(ready, Severity.WARNING)
+    assert said in findings_of(ready, "warning")
 
 
 def test_a_study_without_catch_trials_is_warned_of(ready: StudyFolder) -> None:
     change(ready, "catch", "trials", value=0)
-    assert any(
-        "neither catch trials" in warning for warning in findings_of(ready, Severity.WARNING)
-    )
+    assert any("neither catch trials" in warning for warning in findings_of(ready, "warning"))
 
 
 def test_a_study_without_a_recording_says_what_its_catch_trials_show(
@@ -227,7 +225,7 @@ def test_a_study_without_a_recording_says_what_its_catch_trials_show(
     (note,) = study_notes(ready.study())
     assert "rule_based against broken" in note
     pretend_rendered(ready, video)
-    assert note.rstrip(".") in findings_of(ready, Severity.NOTE)
+    assert note.rstrip(".") in findings_of(ready, "note")
 
 
 def _give_coefficients(folder: StudyFolder) -> None:
@@ -244,31 +242,31 @@ def test_a_face_that_the_body_does_not_show_is_warned_of(ready: StudyFolder) -> 
     change(ready, "freeze", value=[])
     _give_coefficients(ready)
     said = "the clip's face is given as SMPL-X expression coefficients"
-    assert sum(said in what for what in findings_of(ready, Severity.WARNING)) == 1
+    assert sum(said in what for what in findings_of(ready, "warning")) == 1
     change(ready, "freeze", value=["face"])
-    assert not any(said in what for what in findings_of(ready, Severity.WARNING))
+    assert not any(said in what for what in findings_of(ready, "warning"))
 
 
 def test_every_broken_clip_is_an_error_beside_all_other_findings(ready: StudyFolder) -> None:
-    before = findings_of(ready, Severity.WARNING)
+    before = findings_of(ready, "warning")
     segments = [segment.name for segment in ready.segments()][:2]
     for condition, segment in zip(("ground_truth", "broken"), segments, strict=True):
         path = ready.clip(condition, segment)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("torn")
-    errors = findings_of(ready, Severity.ERROR)
+    errors = findings_of(ready, "error")
     assert [found.where for found in check(ready) if found.name == "motion-unreadable"] == [
         f"motion/ground_truth/{segments[0]}.npz",
         f"motion/broken/{segments[1]}.npz",
     ]
     assert len(errors) == 2
-    assert findings_of(ready, Severity.WARNING) == before
+    assert findings_of(ready, "warning") == before
 
 
 def test_a_broken_expression_matrix_is_an_error(ready: StudyFolder) -> None:
     np.save(ready.root / "face.npy", np.ones((3, 3)))
     change(ready, "video", "expression_matrix", value="face.npy")
-    (found,) = [each for each in check(ready) if each.severity is Severity.ERROR]
+    (found,) = [each for each in check(ready) if each.severity == "error"]
     assert found.name == "body-unusable"
     assert "face.npy" in found.where
 
@@ -277,7 +275,7 @@ def test_the_exclusion_rules_are_told_in_their_order(ready: StudyFolder) -> None
     told = "left out of the analysis, in this order: "
     assert (
         f"{told}1. who did not finish (incomplete); 2. who failed more than 1 catch trial "
-        "(catch>1)" in findings_of(ready, Severity.NOTE)
+        "(catch>1)" in findings_of(ready, "note")
     )
 
     change(ready, "catch", "trials", value=0)
@@ -285,18 +283,16 @@ def test_the_exclusion_rules_are_told_in_their_order(ready: StudyFolder) -> None
     assert (
         f"{told}1. who gave at least 50 % of the answers in less than 8 s (time<8,share=0.5); "
         "2. who did not finish (incomplete)"
-    ) in findings_of(ready, Severity.NOTE)
+    ) in findings_of(ready, "note")
 
     change(ready, "exclusions", value=[])
-    assert f"{told}nobody" in findings_of(ready, Severity.NOTE)
+    assert f"{told}nobody" in findings_of(ready, "note")
 
 
 def test_a_rule_that_can_leave_nobody_out_is_warned_of(ready: StudyFolder) -> None:
     change(ready, "catch", "trials", value=0)
     change(ready, "exclusions", value=[{"rule": "coverage", "below": 0.9}])
-    assert any(
-        "can leave nobody out" in warning for warning in findings_of(ready, Severity.WARNING)
-    )
+    assert any("can leave nobody out" in warning for warning in findings_of(ready, "warning"))
 
     change(ready, "exclusions", value=[{"rule": "coverage", "below": 0.99}])
-    assert not any("leave nobody" in warning for warning in findings_of(ready, Severity.WARNING))
+    assert not any("leave nobody" in warning for warning in findings_of(ready, "warning"))

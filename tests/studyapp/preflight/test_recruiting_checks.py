@@ -4,7 +4,6 @@ from typing import Any
 
 import pytest
 
-from studyapp.preflight.finding import Severity
 from studyapp.preflight.pay_checks import pay_findings
 from studyapp.preflight.recruiting_checks import code_findings, recruiting_findings
 from studyapp.study.settings.recruitment import Recruitment
@@ -50,7 +49,7 @@ def test_what_prolific_would_miss_is_an_error() -> None:
     assert "recruitment.prolific.reward and page.minutes" in missing["pay-unknown"]
     study = make_study(recruitment={"channel": "prolific"})
     severities = {each.severity for each in recruiting_findings(study)}
-    assert severities == {Severity.ERROR}
+    assert severities == {"error"}
 
 
 def test_pay_by_the_hour_is_said() -> None:

@@ -1,11 +1,19 @@
 from __future__ import annotations
 
-from studyapp.preflight.finding import Finding, error, note, warning
+from studyapp.preflight.finding import Finding
 from studyapp.preflight.report import record, summed_up, told
 
-GONE = error("gone", "it is gone", "Bring it")
-ODD = warning("odd", "it is odd", "Look at it")
-KNOWN = note("known", "it is known")
+
+def gone(what: str, *, where: str = "", remedy: str = "Bring it") -> Finding:
+    return Finding(name="gone", severity="error", what=what, where=where, remedy=remedy)
+
+
+def odd(what: str, *, where: str) -> Finding:
+    return Finding(name="odd", severity="warning", what=what, where=where, remedy="Look at it")
+
+
+def known(what: str, *, where: str = "") -> Finding:
+    return Finding(name="known", severity="note", what=what, where=where, remedy="")
 
 
 def lines(findings: list[Finding], *, everything: bool = False) -> str:
@@ -13,26 +21,26 @@ def lines(findings: list[Finding], *, everything: bool = False) -> str:
 
 
 def test_a_finding_is_told_with_name_place_and_remedy() -> None:
-    said = lines([GONE.found("the video is gone", where="videos/a.mp4")])
+    said = lines([gone("the video is gone", where="videos/a.mp4")])
 
     assert said.strip() == "error: gone\n  videos/a.mp4: the video is gone.\n  > Bring it."
 
 
 def test_a_place_that_the_sentence_names_is_not_told_twice() -> None:
-    assert lines([KNOWN.found("a.mp4 is known", where="a.mp4")]).count("a.mp4") == 1
+    assert lines([known("a.mp4 is known", where="a.mp4")]).count("a.mp4") == 1
 
 
 def test_a_remedy_of_its_own_takes_the_place_of_the_kinds() -> None:
-    said = lines([GONE.found("x is gone", remedy="Draw it"), GONE.found("y is gone")])
+    said = lines([gone("x is gone", remedy="Draw it"), gone("y is gone")])
 
     assert "> Draw it." in said
     assert said.count("> ") == 2
 
 
 def test_findings_of_one_kind_are_told_together_and_many_are_counted() -> None:
-    many = [GONE.found(f"video {number} is gone") for number in range(9)]
+    many = [gone(f"video {number} is gone") for number in range(9)]
 
-    said = lines([many[0], KNOWN.found("it is known"), *many[1:]])
+    said = lines([many[0], known("it is known"), *many[1:]])
 
     assert said.count("error: gone") == 1
     assert said.count("is gone.") == 3
@@ -42,7 +50,7 @@ def test_findings_of_one_kind_are_told_together_and_many_are_counted() -> None:
 
 
 def test_a_record_counts_and_keeps_everything() -> None:
-    made = record("mine", [GONE.found("a"), ODD.found("b", where="w"), KNOWN.found("c")])
+    made = record("mine", [gone("a"), odd("b", where="w"), known("c")])
 
     assert (made.errors, made.warnings, made.notes) == (1, 1, 1)
     assert [found.name for found in made.findings] == ["gone", "odd", "known"]

@@ -10,9 +10,12 @@ from flask import Flask
 
 from studyapp.rehearsal.pages import Page
 from studyapp.rehearsal.participant import Participant
-from studyapp.rehearsal.visit import Visit
+from studyapp.rehearsal.simulation.judgement import Judgement
+from studyapp.rehearsal.visit import PlainVisit, Visit
 
 SPEED = 200.0
+
+AnswerTrial = Callable[[Visit, Page, Judgement], Page]
 
 
 class SpoiltTransport(httpx.WSGITransport):
@@ -38,9 +41,19 @@ def browser(app: Flask, spoil: Callable[[str], str] = str) -> httpx.Client:
     )
 
 
+def answering(participant: Participant, answer: AnswerTrial) -> Participant:
+    """Return `participant`, who answers trials as `answer` does."""
+
+    class AnsweringSo(Participant):
+        def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
+            return answer(visit, page, judgement)
+
+    return AnsweringSo(**vars(participant))
+
+
 def at_first_trial(client: httpx.Client, participant: Participant) -> tuple[Visit, Page]:
     """Lead `participant` to the first trial."""
-    visit = Visit(client=client, stop=Event(), speed=SPEED)
+    visit = PlainVisit(client=client, stop=Event(), speed=SPEED)
     page = visit.open(participant.entrance)
     while not page.asks:
         page = participant.fill(visit, page, participant.say(visit, page))

@@ -122,9 +122,9 @@ def require_stored_as_acknowledged(eyes: Eyes, ledger: Ledger) -> None:
         (sitting,) = session.query(StudySession)
         assert sitting.completed_at is not None
         stored = [
-            ((trial.position, response.question, response.stimulus or 0), response.value)
+            ((trial.token, response.question, response.stimulus or 0), response.value)
             for trial in sitting.trials
             for response in trial.responses
         ]
     assert len(stored) == len(told) > 0
-    assert dict(stored) == {key[1:]: value for key, value in told.items()}
+    assert dict(stored) == told

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from studyapp.rehearsal.connection import study_client
+from studyapp.rehearsal.visit import study_client
 
 REQUESTS = 3
 

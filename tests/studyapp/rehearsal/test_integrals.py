@@ -11,7 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.rehearsal.record import Expected, Measure
+from analysis.results.headline import Measure
+from analysis.results.known_values import KnownValue
 from studyapp.rehearsal.simulation.integrals import averaged, mean_rank, mean_rating
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
@@ -42,7 +43,7 @@ KEYS = {
 QUESTION = {"name": "q", "title": "Q", "text": "?"}
 
 
-def expected(study: Study, measure: Measure) -> dict[str, Expected]:
+def expected(study: Study, measure: Measure) -> dict[str, KnownValue]:
     found = expectations(study, SEGMENTS, population=PEOPLE, seed=3)
     return {entry.about: entry for entry in found if entry.measure == measure}
 
@@ -75,7 +76,7 @@ def test_very_many_ratings_average_to_the_mean_on_these_segments(scale: str) -> 
             for rater, (position, segment) in product(raters(), enumerate(SEGMENTS))
         ]
         error = np.std(answers) / math.sqrt(RATERS)
-        assert abs(np.mean(answers) - truth[condition].value_on_these_segments) < 3 * error
+        assert abs(np.mean(answers) - truth[condition].on_these_segments) < 3 * error
 
 
 def test_very_many_rankings_average_to_the_mean_on_these_segments() -> None:
@@ -96,7 +97,7 @@ def test_very_many_rankings_average_to_the_mean_on_these_segments() -> None:
     means = dict(zip(CONDITIONS, found.mean(axis=0), strict=True))
     assert means["real"] < means["ours"] < means["theirs"]
     for condition, mean in means.items():
-        assert mean == pytest.approx(truth[condition].value_on_these_segments, abs=0.07)
+        assert mean == pytest.approx(truth[condition].on_these_segments, abs=0.07)
 
 
 @pytest.mark.parametrize("levels", [2, 3])
@@ -115,7 +116,7 @@ def test_very_many_answers_prefer_the_own_speech_as_often_as_computed(levels: in
             (ask,) = study.asks(trial)
             answer = rater.prefer(trial, ask) * (-1 if own_first else 1)
             scores.append((np.sign(answer) + 1) / 2)
-        assert np.mean(scores) == pytest.approx(truth[condition].value_on_these_segments, abs=0.04)
+        assert np.mean(scores) == pytest.approx(truth[condition].on_these_segments, abs=0.04)
 
 
 def test_motion_that_belongs_nowhere_is_preferred_with_neither_speech() -> None:

@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from studyapp.rehearsal.ledger import Acknowledged, Ledger
-from studyapp.rehearsal.simulation.judgement import Judgement
 
 
 @pytest.fixture
@@ -14,13 +13,12 @@ def ledger(tmp_path: Path) -> Ledger:
 
 
 def test_everything_noted_is_read_again(ledger: Ledger) -> None:
-    said = Judgement(asks=(), values={("fit", None): -2, ("realism", 3): 1}, reasons={})
-    ledger.answered("p", 4, said)
+    ledger.answered("p", "token", {("fit", None): -2, ("realism", 3): 1})
     ledger.left("p")
     ledger.returned("p")
     ledger.completed("p", "CODE")
     found = Ledger(ledger.path).read()
-    assert found.answers == {("p", 4, "fit", 0): -2, ("p", 4, "realism", 3): 1}
+    assert found.answers == {("token", "fit", 0): -2, ("token", "realism", 3): 1}
     assert found.codes == {"p": "CODE"}
     assert (found.left["p"], found.returned["p"], found.away) == (1, 1, {"p"})
 

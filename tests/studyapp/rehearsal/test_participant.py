@@ -8,7 +8,9 @@ from dataclasses import replace
 import httpx
 import pytest
 from flask import Flask
+from sqlalchemy import select
 
+from studyapp.database.tables import Response
 from studyapp.rehearsal.eyes import Eyes
 from studyapp.rehearsal.pages import BrokenPageError, Page
 from studyapp.rehearsal.participant import Participant
@@ -17,7 +19,7 @@ from studyapp.rehearsal.visit import InterruptedRehearsal, Visit
 from studyapp.study.folder import StudyFolder
 from studyapp.web.app import create_app
 from studyapp.web.running import EXTENSION
-from tests.studyapp.rehearsal.steps import SPEED, browser
+from tests.studyapp.rehearsal.steps import SPEED, answering, browser
 from tests.studyapp.session.test_form_answers import FORM
 
 
@@ -97,14 +99,12 @@ def test_a_video_of_somebody_else_is_not_judged(app: Flask, participant: Partici
 def test_a_stopped_rehearsal_sends_no_answer(
     app: Flask, participant: Participant, eyes: Eyes
 ) -> None:
-    pages: list[Page] = []
-
     def stopping(visit: Visit, page: Page, judgement: Judgement) -> Page:
-        pages.append(page)
         participant.stop.set()
         return visit.send(page, page.answer_form, judgement.fields())
 
-    stopped = replace(participant, answer=stopping)
+    stopped = answering(participant, stopping)
     with browser(app) as client, pytest.raises(InterruptedRehearsal):
         stopped.take_part(client)
-    assert eyes.stored(pages[0]) == ()
+    with eyes.database.reading() as session:
+        assert session.scalars(select(Response)).first() is None

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studyapp.rehearsal.record import Expected
+from analysis.results.known_values import KnownValue
 from studyapp.rehearsal.simulation.integrals import win_share
 from studyapp.rehearsal.simulation.population import Population
 from studyapp.rehearsal.simulation.raters import Rater
@@ -45,10 +45,10 @@ def counted_share(
     return float(np.mean(scores))
 
 
-def expected(truth: Sequence[Expected], other: str, question: str) -> tuple[float, float]:
+def expected(truth: Sequence[KnownValue], other: str, question: str) -> tuple[float, float]:
     for entry in truth:
         if (entry.about, entry.question) == (f"rule_based-{other}", question):
-            return entry.value, entry.value_on_these_segments
+            return entry.value, entry.on_these_segments
     raise AssertionError("no such comparison")
 
 

@@ -52,7 +52,7 @@ def study(tmp_path: Path, usual: Path) -> Callable[..., StudyFolder]:
     return make
 
 
-def errors(folder: StudyFolder, severity: Severity = Severity.ERROR) -> list[str]:
+def errors(folder: StudyFolder, severity: Severity = "error") -> list[str]:
     material = Material.of(folder, folder.study())
     found = [
         *finished_video_findings(material),
@@ -203,7 +203,7 @@ def test_what_only_tools_would_see_is_warned_of(
     folder = study(ours=ours)
     render(folder, processes=1)
 
-    warnings = [w for w in errors(folder, Severity.WARNING) if w.startswith("files tell")]
+    warnings = [w for w in errors(folder, "warning") if w.startswith("files tell")]
 
     assert [said in warning for warning in warnings] == [True]
 
@@ -212,6 +212,6 @@ def test_a_louder_finished_video_is_warned_of(study: Callable[..., StudyFolder])
     folder = study(ours=Told(sound=LOUD))
     render(folder, processes=1)
 
-    (warning,) = [w for w in errors(folder, Severity.WARNING) if "louder" in w]
+    (warning,) = [w for w in errors(folder, "warning") if "louder" in w]
 
     assert warning.startswith("videos/ours/one.mp4 is 12.1 LU louder than videos/")

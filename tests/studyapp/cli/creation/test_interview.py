@@ -10,7 +10,6 @@ from click.testing import CliRunner, Result
 from generators.settings import ModelSettings
 from studyapp.cli.main import group
 from studyapp.preflight.check import check
-from studyapp.preflight.finding import Severity
 from studyapp.study.folder import StudyFolder
 from studyapp.study.protocols.pairwise import PairwiseStudy
 from studyapp.study.protocols.ranking import RankingStudy
@@ -248,8 +247,6 @@ def test_check_asks_a_new_study_for_media_alone(
 
     assert result.exit_code == 0, result.output
     errors = [
-        found.name
-        for found in check(StudyFolder(tmp_path / "s"))
-        if found.severity is Severity.ERROR
+        found.name for found in check(StudyFolder(tmp_path / "s")) if found.severity == "error"
     ]
     assert errors == ["speech-unreadable"]

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 from analysis.results.known_values import KnownDifference, KnownValue
 from analysis.stats.clustered_mean import Estimate
+from studyapp.rehearsal.people import Person
 from studyapp.rehearsal.recovery.bookkeeping import Check
+from studyapp.rehearsal.recovery.kinds import KindRecovered, kinds_recovered
 from studyapp.rehearsal.recovery.page import recovery_page
-from studyapp.rehearsal.recovery.people import KindRecovered, Person, kinds_recovered
 from studyapp.rehearsal.recovery.recovery import Recovery
 from studyapp.rehearsal.recovery.tables import recovery_tables
 from studyapp.rehearsal.recovery.words import (
@@ -16,6 +17,8 @@ from studyapp.rehearsal.recovery.words import (
     summary,
 )
 from studyapp.rehearsal.simulation.kinds import Kind
+from studyapp.rehearsal.simulation.population import Population
+from studyapp.rehearsal.simulation.raters import Rater
 
 KNOWN = KnownValue(
     about="ours-theirs", question="fit", measure="win_share", value=0.6, on_these_segments=0.62
@@ -44,9 +47,9 @@ RECOVERY = Recovery(
 
 
 def person(number: int, kind: Kind, *, completed: bool = True) -> Person:
-    return Person(
-        study_session=str(number), name=f"p{number}", kind=kind, completed=completed, code=""
-    )
+    people = Population(quality={}, kinds={kind: 1.0})
+    rater = Rater(population=people, seed=1, name=str(number))
+    return Person(study_session=str(number), name=f"p{number}", rater=rater, completed=completed)
 
 
 def kinds() -> tuple[KindRecovered, ...]:

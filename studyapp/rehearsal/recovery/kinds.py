@@ -1,4 +1,4 @@
-"""The simulated participants of a rehearsal, and what the analysis makes of each kind of them."""
+"""What the analysis makes of each kind of simulated participant."""
 
 from __future__ import annotations
 
@@ -6,39 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import select
-from sqlalchemy.orm import Session, selectinload
-
-from studyapp.database.tables import StudySession
-from studyapp.rehearsal.eyes import rater_name
-from studyapp.rehearsal.record import Truth
+from studyapp.rehearsal.people import Person
 from studyapp.rehearsal.simulation.kinds import KINDS, UNSOUND, Kind
-from studyapp.rehearsal.simulation.raters import Rater
-
-
-@dataclass(frozen=True, kw_only=True)
-class Person:
-    """One simulated participant.
-
-    Attributes
-    ----------
-    study_session : str
-        Its number, by which answers are told apart.
-    name : str
-        What its recruiter calls it.
-    kind : Kind
-        What kind of rater it is.
-    completed : bool
-        Whether it has its completion code.
-    code : str
-        That code, as stored; empty before.
-    """
-
-    study_session: str
-    name: str
-    kind: Kind
-    completed: bool
-    code: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,27 +54,6 @@ class KindRecovered:
         return 0 if self.should_be_left_out else self.excluded
 
 
-def people(session: Session, truth: Truth) -> tuple[Person, ...]:
-    """Return all who began, in the order of their arrival."""
-    sittings = session.scalars(
-        select(StudySession).order_by(StudySession.id).options(selectinload(StudySession.place))
-    )
-    return tuple(
-        Person(
-            study_session=str(sitting.id),
-            name=sitting.recruiter_participant or "",
-            kind=Rater(
-                population=truth.population,
-                seed=truth.seed,
-                name=rater_name(session, sitting),
-            ).kind,
-            completed=sitting.completed_at is not None,
-            code=sitting.completion_code or "",
-        )
-        for sitting in sittings
-    )
-
-
 def kinds_recovered(
     everybody: Sequence[Person], analysed: Iterable[str], removed_by: Mapping[str, str]
 ) -> tuple[KindRecovered, ...]:
@@ -123,7 +71,7 @@ def kinds_recovered(
     kept = set(analysed)
     found = []
     for kind in reversed(KINDS):
-        own = [person for person in everybody if person.kind == kind]
+        own = [person for person in everybody if person.rater.kind == kind]
         if not own:
             continue
         numbers = [person.study_session for person in own]

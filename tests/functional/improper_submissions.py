@@ -1,0 +1,240 @@
+"""A participant who also sends what no page offers: it must be refused, and change nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+import httpx
+from bs4 import BeautifulSoup, Tag
+from sqlalchemy import select
+
+from studyapp.database.tables import Trial
+from studyapp.rehearsal.forms import FormData, FormFields, read_form
+from studyapp.rehearsal.pages import Page
+from studyapp.rehearsal.participant import Participant
+from studyapp.rehearsal.simulation.judgement import Judgement
+from studyapp.rehearsal.visit import Visit
+from studyapp.study.design.asking import AnswerKey
+from studyapp.study.settings.form import LONGEST_TEXT, FormQuestion
+from studyapp.web.participants.about_participant import FORM_FIELD
+from tests.support.stored import everything_stored
+
+PLAYED = {"batch": 0, "intervals": [[0.0, 1.0]]}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attacker(Participant):
+    """Takes part as others do, and tries improper submissions on every kind of page.
+
+    Of the trials, the first of each part of the study is attacked.
+
+    Attributes
+    ----------
+    statuses : dict of str to int
+        How each was answered.
+    trials : list of (Page, Judgement)
+        The trials that were answered.
+    attacked : set of str
+        Parts of the study.
+    """
+
+    statuses: dict[str, int] = field(default_factory=dict)
+    trials: list[tuple[Page, Judgement]] = field(default_factory=list)
+    attacked: set[str] = field(default_factory=set)
+
+    def answer(self, visit: Visit, page: Page, judgement: Judgement) -> Page:
+        """Answer the trial of `page`; before and after, try what is improper."""
+        self.trials.append((page, judgement))
+        trial = self.eyes.look(page).trial
+        if trial.part in self.attacked:
+            return super().answer(visit, page, judgement)
+        self.attacked.add(trial.part)
+        client, target = visit.client, page.target(page.answer_form)
+        good = page.filled(page.answer_form, judgement.fields())
+        self._report_nonsense(client, page)
+        self.refused("answers before the videos were watched", client, target, good)
+        for token in self._later_trials(good["trial"][0])[:1]:
+            self.refused("a later trial", client, target, {**good, "trial": [token]})
+        visit.watch(page)
+        for what, spoilt in self._spoilt_answers(trial, judgement, good):
+            self.refused(what, client, target, spoilt)
+        self._report_trouble(client, page)
+        following = visit.send(page, page.answer_form, judgement.fields())
+        self.harmless("the same answers twice", client, target, good)
+        other = {**good, **_data(other_answers(judgement))}
+        self.refused("other answers to an answered trial", client, target, other)
+        return following
+
+    def fill(self, visit: Visit, page: Page, answers: FormFields) -> Page:
+        """Fill in the form of `page`; before it, try improper answers, and afterwards it again."""
+        good, target = page.filled(page.next_form, answers), page.target(page.next_form)
+        for what, spoilt in self._spoilt_forms(page, good):
+            self.refused(what, visit.client, target, spoilt)
+        following = visit.send(page, page.next_form, answers)
+        self.harmless(f"the form of {page.heading!r} twice", visit.client, target, good)
+        return following
+
+    def attack_after_the_end(self, client: httpx.Client) -> None:
+        """Send in one's own name what comes too late."""
+        page, judgement = self.trials[-1]
+        answers = page.target(page.answer_form)
+        session = answers.rpartition("/")[0]
+        good = page.filled(page.answer_form, judgement.fields())
+        trouble = {"trial": good["trial"], "video": [_videos_that_may_not_play(page)[0]]}
+        other = {**good, **_data(other_answers(judgement))}
+        nobodys = session.rpartition("/")[0] + "/" + "0" * 32 + "/answers"
+        self.harmless("the last answers again after the end", client, answers, good)
+        self.refused("other answers after the end", client, answers, other)
+        self.refused("trouble after the end", client, f"{session}/unplayable", trouble)
+        self.refused_report(
+            "playing reported after the end",
+            client,
+            page.players[0].watched_address,
+            {**PLAYED, "batch": 999},
+        )
+        self.harmless("beginning after the end", client, f"{session}/begin", {})
+        self.refused("withdrawing after the end", client, f"{session}/withdraw", {})
+        self.refused("answers of nobody", client, nobodys, good)
+
+    def attack(self, other: Attacker, client: httpx.Client) -> None:
+        """Mix what belongs to oneself with what belongs to `other`."""
+        (page, judgement), (their_page, _) = self.trials[-1], other.trials[-1]
+        own, theirs = (each.target(each.answer_form) for each in (page, their_page))
+        good = page.filled(page.answer_form, judgement.fields())
+        foreign = {**good, "trial": [their_page.answer_form.trial]}
+        trouble = {"trial": good["trial"], "video": [_videos_that_may_not_play(their_page)[0]]}
+        watched = their_page.players[0].watched_address.rpartition("/")[2]
+        session = own.rpartition("/")[0]
+        self.refused("answers at another's address", client, theirs, good)
+        self.refused("answers to another's trial", client, own, foreign)
+        self.refused("trouble with another's video", client, f"{session}/unplayable", trouble)
+        self.refused_report(
+            "playing reported of another's video",
+            client,
+            f"{session}/watched/{watched}",
+            {**PLAYED, "batch": 999},
+        )
+
+    def refused(self, what: str, client: httpx.Client, address: str, data: FormData) -> None:
+        """Require that `data` is refused as the client's error, and changes nothing."""
+        assert 400 <= self._sent(what, client, address, data=data) < 500, what
+
+    def refused_report(
+        self, what: str, client: httpx.Client, address: str, report: Mapping[str, object]
+    ) -> None:
+        """Require the same of a report of what was played."""
+        assert 400 <= self._sent(what, client, address, json=report) < 500, what
+
+    def harmless(self, what: str, client: httpx.Client, address: str, data: FormData) -> None:
+        """Require that `data` is taken kindly, and changes nothing."""
+        assert self._sent(what, client, address, data=data) == httpx.codes.OK, what
+
+    def _sent(self, what: str, client: httpx.Client, address: str, **sent: object) -> int:
+        before = everything_stored(self.eyes.database)
+        self.statuses[what] = client.post(address, **sent).status_code  # type: ignore[arg-type]
+        assert everything_stored(self.eyes.database) == before, f"{what} was stored"
+        return self.statuses[what]
+
+    def _later_trials(self, token: str) -> list[str]:
+        """Return the tokens of the trials that come after the one with `token`."""
+        with self.eyes.database.reading() as session:
+            shown = session.scalars(select(Trial).where(Trial.token == token)).one()
+            trials = shown.study_session.trials
+            return [trial.token for trial in trials if trial.position > shown.position]
+
+    def _spoilt_answers(
+        self, trial: Trial, judgement: Judgement, good: FormData
+    ) -> Iterator[tuple[str, FormData]]:
+        """Yield what is wrong, and `good` spoilt so."""
+        first = judgement.asks[0]
+        out_of_range = str(max(first.values) + 1)
+        yield "a value that is out of range", {**good, first.field: [out_of_range]}
+        yield "a value that is no number", {**good, first.field: ["A"]}
+        two = [str(value) for value in first.values[:2]]
+        yield "two values for one question", {**good, first.field: two}
+        for ask in {ask.question: ask for ask in judgement.asks}.values():
+            without = {name: values for name, values in good.items() if name != ask.field}
+            yield f"question {ask.question!r} without an answer", without
+        yield "an answer that nobody asked for", {**good, f"{first.question}:99": ["1"]}
+        reasoned = next((ask for ask in judgement.asks if ask.reasons), first)
+        yield "a reason that is not offered", {**good, reasoned.reasons_field: ["no reason"]}
+        second = dict.fromkeys(judgement.values, 2)
+        if self.study.problem(trial, second):
+            yield "ranks that make no order", {**good, **_data(replace(judgement, values=second))}
+        yield "somebody else's trial", {**good, "trial": ["0" * len(good["trial"][0])]}
+
+    def _spoilt_forms(self, page: Page, good: FormData) -> Iterator[tuple[str, FormData]]:
+        for stage in self.study.form.stages():
+            for question in self.study.form.asked(stage):
+                name = f"{FORM_FIELD}{question.name}"
+                for what, value in _wrong(question) if name in good else ():
+                    yield f"{what} to the question {question.name!r}", {**good, name: [value]}
+        if page.sounds:
+            (name,) = page.next_form.asked
+            others = "".join(str((int(digit) + 1) % 10) for digit in good[name][0])
+            yield "digits that were not spoken", {**good, name: [others]}
+            yield "no digits", {**good, name: [""]}
+
+    def _report_nonsense(self, client: httpx.Client, page: Page) -> None:
+        address = page.players[0].watched_address
+        nobodys = address.rpartition("/")[0] + "/" + "0" * 32
+        for what, target, report in (
+            ("playing reported without intervals", address, {"batch": 0}),
+            ("playing reported backwards", address, {"batch": 0, "intervals": [[1.0, 0.5]]}),
+            ("playing reported under a number below 0", address, {**PLAYED, "batch": -1}),
+            ("playing reported of nobody's video", nobodys, PLAYED),
+        ):
+            self.refused_report(what, client, target, report)
+
+    def _report_trouble(self, client: httpx.Client, page: Page) -> None:
+        token = page.answer_form.trial
+        target = page.target(page.answer_form).rpartition("/")[0] + "/unplayable"
+        nobodys = "0" * len(token)
+        assert len(_videos_that_may_not_play(page)) == len(page.players)
+        strange = {"trial": [token], "video": [nobodys]}
+        self.refused("trouble with somebody else's trial", client, target, {"trial": [nobodys]})
+        self.refused("trouble with somebody else's video", client, target, strange)
+
+
+def other_answers(judgement: Judgement) -> Judgement:
+    """Return answers that are as good as those of `judgement`, and not the same."""
+    up: dict[AnswerKey, int] = {}
+    down: dict[AnswerKey, int] = {}
+    for question in dict.fromkeys(ask.question for ask in judgement.asks):
+        asks = [ask for ask in judgement.asks if ask.question == question]
+        values = asks[0].values
+        # Where these are ranks, both ways they make a whole order.
+        rising = [values[index % len(values)] for index in range(max(2, len(asks)))]
+        up.update({ask.key: value for ask, value in zip(asks, rising, strict=False)})
+        down.update({ask.key: value for ask, value in zip(asks, rising[::-1], strict=False)})
+    return replace(judgement, values=down if dict(judgement.values) == up else up)
+
+
+def _wrong(question: FormQuestion) -> Iterator[tuple[str, str]]:
+    """Yield answers that cannot be accepted, or with which nobody can take part."""
+    if question.required:
+        yield "no answer", ""
+    match question.kind:
+        case "text":
+            yield "too long an answer", "x" * (LONGEST_TEXT + 1)
+        case "number":
+            yield "too high a number", str(question.high + 1)
+        case _:
+            yield "an answer that is not offered", "no such answer"
+    for choice in question.choices:
+        if question.eligible and choice not in question.eligible:
+            yield "an answer that excludes", choice
+
+
+def _videos_that_may_not_play(page: Page) -> list[str]:
+    """Return the videos of which `page` lets it be said that they do not play."""
+    soup = BeautifulSoup(page.html, "html.parser")
+    form = soup.find("form", id="unplayable")
+    assert isinstance(form, Tag)
+    offered = read_form(soup, form).buttons
+    return list(dict.fromkeys(value for name, value in offered if name == "video"))
+
+
+def _data(judgement: Judgement) -> FormData:
+    return {name: list(values) for name, values in judgement.fields().items()}
