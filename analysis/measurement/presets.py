@@ -93,11 +93,6 @@ class Preset:
         """Whether face landmarks are measured."""
         return bool(self.landmark_errors)
 
-    @property
-    def needs_clips(self) -> bool:
-        """Whether anything but joint positions is measured, so that files must be read."""
-        return self.needs_rotations or self.expression_distance
-
     def without_recordings(self) -> Preset:
         """Return what of this can be measured without recorded motion."""
         return replace(

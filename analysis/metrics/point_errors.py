@@ -122,18 +122,22 @@ def box_scale(clips: Iterable[FloatArray]) -> float:
     clips : iterable of ndarray, shape (..., 3)
         Points in metres.
 
-    Returns
-    -------
-    float
-        NaN if there is no clip, or all points are one.
+    Raises
+    ------
+    ValueError
+        If there is no clip, or all points are one.
     """
     corners = [
         corner
         for points in (clip.reshape(-1, 3) for clip in clips)
         for corner in (points.min(axis=0), points.max(axis=0))
     ]
-    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0))) if corners else 0.0
-    return 1 / diagonal if diagonal > 0 else math.nan
+    if not corners:
+        raise ValueError("no clip to put into a box")
+    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
+    if not diagonal > 0:
+        raise ValueError("all points are one")
+    return 1 / diagonal
 
 
 def point_error(
