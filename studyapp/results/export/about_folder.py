@@ -12,6 +12,9 @@ from typing import Any, Final
 from studyapp.study.settings.study import Study
 
 PROGRAM: Final = "motionjury"
+_MOTION: Final = 'extra == "motion"'
+"""Marks what makes and renders motion; where that is installed, motion depends on it."""
+
 _NAME: Final = re.compile(r"[A-Za-z0-9._-]+")
 
 
@@ -46,7 +49,8 @@ def _packages() -> Mapping[str, str]:
         found[name] = about["Version"]
         for line in about.get_all("Requires-Dist") or ():
             needed = _NAME.match(line)
-            if needed is not None and "extra ==" not in line:
+            wanted = "extra ==" not in line or (name == PROGRAM and _MOTION in line)
+            if needed is not None and wanted:
                 waiting.append(_usual(needed.group()))
     return dict(sorted(found.items()))
 

@@ -70,6 +70,6 @@ def test_what_lies_outside_the_study_is_named_and_not_copied(
 def test_the_environment_names_every_package_that_is_needed() -> None:
     found = environment()
 
-    for name in ("numpy", "pandas", "sqlalchemy", "mako", "python-dateutil"):
+    for name in ("numpy", "pandas", "sqlalchemy", "mako", "python-dateutil", "torch", "pyrender"):
         assert found["packages"][name] == metadata.version(name)
     assert "ruff" not in found["packages"]
