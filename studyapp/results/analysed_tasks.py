@@ -15,9 +15,9 @@ from analysis.answers.reading import Order, answers_in
 from analysis.answers.table import AnswerTable
 from analysis.results.left_out import LeftOut, leave_out
 from studyapp.results.answer_table import empty_answers, study_answers
-from studyapp.results.answers import Answers
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.stated_beforehand import StudyExclusions, decided_by_hand, study_exclusions
+from studyapp.results.stored_answers import Answers
 from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.protocols.rating import RatingStudy
 from studyapp.study.settings.exclusions import ExclusionSection

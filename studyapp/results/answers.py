@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
-from typing import Final, Literal
 
 from sqlalchemy.orm import Session
 
@@ -14,34 +12,8 @@ from studyapp.database.engine import Database, database_url_of
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.shared_answers import read_shared_answers
 from studyapp.results.stated_beforehand import stated_study
-from studyapp.results.stored_answers import StoredAnswers, stored_answers
+from studyapp.results.stored_answers import NO_ANSWERS, Answers, Source, stored_answers
 from studyapp.study.folder import StudyFolder
-from studyapp.study.settings.study import Study
-
-Source = Literal["participants", "rehearsal"]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Answers:
-    """What has been answered, and by whom.
-
-    Attributes
-    ----------
-    origin : {'participants', 'rehearsal', 'none'}
-        Who answered; 'none' where nobody has.
-    stored : StoredAnswers or None
-        What the database holds; None where there is none.
-    stated : Study or None
-        The study as it was when the first participant came who is reported; None where that is
-        not known.
-    """
-
-    origin: Source | Literal["none"]
-    stored: StoredAnswers | None
-    stated: Study | None
-
-
-NO_ANSWERS: Final = Answers(origin="none", stored=None, stated=None)
 
 
 def answers_to_report(folder: StudyFolder) -> Answers:
@@ -104,11 +76,7 @@ def _shared(folder: StudyFolder, origin: Source) -> Answers:
                 where=database,
                 remedy=f"Move one of them elsewhere: the database, or {folder.shared_answers}",
             )
-    shared = read_shared_answers(folder.shared_answers)
-    if shared.origin != origin:
-        return NO_ANSWERS
-    found = "none" if shared.stored.answers.empty else origin
-    return Answers(origin=found, stored=shared.stored, stated=shared.stated)
+    return read_shared_answers(folder.shared_answers, origin)
 
 
 @contextmanager

@@ -13,9 +13,8 @@ from motion.errors import InputError
 from studyapp.clock import Clock
 from studyapp.database.engine import Database, database_url_of
 from studyapp.researchers.looks import note_look
-from studyapp.results.answers import Answers
 from studyapp.results.so_far import study_state
-from studyapp.results.stored_answers import StoredAnswers
+from studyapp.results.stored_answers import Answers, StoredAnswers
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 

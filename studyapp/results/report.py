@@ -21,12 +21,12 @@ from motion.files import replacing
 from motion.segment import Segment
 from motion.spreadsheet import harmless_frame
 from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
-from studyapp.results.answers import Answers, answers_to_report, read_rehearsal
+from studyapp.results.answers import answers_to_report, read_rehearsal
 from studyapp.results.logged_looks import earlier_looks, note_way_out
 from studyapp.results.report_arms import arm_of_each, arm_states, of_present_design
 from studyapp.results.report_subject import study_subject
 from studyapp.results.stated_beforehand import StudyExclusions, agreed_on
-from studyapp.results.stored_answers import StoredAnswers
+from studyapp.results.stored_answers import Answers, StoredAnswers
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.exclusions import ExclusionSection
 from studyapp.study.settings.study import Study

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -17,7 +16,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from motion.spreadsheet import cell_as_given, harmless_frame
 from studyapp.results.stated_beforehand import study_of
-from studyapp.results.stored_answers import StoredAnswers
+from studyapp.results.stored_answers import NO_ANSWERS, Answers, Source, StoredAnswers
 from studyapp.study.settings.study import Study
 from studyapp.study.settings.validation import explain
 
@@ -53,7 +52,7 @@ class Manifest(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     format: Literal[2] = 2
-    origin: Literal["participants", "rehearsal"]
+    origin: Source
     motionjury: str
     stated_version: int | None
     more_places: int
@@ -61,20 +60,11 @@ class Manifest(BaseModel):
     sha256: dict[str, str]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SharedAnswers:
-    """What the files hold; see `studyapp.results.answers.Answers`."""
-
-    origin: Literal["participants", "rehearsal"]
-    stored: StoredAnswers
-    stated: Study | None
-
-
 def write_shared_answers(
     folder: Path,
     stored: StoredAnswers,
     *,
-    origin: Literal["participants", "rehearsal"],
+    origin: Source,
     stated: str | None,
     stated_version: int | None,
 ) -> None:
@@ -108,8 +98,8 @@ def write_shared_answers(
     write_text(folder / MANIFEST, manifest.model_dump_json(indent=1) + "\n")
 
 
-def read_shared_answers(folder: Path) -> SharedAnswers:
-    """Read what `write_shared_answers` wrote.
+def read_shared_answers(folder: Path, origin: Source) -> Answers:
+    """Read what `write_shared_answers` wrote; nothing where others than `origin` have answered.
 
     Raises
     ------
@@ -125,11 +115,10 @@ def read_shared_answers(folder: Path) -> SharedAnswers:
     if manifest.stated_version is not None and STATED in manifest.sha256:
         text = (folder / STATED).read_text("utf-8")
         stated = study_of(text, manifest.stated_version)
-    return SharedAnswers(
-        origin=manifest.origin,
-        stored=StoredAnswers(**tables, more_places=manifest.more_places),
-        stated=stated,
-    )
+    if manifest.origin != origin:
+        return NO_ANSWERS
+    stored = StoredAnswers(**tables, more_places=manifest.more_places)
+    return Answers(origin="none" if stored.answers.empty else origin, stored=stored, stated=stated)
 
 
 def _manifest(path: Path) -> Manifest:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from itertools import groupby
 from operator import itemgetter
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -34,6 +34,7 @@ from studyapp.session.arrival.intake import present_intake
 from studyapp.session.exclusion import JUDGED
 from studyapp.session.state import state_of
 from studyapp.session.videos.watch_evidence import watched_share
+from studyapp.study.settings.study import Study
 
 ROWS: Final = 20_000
 """Rows that are fetched at once."""
@@ -47,6 +48,9 @@ _IN_FULL: Final = (
     StudySession.outcome,
     Place.id.label("place"),
 )
+
+
+Source = Literal["participants", "rehearsal"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,6 +103,29 @@ class StoredAnswers:
             looks=self.looks,
             more_places=self.more_places,
         )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Answers:
+    """What has been answered, and by whom.
+
+    Attributes
+    ----------
+    origin : {'participants', 'rehearsal', 'none'}
+        Who answered; 'none' where nobody has.
+    stored : StoredAnswers or None
+        What the database holds; None where there is none.
+    stated : Study or None
+        The study as it was when the first participant came who is reported; None where that is
+        not known.
+    """
+
+    origin: Source | Literal["none"]
+    stored: StoredAnswers | None
+    stated: Study | None
+
+
+NO_ANSWERS: Final = Answers(origin="none", stored=None, stated=None)
 
 
 def stored_answers(

@@ -23,8 +23,9 @@ from studyapp.rehearsal.record import read_truth
 from studyapp.rehearsal.recovery.bookkeeping import Check, checks
 from studyapp.rehearsal.recovery.kinds import KindRecovered, kinds_recovered
 from studyapp.results.analysed_tasks import ANSWERS, AnalysedTask, analysed_tasks, rules_of
-from studyapp.results.answers import Answers, answers_in, snapshot
+from studyapp.results.answers import answers_in, snapshot
 from studyapp.results.report_arms import arm_of_each, arm_states
+from studyapp.results.stored_answers import Answers
 from studyapp.session.served_study import ServedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study

@@ -1,6 +1,6 @@
 """Export: what participants answered, as tables that hold no token and no name.
 
-Cells stand under the headings of `answer_columns` and `other_columns`; the codebook is made from
+Cells stand under the headings that `columns.toml` declares; the codebook is made from
 those. Of what is read here and has no heading there, nothing is exported.
 """
 

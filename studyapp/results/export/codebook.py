@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import Any
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
 from studyapp.results.export.columns import Column, TableColumns
 from studyapp.results.export.labels import answer_labels, column_labels, form_labels
 from studyapp.study.folder import StudyFolder
@@ -109,3 +111,28 @@ def _form_question(stage: str, question: FormQuestion) -> dict[str, Any]:
 def as_json(content: Mapping[str, Any]) -> str:
     """Return `content` as the text of a JSON file; a number that is none is an error."""
     return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def codebook_page(book: Mapping[str, Any]) -> str:
+    """Return a codebook as a page of Markdown."""
+    return written_page("codebook.md", **book)
+
+
+def written_page(name: str, **values: object) -> str:
+    """Return the Markdown page that a template of the folder `pages` makes of `values`."""
+    environment = Environment(
+        loader=PackageLoader(__package__, "pages"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        # Markdown, whose cells the filter escapes.
+        autoescape=False,  # noqa: S701
+    )
+    environment.filters["plain"] = _plain
+    return environment.get_template(name).render(values)
+
+
+def _plain(text: str) -> str:
+    """Return text that stays within its line and its cell, and opens no markup of its own."""
+    return " ".join(str(text).split()).replace("|", "\\|").replace("<", "&lt;")

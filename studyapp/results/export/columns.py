@@ -1,11 +1,14 @@
-"""What a column of an exported table is."""
+"""What a column of an exported table is; `columns.toml` declares them all."""
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
+from functools import cache
+from importlib.resources import files
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 ColumnType = Literal["text", "integer", "number", "boolean", "moment"]
 
@@ -74,71 +77,30 @@ class TableColumns:
         return tuple(column.name for column in self.columns)
 
 
-PARTICIPANT: Final = Column(
-    "participant",
-    "text",
-    "Pseudonym of the participant: a keyed hash, the same in every export of this study; "
-    "with x2 behind it in the second of a recruiter's studies that one person took part in. "
-    "Without the key, which stays with the researchers, it leads back to nobody.",
+@cache
+def _declared() -> Mapping[str, Any]:
+    """Return what `columns.toml` says."""
+    return tomllib.loads(files(__package__).joinpath("columns.toml").read_text("utf-8"))
+
+
+def _table(name: str) -> TableColumns:
+    """Return the columns of a table, as they are declared."""
+    declared = _declared()[name]
+    own = _declared()["several"] | declared["columns"]
+    return TableColumns(
+        name="" if name == "answers" else name,
+        title=declared["row"],
+        columns=tuple(Column(column, **own[column]) for column in declared["order"]),
+    )
+
+
+def fixed_values(column: str) -> Mapping[str, str] | None:
+    """Return the values of a column that are the same in every study; None where none are."""
+    found: Mapping[str, str] | None = _declared()["values"].get(column)
+    return found
+
+
+ANSWERS, PARTICIPANTS, FORM, WATCHING, REFUSALS, LOG, RECRUITER_IDS = map(
+    _table, ("answers", "participants", "form", "watching", "refusals", "log", "recruiter_ids")
 )
-
-STUDY_SESSION: Final = Column(
-    "study_session",
-    "integer",
-    "Number of the study session, from 1 in the order of arrival; the report names "
-    "participants by it.",
-)
-
-VERSION: Final = Column(
-    "version", "integer", "Version of the study's design that the participant took part in, from 1."
-)
-
-ARM: Final = Column("arm", "text", "The arm of the study that the place belonged to.")
-
-PART: Final = Column(
-    "part",
-    "text",
-    "The set, block or task of the study that the trial belongs to.",
-    missing="the study has no parts",
-)
-
-POSITION: Final = Column(
-    "position",
-    "integer",
-    "Place of the presentation within the study session, from 1; together with the "
-    "participant it names the trial.",
-)
-
-KIND: Final = Column("kind", "text", "Kind of trial.")
-
-SEGMENT: Final = Column("segment", "text", "The speech excerpt that the trial is about.")
-
-EXCLUSION: Final = (
-    Column(
-        "excluded",
-        "boolean",
-        "Whether the participant is left out of the analysis by a rule of the study or by "
-        "a researcher.",
-        missing="the rules were not applied: withdrawn, an earlier design, or nothing answered",
-    ),
-    Column(
-        "exclusion_rule",
-        "text",
-        "The rule that left the participant out, the first one that applied; what "
-        "researchers decide by hand comes after the study's rules.",
-        missing="not left out",
-    ),
-    Column(
-        "exclusion_kind",
-        "text",
-        "Whether that rule was settled before the first participant came, or a researcher decided.",
-        missing="not left out",
-    ),
-    Column(
-        "exclusion_reason",
-        "text",
-        "Why the rule applied to this participant.",
-        missing="not left out",
-        free_text=True,
-    ),
-)
+PARTICIPANT: Final = PARTICIPANTS.columns[0]

@@ -12,7 +12,7 @@ from analysis.answers.exclusion_rules import BY_HAND
 from analysis.answers.exclusions import RuleOutcome
 from motion.errors import InputError
 from studyapp.results.analysed_tasks import AnalysedTask, analysed_tasks, rules_of
-from studyapp.results.answers import Answers
+from studyapp.results.stored_answers import Answers
 from studyapp.study.protocols.mismatch import FIT, REALISM
 from studyapp.study.settings.study import Study
 

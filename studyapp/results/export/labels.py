@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Final
 
 from analysis.answers.exclusion_rules import excluded_by_hand
+from studyapp.results.export.columns import fixed_values
 from studyapp.study.design.preference import PREFERENCES
 from studyapp.study.protocols.mismatch import MismatchStudy
 from studyapp.study.settings.form import FormQuestion
@@ -16,46 +17,6 @@ from studyapp.study.settings.study import Study
 
 Labels = Mapping[str, str]
 """Each value as text, and what it means."""
-
-STAGES: Final[Labels] = MappingProxyType(
-    {
-        "eligibility": "before consent: whether the study looks for this person",
-        "consent": "with the consent",
-        "demographics": "before the first trial",
-        "closing": "after the last trial",
-    }
-)
-
-STATES: Final[Labels] = MappingProxyType(
-    {
-        "instructed": "agreed, and has not begun",
-        "started": "has begun, and has not finished",
-        "completed": "gave the last answer",
-        "withdrawn": "took the consent back, or was forgotten",
-        "unwatched": "was ended early, since too many videos were said not to play",
-        "lapsed": "was silent for so long that the place was given back",
-    }
-)
-
-KINDS: Final[Labels] = MappingProxyType(
-    {
-        "practice": "one of the first trials, not analysed",
-        "main": "analysed",
-        "repeat": "a practice trial shown again, analysed",
-        "catch": "a comparison with a known right answer, not analysed",
-        "attention": "a page that asks for a certain answer, not analysed",
-    }
-)
-
-EXCLUSION_KINDS: Final[Labels] = MappingProxyType(
-    {
-        "planned": "stated in the study file when the first participant came",
-        "exploratory": "added or changed afterwards",
-        "by hand": "decided by a researcher about this participant alone",
-    }
-)
-
-TRUTH: Final[Labels] = MappingProxyType({"true": "yes", "false": "no"})
 
 _PREFERENCE: Final[Labels] = MappingProxyType(
     {
@@ -73,16 +34,8 @@ _SIDE: Final[Labels] = MappingProxyType({"-1": "A (left)", "0": "no difference",
 
 def column_labels(study: Study, column: str) -> Labels:
     """Return the values of a column and what they mean; nothing where it has no fixed ones."""
-    fixed = {
-        "stage": STAGES,
-        "state": STATES,
-        "kind": KINDS,
-        "exclusion_kind": EXCLUSION_KINDS,
-        "excluded": TRUTH,
-        "analysed": TRUTH,
-    }
-    if column in fixed:
-        return fixed[column]
+    if (fixed := fixed_values(column)) is not None:
+        return fixed
     if column == "arm":
         return {arm.name: f"compares {', '.join(arm.conditions)}" for arm in study.arms}
     if column == "part":

@@ -16,7 +16,7 @@ from motion.errors import InputError
 from motion.files import write_text
 from studyapp.database.tables import StudyVersion
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.answers import Answers, Source, answers_in, snapshot
+from studyapp.results.answers import answers_in, snapshot
 from studyapp.results.export.about_folder import environment, read_me
 from studyapp.results.export.bids_tables import (
     BIDS_VERSION,
@@ -26,8 +26,7 @@ from studyapp.results.export.bids_tables import (
     write_descriptions,
     write_tsv,
 )
-from studyapp.results.export.codebook import as_json, codebook
-from studyapp.results.export.codebook_page import codebook_page
+from studyapp.results.export.codebook import as_json, codebook, codebook_page
 from studyapp.results.export.columns import Column, TableColumns
 from studyapp.results.export.exclusion import Judged, judge
 from studyapp.results.export.labels import form_labels
@@ -36,7 +35,7 @@ from studyapp.results.export.tables import ExportedTable, exported_tables
 from studyapp.results.logged_looks import note_way_out, with_looks_before
 from studyapp.results.report_arms import of_present_design
 from studyapp.results.shared_answers import write_shared_answers
-from studyapp.results.stored_answers import stored_answers
+from studyapp.results.stored_answers import Answers, Source, stored_answers
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.study import Study
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
+
+import pandas as pd
 
 from motion.files import write_text
 from motion.segment import Segment
@@ -17,17 +17,10 @@ from studyapp.study.folder import StudyFolder
 from studyapp.study.media import Media
 from studyapp.study.settings.study import Study
 
-
-@dataclass(frozen=True, kw_only=True)
-class ShownFile:
-    """A video that participants may be shown, and what it shows."""
-
-    file: Path
-    shows: str
-    conditions: str
-    segment: str
-    speech: str
-    duration: float
+STIMULI: Final = (
+    *("file", "shows", "conditions", "segment"),
+    *("speech", "duration", "bytes", "sha256"),
+)
 
 
 def copy_study(folder: StudyFolder, study: Study, to: StudyFolder, *, videos: bool) -> list[str]:
@@ -100,47 +93,26 @@ def _copy(folder: StudyFolder, to: StudyFolder, file: Path) -> None:
 
 def write_stimuli_list(
     path: Path, folder: StudyFolder, study: Study, segments: tuple[Segment, ...]
-) -> int:
-    """Write which videos participants were shown, with their SHA-256, and return how many."""
+) -> None:
+    """Write which videos participants were shown, with their SHA-256."""
+    media = Media.of(folder, study)
+    found = {content: media.find(content) for content in study.contents(segments)}
     rows = [
         (
-            shown.file.relative_to(folder.root).as_posix(),
-            shown.shows,
-            shown.conditions,
-            shown.segment,
-            shown.speech,
-            f"{shown.duration:.3f}",
-            shown.file.stat().st_size,
-            sha256_of(shown.file),
+            video.file.relative_to(folder.root).as_posix(),
+            described(content),
+            " ".join(stimulus.condition for stimulus in content),
+            content[0].segment,
+            content[0].speech or "n/a",
+            f"{video.duration:.3f}",
+            video.file.stat().st_size,
+            sha256_of(video.file),
         )
-        for shown in _shown(folder, study, segments)
-        if shown.file.is_file()
+        for content, video in found.items()
+        if video is not None and video.file.is_file()
     ]
-    text = io.StringIO()
-    writer = csv.writer(text, delimiter="\t", lineterminator="\n")
-    writer.writerow(
-        ("file", "shows", "conditions", "segment", "speech", "duration", "bytes", "sha256")
-    )
-    writer.writerows(rows)
-    write_text(path, text.getvalue())
-    return len(rows)
-
-
-def _shown(folder: StudyFolder, study: Study, segments: tuple[Segment, ...]) -> Iterator[ShownFile]:
-    if not folder.stimuli.exists():
-        return
-    media = Media.of(folder, study)
-    for content in study.contents(segments):
-        video = media.find(content)
-        if video is not None:
-            yield ShownFile(
-                file=video.file,
-                shows=described(content),
-                conditions=" ".join(stimulus.condition for stimulus in content),
-                segment=content[0].segment,
-                speech=content[0].speech or "n/a",
-                duration=video.duration,
-            )
+    table = pd.DataFrame(rows, columns=STIMULI)
+    write_text(path, table.to_csv(sep="\t", index=False, lineterminator="\n"))
 
 
 def sha256_of(path: Path) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -14,22 +14,22 @@ from analysis.answers.columns import ANALYSED_KINDS
 from studyapp.database.tables import AuditLine, StudySession
 from studyapp.researchers.audit import told_detail
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.export.answer_columns import ANSWERS
 from studyapp.results.export.answer_rows import (
     answers_table,
     form_answers_table,
     participants_table,
 )
-from studyapp.results.export.columns import TableColumns
-from studyapp.results.export.exclusion import Judged
-from studyapp.results.export.other_columns import (
+from studyapp.results.export.columns import (
+    ANSWERS,
     FORM,
     LOG,
     PARTICIPANTS,
     RECRUITER_IDS,
     REFUSALS,
     WATCHING,
+    TableColumns,
 )
+from studyapp.results.export.exclusion import Judged
 from studyapp.results.export.typed import typed
 from studyapp.results.export.watching_rows import refusals_table, watching_table
 from studyapp.results.stored_answers import StoredAnswers, stored_answers
@@ -93,23 +93,18 @@ def withdrawn_tables(session: Session, key: PseudonymKey) -> tuple[ExportedTable
 
 def recruiter_ids(session: Session, key: PseudonymKey) -> ExportedTable:
     """Return the table of the recruiter's names; it is never written with the others."""
-    names = pseudonyms(session, key)
-    rows = [
-        {
-            "participant": names[str(study_session.id)],
-            "study_session": study_session.id,
-            "recruiter_participant": study_session.recruiter_participant,
-            "recruiter_study": study_session.recruiter_study,
-            "recruiter_session": study_session.recruiter_session,
-        }
-        for study_session in session.scalars(
-            select(StudySession)
-            .where(StudySession.recruiter_participant.is_not(None))
-            .order_by(StudySession.id)
+    query = (
+        select(
+            StudySession.id.label("study_session"),
+            StudySession.recruiter_participant,
+            StudySession.recruiter_study,
+            StudySession.recruiter_session,
         )
-    ]
-    frame = pd.DataFrame(rows, columns=list(RECRUITER_IDS.names))
-    return ExportedTable(about=RECRUITER_IDS, frame=typed(frame, RECRUITER_IDS))
+        .where(StudySession.recruiter_participant.is_not(None))
+        .order_by(StudySession.id)
+    )
+    frame = pd.DataFrame(session.execute(query).all(), columns=list(RECRUITER_IDS.names[1:]))
+    return _table(RECRUITER_IDS, frame, pseudonyms(session, key))
 
 
 def pseudonyms(session: Session, key: PseudonymKey) -> Mapping[str, str]:
@@ -153,10 +148,9 @@ def _with_watching(answers: pd.DataFrame, watching: pd.DataFrame) -> pd.DataFram
 
 
 def _log(session: Session) -> pd.DataFrame:
-    names: Sequence[str] = LOG.names
     lines = session.scalars(select(AuditLine).order_by(AuditLine.id))
     rows = [
         (line.at.isoformat(), line.event, told_detail(line), line.researcher, line.reason)
         for line in lines
     ]
-    return pd.DataFrame(rows, columns=list(names))
+    return pd.DataFrame(rows, columns=list(LOG.names))

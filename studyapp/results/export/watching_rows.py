@@ -7,7 +7,7 @@ from sqlalchemy import or_, select
 from sqlalchemy.orm import Session, selectinload
 
 from studyapp.database.tables import RefusalLine, StudySession, Trial, Video
-from studyapp.results.export.other_columns import REFUSALS, WATCHING
+from studyapp.results.export.columns import REFUSALS, WATCHING
 from studyapp.session.videos.watch_evidence import NOTHING_PLAYED, length, watched_so_far
 
 
@@ -93,13 +93,16 @@ def refusals_table(session: Session) -> pd.DataFrame:
         Columns of `REFUSALS`; `study_session` is empty where the address belonged to nobody.
         Who withdrew is left out.
     """
-    rows = [
-        (line.study_session_id, line.at, line.kind, line.detail)
-        for line in session.scalars(
-            select(RefusalLine)
-            .outerjoin(StudySession, StudySession.id == RefusalLine.study_session_id)
-            .where(StudySession.withdrawn_at.is_(None))
-            .order_by(RefusalLine.id)
+    query = (
+        select(
+            RefusalLine.study_session_id,
+            RefusalLine.at,
+            RefusalLine.kind,
+            RefusalLine.detail,
         )
-    ]
+        .outerjoin(StudySession, StudySession.id == RefusalLine.study_session_id)
+        .where(StudySession.withdrawn_at.is_(None))
+        .order_by(RefusalLine.id)
+    )
+    rows = session.execute(query).all()
     return pd.DataFrame(rows, columns=list(REFUSALS.names[1:]), dtype=object)

@@ -12,12 +12,10 @@ import pandas as pd
 
 from motion.files import replacing, write_text
 from studyapp.researchers.pseudonyms import PseudonymKey
-from studyapp.results.answers import NO_ANSWERS, Source, answers_in, snapshot
-from studyapp.results.export.answer_columns import ANSWERS
-from studyapp.results.export.codebook import as_json, codebook
-from studyapp.results.export.codebook_page import codebook_page
-from studyapp.results.export.exclusion import Judged, judge
-from studyapp.results.export.other_columns import (
+from studyapp.results.answers import answers_in, snapshot
+from studyapp.results.export.codebook import as_json, codebook, codebook_page
+from studyapp.results.export.columns import (
+    ANSWERS,
     FORM,
     LOG,
     PARTICIPANTS,
@@ -25,6 +23,7 @@ from studyapp.results.export.other_columns import (
     REFUSALS,
     WATCHING,
 )
+from studyapp.results.export.exclusion import Judged, judge
 from studyapp.results.export.tables import (
     ExportedTable,
     exported_tables,
@@ -33,6 +32,7 @@ from studyapp.results.export.tables import (
 )
 from studyapp.results.export.typed import Format, typed, write_table
 from studyapp.results.logged_looks import note_way_out
+from studyapp.results.stored_answers import NO_ANSWERS, Source
 from studyapp.study.folder import StudyFolder
 
 

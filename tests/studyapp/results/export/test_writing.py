@@ -13,15 +13,15 @@ from motion.errors import InputError
 from studyapp.database.engine import Database, sqlite_url
 from studyapp.database.tables import Event
 from studyapp.researchers.audit import log_change
-from studyapp.results.export.answer_columns import ANSWERS
-from studyapp.results.export.columns import TableColumns
-from studyapp.results.export.other_columns import (
+from studyapp.results.export.columns import (
+    ANSWERS,
     FORM,
     LOG,
     PARTICIPANTS,
     RECRUITER_IDS,
     REFUSALS,
     WATCHING,
+    TableColumns,
 )
 from studyapp.results.export.writing import export
 from studyapp.study.folder import StudyFolder
