@@ -21,7 +21,14 @@ from benchmarks.learned_motion.compared_study import (
     write_study,
 )
 from benchmarks.learned_motion.comparison import edit_verdicts, followings, score_of, verdicts
-from benchmarks.learned_motion.editing import edit
+from benchmarks.learned_motion.editing import (
+    BY_NAME,
+    BY_RECORDING,
+    Edited,
+    by_name,
+    by_recording,
+    edit,
+)
 from benchmarks.learned_motion.hearing import heard_apart
 from benchmarks.learned_motion.networks import (
     ABLATIONS,
@@ -144,19 +151,16 @@ def compare(given: argparse.Namespace) -> str:
         for network in systems["amuse"]
         if network.hears_by is not None
     }
-    edited = {}
+    ways = {BY_NAME: by_name, BY_RECORDING: by_recording(test, texts)}
+    edits = [(way, network) for way in ways for network in systems["amuse"]]
+    edited: dict[str, dict[str, Edited]] = {way: {} for way in ways}
+    shown = evenly(test, EDITED)
     with progress("edit", "network") as show:
-        for number, network in enumerate(systems["amuse"]):
-            edited[network.name] = edit(
-                network,
-                root,
-                evenly(test, EDITED),
-                speech,
-                texts,
-                judges,
-            )
-            show(number + 1, len(systems["amuse"]), network.name)
-    judged["amuse"] += edit_verdicts(list(edited.values()))
+        for number, (way, network) in enumerate(edits):
+            edited[way][network.name] = edit(network, root, shown, speech, texts, judges, ways[way])
+            show(number + 1, len(edits), f"{way} {network.name}")
+    for way, networks_of_way in edited.items():
+        judged["amuse"] += edit_verdicts(way, list(networks_of_way.values()))
     return page(
         Findings(metrics=metrics, followed=found, judged=judged, heard=heard, edited=edited),
         _facts(wanted, len(test), networks, root),

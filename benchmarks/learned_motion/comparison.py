@@ -153,23 +153,26 @@ def verdicts(
     return judged
 
 
-def edit_verdicts(edited: Sequence[Edited]) -> list[Verdict]:
-    """Return what is asked of edits of the emotion, one `Edited` for each trained network."""
+def edit_verdicts(way: str, edited: Sequence[Edited]) -> list[Verdict]:
+    """Return what is asked of edits of the emotion, one `Edited` for each trained network.
+
+    `way` says how the emotion is given: `BY_NAME` or `BY_RECORDING`.
+    """
     return [
         Verdict(
-            claim="another emotion by name is taken for the one that was told in most edits",
+            claim=f"another emotion {way} is recognized in the motion in most edits",
             holds=all(one.accuracy > 0.5 for one in edited),
             evidence=", ".join(f"{one.accuracy:.3g}" for one in edited),
         ),
         Verdict(
-            claim="at least nine tenths as many clips are taken for their speaker's when edited",
+            claim=f"{way}: nine tenths as many clips or more are taken for their speaker's",
             holds=all(one.speaker_after >= 0.9 * one.speaker_before for one in edited),
             evidence=", ".join(
                 f"{one.speaker_after:.3g} beside {one.speaker_before:.3g}" for one in edited
             ),
         ),
         Verdict(
-            claim="wrists move when they moved before the edit: correlation above 0.5",
+            claim=f"{way}: wrists move when they moved before the edit, correlation above 0.5",
             holds=all(one.speed > 0.5 for one in edited),
             evidence=", ".join(f"{one.speed:.3g}" for one in edited),
         ),

@@ -1,10 +1,12 @@
-"""What becomes of motion when AMUSE is told another emotion (EmoEdit of Table 1, Fig. A.12)."""
+"""What becomes of motion when AMUSE is given another emotion (EmoEdit of Table 1, Fig. A.12)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +65,33 @@ class Edited:
         return float(np.trace(counts) / counts.sum())
 
 
+BY_NAME: Final = "by name"
+BY_RECORDING: Final = "by another recording"
+
+Told = Callable[[Take, str], str | Path]
+"""Returns what stands in for the emotion of a take's speech, so that it becomes another: its name,
+or a recording."""
+
+
+def by_name(_: Take, emotion: str) -> str:
+    """Tell an emotion by its name: the mean latent that the speech model learned of it."""
+    return emotion
+
+
+def by_recording(takes: Sequence[Take], spoken: Mapping[str, str]) -> Told:
+    """Tell an emotion by another of `takes`: of the same speaker, who says something else."""
+
+    def recording(take: Take, emotion: str) -> Path:
+        return next(
+            other.speech
+            for other in takes
+            if (other.speaker, other.emotion) == (take.speaker, emotion)
+            and spoken[other.name] != spoken[take.name]
+        )
+
+    return recording
+
+
 def edit(
     network: Network,
     root: Path,
@@ -70,8 +99,9 @@ def edit(
     speech: Mapping[str, Speech],
     spoken: Mapping[str, str],
     judges: Mapping[str, Path],
+    told: Told,
 ) -> Edited:
-    """Tell a network each of the other emotions, by name, for every take, and look at its motion.
+    """Give a network each of the other emotions for every take, and look at its motion.
 
     Parameters
     ----------
@@ -85,28 +115,32 @@ def edit(
         What is known of them, see `benchmarks.learned_motion.truth`.
     judges : mapping of str to Path
         Networks that tell ``emotion`` and ``speaker`` from motion.
+    told : Told
+        What stands in for the speech's own emotion.
     """
     emotion, speaker = (load_evaluator(judges[name]) for name in ("emotion", "speaker"))
-    amuse = {
-        told: Amuse(AmuseSettings.model_validate({**network.files(root), "emotion": told}), "cpu")
-        for told in (None, *EMOTIONS)
-    }
-    told, taken_for, speeds = [], [], []
+
+    @cache
+    def amuse(stands_in: str | Path | None) -> Amuse:
+        settings = {**network.files(root), "emotion": stands_in}
+        return Amuse(AmuseSettings.model_validate(settings), "cpu")
+
+    given, taken_for, speeds = [], [], []
     kept: dict[str, list[bool]] = {"before": [], "after": []}
     strokes: dict[str, dict[str, Followed]] = {"before": {}, "after": {}}
     groups = {}
     for number, take in enumerate(takes):
         audio = read_audio(take.speech)
         heard = SpeechSegment(segment=segment_of(take, audio), audio=audio)
-        before = amuse[None].generate(heard, seed=number, frame_rate=FRAME_RATE)
+        before = amuse(None).generate(heard, seed=number, frame_rate=FRAME_RATE)
         kept["before"].append(_named(speaker, before) == take.speaker)
         strokes["before"][take.name] = follow(before, speech[take.name])
         groups[take.name] = spoken[take.name]
         for other in EMOTIONS:
             if other == take.emotion:
                 continue
-            after = amuse[other].generate(heard, seed=number, frame_rate=FRAME_RATE)
-            told.append(other)
+            after = amuse(told(take, other)).generate(heard, seed=number, frame_rate=FRAME_RATE)
+            given.append(other)
             taken_for.append(_named(emotion, after))
             kept["after"].append(_named(speaker, after) == take.speaker)
             speeds.append(float(np.corrcoef(_speed(before), _speed(after))[0, 1]))
@@ -115,7 +149,7 @@ def edit(
             groups[edited] = spoken[take.name]
     return Edited(
         confusion=emotion_confusion(
-            told, taken_for, emotion.labels, condition="edited", network=emotion.sha256
+            given, taken_for, emotion.labels, condition="edited", network=emotion.sha256
         ),
         speaker_before=float(np.mean(kept["before"])),
         speaker_after=float(np.mean(kept["after"])),

@@ -14,7 +14,7 @@ from analysis.evaluators import network_names as names
 from analysis.measurement.conditions import StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from benchmarks.learned_motion.comparison import Followings, Verdict, score_of, written
-from benchmarks.learned_motion.editing import Edited
+from benchmarks.learned_motion.editing import BY_NAME, BY_RECORDING, Edited
 from studyapp.study.settings.study import GROUND_TRUTH
 
 SCORES: Final = (
@@ -65,15 +65,15 @@ class Findings:
         What is asked of trained networks.
     heard : mapping of condition to mapping
         What speech models hear apart; see `heard_apart`.
-    edited : mapping of condition to Edited
-        What edits of the emotion do.
+    edited : mapping of str to mapping of condition to Edited
+        What edits of the emotion do, by `BY_NAME` and `BY_RECORDING`.
     """
 
     metrics: StudyMetrics
     followed: Mapping[str, Followings]
     judged: Mapping[str, Sequence[Verdict]]
     heard: Mapping[str, Mapping[str, float]]
-    edited: Mapping[str, Edited]
+    edited: Mapping[str, Mapping[str, Edited]]
 
 
 def page(found: Findings, facts: Sequence[str]) -> str:
@@ -151,7 +151,16 @@ def page(found: Findings, facts: Sequence[str]) -> str:
             ),
             "",
             *_heard(found.heard),
-            *_edited(found.edited, metrics),
+            *(line for way, edited in found.edited.items() for line in _edited(way, edited)),
+            "Spoken and named, recorded test takes:",
+            "",
+            *(
+                line
+                for one in metrics.confusions
+                if one.condition == GROUND_TRUTH
+                for line in _confusion(one)
+            ),
+            "",
             "## How",
             "",
             *(f"- {fact}" for fact in facts),
@@ -177,19 +186,28 @@ def _heard(heard: Mapping[str, Mapping[str, float]]) -> list[str]:
     ]
 
 
-def _edited(edited: Mapping[str, Edited], metrics: StudyMetrics) -> list[str]:
-    """Return what edits do, and the confusions of Figures A.11 and A.12, counts of all seeds."""
-    recorded = [one for one in metrics.confusions if one.condition == GROUND_TRUTH]
+GIVEN: Final = MappingProxyType(
+    {
+        BY_NAME: "the mean latent of one of the other seven emotions",
+        BY_RECORDING: "the emotion that it hears in another test take, in which the same speaker "
+        "says something else in one of the other seven emotions",
+    }
+)
+"""What stands in for a speech's own emotion."""
+
+
+def _edited(way: str, edited: Mapping[str, Edited]) -> list[str]:
+    """Return what edits do, and the confusion of Figure A.12, counts of all seeds."""
     counts = sum(np.array(one.confusion.counts) for one in edited.values())
     told = next(iter(edited.values())).confusion
     everything = replace(told, counts=tuple(map(tuple, np.asarray(counts).tolist())))
     return [
-        "## Another emotion by name",
+        f"## Another emotion {way}",
         "",
-        "Each edit keeps the speech and its noise, and tells AMUSE the mean latent of one of the "
-        "other seven emotions. Named: the share that a classifier of recorded motion takes for the "
-        "emotion that was told. Speaker: the share that a second one takes for their own speaker. "
-        "Wrists: correlation of their speed before and after the edit.",
+        f"Each edit keeps the speech and its noise, and gives AMUSE {GIVEN[way]}. Named: the share "
+        "that a classifier of recorded motion takes for the emotion that was given. Speaker: the "
+        "share that a second one takes for their own speaker. Wrists: correlation of their speed "
+        "before and after the edit.",
         "",
         *_table(
             (
@@ -215,13 +233,9 @@ def _edited(edited: Mapping[str, Edited], metrics: StudyMetrics) -> list[str]:
             ],
         ),
         "",
-        "Told (rows) and named (columns), edits of all seeds:",
+        "Given (rows) and named (columns), edits of all seeds:",
         "",
         *_confusion(everything),
-        "",
-        "Spoken and named, recorded test takes:",
-        "",
-        *(line for one in recorded for line in _confusion(one)),
         "",
     ]
 

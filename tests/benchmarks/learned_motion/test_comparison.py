@@ -16,7 +16,7 @@ from benchmarks.learned_motion.comparison import (
     verdicts,
     written,
 )
-from benchmarks.learned_motion.editing import Edited
+from benchmarks.learned_motion.editing import BY_NAME, Edited
 from benchmarks.learned_motion.following import MEASURES, MeanFollowed
 from benchmarks.learned_motion.page import HEARD, Findings, page
 from studyapp.study.settings.study import GROUND_TRUTH
@@ -114,7 +114,7 @@ EDITED = Edited(
 
 
 def test_edits_that_change_the_emotion_alone_are_told_so() -> None:
-    assert [one.holds for one in edit_verdicts([EDITED, EDITED])] == [True] * 3
+    assert [one.holds for one in edit_verdicts(BY_NAME, [EDITED, EDITED])] == [True] * 3
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_edits_that_change_the_emotion_alone_are_told_so() -> None:
     ],
 )
 def test_edits_of_one_seed_that_fall_short_fail_the_claim(worse: Edited, failed: int) -> None:
-    judged = edit_verdicts([EDITED, worse])
+    judged = edit_verdicts(BY_NAME, [EDITED, worse])
     assert [number for number, one in enumerate(judged) if not one.holds] == [failed]
 
 
@@ -149,7 +149,7 @@ def test_the_page_tells_missing_numbers_from_zero_and_fallen_claims_from_held_on
             followed=found,
             judged=judged,
             heard={"amuse_1": dict.fromkeys(HEARD, 0.5)},
-            edited={"amuse_1": EDITED, "amuse_2": EDITED},
+            edited={BY_NAME: {"amuse_1": EDITED, "amuse_2": EDITED}},
         ),
         ["Made of nothing."],
     )
