@@ -17,8 +17,8 @@ from av.container import InputContainer
 from numpy.typing import NDArray
 
 from motion.errors import InputError
-from motion.excerpt import excerpt_bounds
 from motion.files import replacing
+from motion.segment import excerpt_bounds
 
 SPEECH_RATE: Final = 16000
 """Samples per second that speech is analysed at."""
@@ -109,7 +109,7 @@ class Audio:
         ----------
         start, end : float
             Seconds, ``0 <= start < end``. Where `end` lies past the audio by no more than
-            `motion.excerpt.CUT_TOLERANCE`, silence fills the excerpt, so that it always has
+            `motion.segment.CUT_TOLERANCE`, silence fills the excerpt, so that it always has
             ``round((end - start) * sample_rate)`` samples.
 
         Raises

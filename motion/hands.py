@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.body_archive import body_archive
+from motion.body.archive import body_archive
 from motion.clip import MotionClip
 from motion.skeleton import LEFT_HAND_JOINTS, joint_index
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motion.clip import MotionClip, check_frame_rate
-from motion.excerpt import excerpt_bounds
+from motion.segment import excerpt_bounds
 
 FloatArray = NDArray[np.float32]
 
@@ -123,7 +123,7 @@ def cut(clip: MotionClip, start: float, end: float) -> MotionClip:
         The motion.
     start, end : float
         Seconds, ``0 <= start < end``; where `end` lies past the clip by no more than
-        `motion.excerpt.CUT_TOLERANCE`, the last frame is held.
+        `motion.segment.CUT_TOLERANCE`, the last frame is held.
 
     Returns
     -------

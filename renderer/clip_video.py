@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import read_audio
-from motion.body import BodyModel, read_body
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.files import replacing

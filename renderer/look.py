@@ -59,7 +59,7 @@ class Look:
     avatar : str
         One of `renderer.avatars.AVATARS`.
     expression_matrix : Path or None
-        A file that `motion.expression_matrix` reads: turns the faces of clips into the body's
+        A file that `motion.body.expression_matrix` reads: turns the faces of clips into the body's
         terms.
     """
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 
 FloatArray = NDArray[np.float32]
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import read_audio
+from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 from motion.formats.arkit_json import read_arkit_json
 from motion.formats.joint_maps import choose_joint_map
 from motion.formats.retarget import retarget

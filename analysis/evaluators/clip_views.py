@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.metrics.joint_positions import GESTURE_JOINTS
+from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 from motion.skeleton import JOINT_NAMES, joint_index
 
 FloatArray = NDArray[np.float32]

@@ -18,8 +18,8 @@ from analysis.evaluators.clip_views import (
     view_of,
 )
 from analysis.evaluators.emotion_network import EmotionConfig, EmotionNetwork
+from motion.body.face_landmarks import FaceLandmarks
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 from motion.skeleton import JOINT_NAMES
 from training.config import TrainingConfig
 

@@ -14,8 +14,8 @@ from analysis.evaluators.autoencoder_network import AutoencoderConfig
 from analysis.evaluators.design import SIZES, Design, Facts, Network
 from analysis.evaluators.emotion_network import EmotionConfig
 from analysis.evaluators.examples import Normalisation
+from motion.body.face_landmarks import FaceLandmarks
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 from training.weights_file import WeightsFile, read_weights, write_weights
 
 _FORMAT: Final = 2

@@ -27,7 +27,7 @@ from analysis.metrics.point_errors import S2UE_FRAME_RATE, point_error, velocity
 from analysis.metrics.result import MetricResult
 from motion.formats.semantic_txt import SemanticSpan, semantic_weights
 from motion.formats.ted_npz import JOINT_NAMES as TED_JOINTS
-from motion.speech_onsets import DETECTOR
+from motion.speech.onsets import DETECTOR
 
 FloatArray = NDArray[np.float64]
 

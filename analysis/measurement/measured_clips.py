@@ -22,15 +22,15 @@ from analysis.measurement.recorded_spread import RecordedSpread
 from analysis.metrics.joint_positions import GESTURE_JOINTS
 from analysis.metrics.self_penetration import PenetrableBody
 from motion.audio import read_audio
-from motion.body import read_body
+from motion.body.face_landmarks import FaceLandmarks
+from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 from motion.formats import read_clip, read_motion
 from motion.freeze import freeze
 from motion.resample import resample
 from motion.skeleton import joint_index
-from motion.speech_onsets import speech_onsets
+from motion.speech.onsets import speech_onsets
 
 FloatArray = NDArray[np.float64]
 Array = NDArray[np.float32]
@@ -57,7 +57,7 @@ class LandmarkBody:
     path : Path
         The body's file.
     expression_matrix : Path or None
-        As for `motion.body.read_body`.
+        As for `motion.body.model.read_body`.
     """
 
     path: Path

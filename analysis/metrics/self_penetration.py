@@ -22,7 +22,7 @@ from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
 from analysis.metrics.result import Metric, MetricResult
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, LEFT_HAND_JOINTS, RIGHT_HAND_JOINTS, joint_index
 

@@ -18,7 +18,7 @@ from analysis.metrics.joint_positions import WRISTS, select
 from analysis.stats.two_way_bootstrap import bootstrap_means, cells_of, percentile_interval
 from motion.clip import MotionClip
 from motion.face import ARKIT_NAMES
-from motion.speech_onsets import DETECTOR
+from motion.speech.onsets import DETECTOR
 from training.corpus.motion_curves import follow as follow_curve
 from training.corpus.motion_curves import mean_speed
 

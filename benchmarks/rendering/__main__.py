@@ -28,7 +28,7 @@ from benchmarks.rendering.measured import Measured, timed
 from benchmarks.rendering.peers import peers, write_posed_mesh
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.audio import Audio, write_wav
-from motion.body import read_body
+from motion.body.model import read_body
 from motion.formats import write_clip
 from renderer.avatars import default_body
 from renderer.clip_video import Stage, write_clip_video

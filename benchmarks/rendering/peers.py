@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.rendering.measured import Measured
 from benchmarks.rendering.sample_motion import gesturing_clip
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from renderer.frames import looking
 from renderer.framing import Camera
 from renderer.jobs.threads import ONE_THREAD

@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.audio import Audio
-from motion.body import read_body
+from motion.body.model import read_body
 from motion.clip import MotionClip
 from renderer.avatars import default_body
 from renderer.clip_video import Stage

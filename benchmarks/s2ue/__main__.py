@@ -22,7 +22,7 @@ from benchmarks.s2ue.speed import speed
 from benchmarks.s2ue.table import table, windows_of
 from generators.s2ue.config import ABLATIONS
 from generators.s2ue.network_file import load_network
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
 from motion.files import write_text
 from training.data.any_folder import read_takes
 from training.threads import torch_threads

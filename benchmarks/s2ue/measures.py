@@ -21,7 +21,7 @@ from analysis.metrics.point_errors import (
     point_error,
 )
 from benchmarks.s2ue.synchrony import FaceBodySynchrony
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
 from training.spaces.bones_and_landmarks import BONE_LENGTHS, BONE_VALUES, joints_of
 

@@ -15,7 +15,7 @@ from generators.s2ue.generate import S2ue
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
 from generators.s2ue.settings import S2ueSettings
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
 from motion.formats.ted_npz import JOINT_NAMES
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import joint_index

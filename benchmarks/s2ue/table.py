@@ -14,7 +14,7 @@ from benchmarks.s2ue.measures import COLUMNS, RATE, SEEDS, Measure
 from generators.s2ue.network_file import S2ueNetwork, load_network
 from generators.s2ue.train import train_s2ue
 from generators.trainable import TrainingRequest
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
 from training.data.any_folder import read_takes
 from training.data.feature_cache import prepare
 from training.data.take import Split, TakeFolder

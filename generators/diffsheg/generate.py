@@ -17,9 +17,9 @@ from generators.diffsheg.settings import DiffShegSettings
 from generators.diffsheg.walk import Sampling
 from generators.interface import OnPart, SpeechSegment, seeded_stream
 from generators.network_motion import NetworkGenerator, check_finite, joined, network_facts
+from motion.body.forearm_twist import ForearmTwists
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.forearm_twist import ForearmTwists
 from training.hearing.hubert import Hubert, check_hubert, load_hubert, stand_in
 from training.hearing.speech_frames import (
     HearingWindow,

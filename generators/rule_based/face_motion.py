@@ -14,7 +14,7 @@ from generators.rule_based.mouth import speaking_mouth
 from generators.rule_based.smooth_noise import smooth_noise
 from motion.audio import Audio
 from motion.face import ARKIT_NAMES
-from motion.prosody import Prosody
+from motion.speech.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
 

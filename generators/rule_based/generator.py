@@ -16,7 +16,7 @@ from generators.rule_based.idling import idle
 from generators.rule_based.posture import on_accents, stand
 from generators.rule_based.resting import plan_rests
 from motion.clip import MotionClip
-from motion.prosody import prosody
+from motion.speech.prosody import prosody
 
 
 class RuleBased:

@@ -17,7 +17,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import ShortTimeFFT
 
 from motion.audio import Audio
-from motion.prosody import Prosody
+from motion.speech.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
 

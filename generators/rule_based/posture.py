@@ -14,7 +14,7 @@ from generators.rule_based.emotion_style import EmotionStyle
 from generators.rule_based.hand_pose import PLACE
 from generators.rule_based.minimum_jerk import pulse
 from generators.rule_based.smooth_noise import smooth_noise
-from motion.prosody import Prosody
+from motion.speech.prosody import Prosody
 
 FloatArray = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from generators.network_motion import NetworkGenerator, check_finite, joined, ne
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, load_network
 from generators.s2ue.settings import ANYBODY, S2ueSettings
+from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
-from motion.face_landmarks import FaceLandmarks
 from motion.formats.transcript import Word, find_transcript
 from training.hearing.speech_frames import at_speech_rate
 from training.hearing.speech_windows import HeardWindow, hear_windows

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from generators.s2ue.config import NetworkConfig
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
 from training.layers.graph_convolution import ComponentEncoder
 from training.layers.speaker_latent import SpeakerEncoder
 from training.layers.temporal_layers import Decoder, over_time

@@ -11,7 +11,7 @@ import torch
 
 from generators.s2ue.config import NetworkConfig
 from generators.s2ue.model import Network
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
 from training.speakers import Speakers
 from training.weights_file import holding, read_weights, tensors_of, write_weights
 

@@ -18,7 +18,7 @@ from generators.s2ue.model import Latents, Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
 from generators.teaching import learn, learned_from, prepared_takes
 from generators.trainable import TrainedGenerator, TrainingRequest
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
 from training.data.windows import Windows
 from training.hearing.word_vectors import StandIn, WordVectors, vectors_of
 from training.layers.adversarial import discriminator_loss, generator_loss

@@ -17,14 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.body.forearm_twist import NO_TWISTS, ForearmTwists, share_forearm_twist
+from motion.body.skinning import twist_angles
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.forearm_twist import NO_TWISTS, ForearmTwists, share_forearm_twist
 from motion.formats.bvh import BvhMotion
 from motion.formats.joint_maps import JointMap
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_NAMES, PARENTS, joint_index
-from motion.skinning import twist_angles
 
 FloatArray = NDArray[np.float64]
 Places = Mapping[str, FloatArray]

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.points.facial_actions import facial_actions
@@ -48,7 +48,7 @@ def clip_from_points(
     body : BodyModel
         The body that will show the clip.
     landmarks : ndarray, shape (T, L, 3), optional
-        How far the landmarks of `motion.face_landmarks.FaceLandmarks.of(body)` shift from the
+        How far the landmarks of `motion.body.face_landmarks.FaceLandmarks.of(body)` shift from the
         neutral face in the head's frame, metres. They become facial actions.
 
     Raises

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import KDTree
 
-from motion.body import BodyModel
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
+from motion.body.model import BodyModel
 from motion.points.view import nearest_similarity
 from motion.skeleton import joint_index
 

@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.body import BodyModel
+from motion.body.face_landmarks import FaceLandmarks
+from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 
 FloatArray = NDArray[np.float32]
 

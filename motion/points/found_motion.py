@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clearance import clear_of_body
 from motion.clip import MotionClip
 from motion.placement import place

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
+from motion.body.forearm_twist import share_forearm_twist
+from motion.body.skinning import twist_angles
 from motion.errors import InputError
-from motion.forearm_twist import share_forearm_twist
 from motion.hands import FINGERS, RELAXED_HANDS
 from motion.points.turning import smallest_turns, turns_of_frames
 from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS, joint_index
-from motion.skinning import twist_angles
 
 FloatArray = NDArray[np.float64]
 

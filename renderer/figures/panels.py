@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from PIL import Image
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from renderer.clip_video import Stage
 from renderer.figures.cut_out import Box, box_around, cut_out

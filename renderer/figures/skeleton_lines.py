@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import FACE_JOINTS, JOINT_NAMES, PARENTS, forward_kinematics
 from renderer.figures.lettering import INK, font

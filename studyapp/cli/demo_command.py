@@ -11,7 +11,7 @@ import click
 from motion.audio import read_audio
 from motion.segment import Segment
 from motion.segments_table import write_segments
-from motion.synthetic_speech import speak
+from motion.speech.synthesis import speak
 from studyapp.cli import check_command, rehearse_command, report_command
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.material import generate_command, render_command

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from motion.audio import Audio, read_audio
-from motion.body import read_body
+from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.files import replacing
 from motion.formats import read_motion

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Self
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.ground import stand_on_ground
 from motion.segment import Segment

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.body import BodyAbilities, BodyModel, read_body
-from motion.body_limits import not_shown
+from motion.body.abilities import BodyAbilities, not_shown
+from motion.body.expression_matrix import read_expression_matrix
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
-from motion.expression_matrix import read_expression_matrix
 from motion.hands import read_mean_hands
 from renderer.avatars import AVATARS, default_body
 from studyapp.study.folder import StudyFolder

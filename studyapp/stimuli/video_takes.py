@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from motion.audio import read_audio, write_wav
-from motion.body import read_body
+from motion.body.model import read_body
 from motion.errors import InputError
 from motion.files import write_text
 from motion.formats import write_clip

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.rendering.sample_motion import gesturing_clip
 from motion.audio import Audio, write_wav
-from motion.body import BodyModel, read_body
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.face import arkit_index
 from motion.formats import write_clip

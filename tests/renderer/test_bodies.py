@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from motion.body import BodyModel, read_body
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.face import ARKIT_NAMES, arkit_index
 from motion.skeleton import joint_index

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.face import arkit_index
 from motion.rest_pose import REST_JOINTS

@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import forward_kinematics, joint_index

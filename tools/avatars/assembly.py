@@ -49,7 +49,7 @@ def build_body(recipe: Recipe) -> dict[str, NDArray[Any]]:
     ``material`` and ``shade`` (V,) say what each vertex is made of and how bright it is,
     ``material_names`` names the materials, ``colours`` (V, 4) holds sRGB and gleam, each in
     0-255, ``credits`` the sources; ``twist_bones``, ``twist_shares`` and ``twist_weights`` are
-    `motion.skinning.TwistJoints` and the skin weights with them; ``spare_vertices`` at the end
+    `motion.body.skinning.TwistJoints` and the skin weights with them; ``spare_vertices`` at the end
     are used by no face.
     """
     sitter = sitter_for(recipe)

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.body.skinning import skinning_matrices
 from motion.skeleton import JOINT_COUNT, JOINT_NAMES, joint_index
-from motion.skinning import skinning_matrices
 from tools.avatars.smplx_rig import unpose
 
 Array = NDArray[np.float64]

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from PIL import Image
 
-from motion.body import BodyModel, read_body
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.skeleton import forward_kinematics, joint_index
 from renderer.avatars import AVATARS, default_body

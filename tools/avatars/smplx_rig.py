@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.body.skinning import TwistJoints, skinning_matrices
 from motion.skeleton import JOINT_COUNT, JOINT_NAMES, PARENTS, forward_kinematics, joint_index
-from motion.skinning import TwistJoints, skinning_matrices
 from tools.avatars.anny_source import AnnyPerson
 
 Array = NDArray[np.float64]

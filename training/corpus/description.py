@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from motion.errors import InputError
 from motion.files import write_text
-from motion.synthetic_speech import synthesiser_version
+from motion.speech.synthesis import synthesiser_version
 from training.corpus.process import VERSION
 from training.corpus.request import CorpusRequest
 

@@ -28,8 +28,8 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import ShortTimeFFT
 
 from motion.audio import SPEECH_RATE, Audio
-from motion.audio_analysis import load_librosa
 from motion.errors import InputError
+from motion.speech.audio_analysis import load_librosa
 
 FloatArray = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from motion.audio import SPEECH_RATE, Audio, read_audio, write_wav
 from motion.files import write_text
 from motion.formats.arkit_json import write_arkit_json
 from motion.formats.bvh_writing import write_bvh
-from motion.synthetic_speech import speak_as
+from motion.speech.synthesis import speak_as
 from training.corpus.chance import Chance
 from training.corpus.emotion_motion import EMOTION_MOTION
 from training.corpus.full_skeleton import FULL_SKELETON

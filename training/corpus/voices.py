@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from motion.synthetic_speech import PROSODY_OF_EMOTION, SpokenProsody
+from motion.speech.synthesis import PROSODY_OF_EMOTION, SpokenProsody
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import Audio
-from motion.audio_analysis import load_librosa
 from motion.errors import InputError
+from motion.speech.audio_analysis import load_librosa
 
 FloatArray = NDArray[np.float32]
 

@@ -20,7 +20,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from motion.audio import SPEECH_RATE
-from motion.audio_analysis import load_librosa
+from motion.speech.audio_analysis import load_librosa
 
 WINDOW: Final = 400
 """Samples that a feature looks at itself, as HuBERT's first layers do."""

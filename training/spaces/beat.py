@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.body.forearm_twist import ForearmTwists
 from motion.clip import ARKIT_COUNT, MotionClip
 from motion.errors import InputError
 from motion.face import ARKIT_NAMES
-from motion.forearm_twist import ForearmTwists
 from motion.formats.bvh import BvhMotion
 from motion.formats.bvh_hierarchy import BvhJoint
 from motion.formats.joint_maps import choose_joint_map

@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 from motion.formats.ted_npz import BONES, JOINT_NAMES, chain_bones
 from motion.points.clip_from_points import clip_from_points
 from motion.rest_pose import REST_JOINTS

@@ -118,7 +118,7 @@ def evaluator(
     """
     # Imported here: torch takes seconds to load, which --help need not wait for.
     from analysis.evaluators.design import CHANNELS_OF_KIND, TRAINING, EvaluatorRequest
-    from motion.face_landmarks import FaceLandmarks
+    from motion.body.face_landmarks import FaceLandmarks
     from studyapp.stimuli.training_recordings import recordings_of
 
     if channels is not None and kind != "motion":

@@ -9,8 +9,8 @@ import pytest
 from analysis.evaluators.design import TRAINING, EvaluatorRequest
 from analysis.evaluators.evaluator import Evaluator, load_evaluator
 from analysis.evaluators.training import train_evaluator
-from motion.body import read_body
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
+from motion.body.model import read_body
 from renderer.avatars import default_body
 from tests.analysis.evaluators.swinging import sources
 from tests.support.short_training import short_training

@@ -22,12 +22,12 @@ from analysis.measurement.measured_clips import DEPTHS as DEPTHS_KIND
 from analysis.measurement.measured_clips import LANDMARKS as LANDMARKS_KIND
 from analysis.measurement.measured_clips import ONSETS as ONSETS_KIND
 from analysis.metrics.self_penetration import PenetrableBody
-from motion.body import read_body
+from motion.body.face_landmarks import FaceLandmarks
+from motion.body.model import read_body
 from motion.clip import MotionClip
-from motion.face_landmarks import FaceLandmarks
 from motion.segment import EMOTIONS
 from motion.skeleton import joint_index
-from motion.speech_onsets import speech_onsets
+from motion.speech.onsets import speech_onsets
 from renderer.avatars import default_body
 from tests.analysis.evaluators.published.conftest import seeded_weights
 from tests.fingerprint import fingerprint

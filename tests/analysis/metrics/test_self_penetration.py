@@ -11,7 +11,7 @@ from analysis.metrics.self_penetration import (
     self_penetration,
     winding_numbers,
 )
-from motion.body import read_body
+from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.skeleton import JOINT_COUNT, joint_index
 from renderer.avatars import default_body

@@ -13,13 +13,13 @@ from analysis.metrics.self_penetration import PenetrableBody
 from generators.interface import SpeechSegment
 from generators.rule_based.generator import RuleBased
 from motion.audio import Audio, read_audio
-from motion.body import read_body
+from motion.body.model import read_body
 from motion.clip import MotionClip
 from motion.face import arkit_index
-from motion.prosody import prosody
 from motion.rest_pose import REST_JOINTS
 from motion.segment import EMOTIONS, Segment
 from motion.skeleton import forward_kinematics, joint_index
+from motion.speech.prosody import prosody
 from renderer.avatars import default_body
 
 Speak = Callable[..., SpeechSegment]

@@ -6,7 +6,7 @@ import numpy as np
 
 from generators.rule_based.mouth import speaking_mouth
 from motion.audio import Audio
-from motion.prosody import prosody
+from motion.speech.prosody import prosody
 
 RATE = 16000
 FRAME_RATE = 30

@@ -12,8 +12,8 @@ import torch
 from generators.s2ue.config import NetworkConfig
 from generators.s2ue.model import Network
 from generators.s2ue.network_file import S2ueNetwork, write_network
+from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
-from motion.face_landmarks import FaceLandmarks
 from motion.skeleton import JOINT_COUNT, joint_index
 from training.hearing.word_vectors import StandIn
 from training.spaces.bones_and_landmarks import values_of

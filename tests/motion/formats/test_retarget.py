@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from motion.body.skinning import twist_angles
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.formats.bvh import BvhMotion, read_bvh
@@ -19,7 +20,6 @@ from motion.formats.joint_maps import JOINT_MAPS, JointMap, choose_joint_map
 from motion.formats.retarget import retarget
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_NAMES, forward_kinematics, joint_index
-from motion.skinning import twist_angles
 from tests.motion.formats.bvh_text import Skeleton, depth_first, smplx_skeleton
 
 OWN = JOINT_MAPS["smplx"]

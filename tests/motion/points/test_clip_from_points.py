@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
-from motion.body import BodyModel, read_body
+from motion.body.face_landmarks import FaceLandmarks
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks
 from motion.formats.any_motion import read_motion
 from motion.formats.ted_npz import JOINT_NAMES as TEN_JOINTS
 from motion.points.clip_from_points import clip_from_points

@@ -8,10 +8,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from motion.body import BodyModel, read_body
+from motion.body.face_landmarks import landmark_vertices
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.face import arkit_index
-from motion.face_landmarks import landmark_vertices
 from motion.points.detection import Detection, stretches
 from motion.points.face_mesh import landmark_shifts
 from motion.points.facial_actions import facial_actions

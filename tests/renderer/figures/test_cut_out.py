@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
 from renderer.clip_video import Stage

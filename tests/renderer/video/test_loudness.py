@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from motion.audio import Audio, read_audio
 from motion.segment import EMOTIONS
-from motion.synthetic_speech import speak
+from motion.speech.synthesis import speak
 from renderer.video.encoder import SOUND_RATE, VideoWriter
 from renderer.video.loudness import (
     PEAK_CEILING,

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from motion.body import BodyModel, read_body
+from motion.body.model import BodyModel, read_body
 from renderer.avatars import default_body
 
 

@@ -5,11 +5,11 @@ import itertools
 import numpy as np
 import pytest
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
+from motion.body.skinning import skinning_matrices
 from motion.clip import MotionClip
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_COUNT, PARENTS, forward_kinematics, joint_index
-from motion.skinning import skinning_matrices
 from tools.avatars.smplx_rig import (
     t_pose_joints,
     twist_joints,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import torch
 
+from motion.body.skinning import skinning_matrices
 from motion.clip import MotionClip
 from motion.rest_pose import REST_JOINTS
-from motion.skinning import skinning_matrices
 from training.layers.body_points import BodyPoints
 from training.spaces.smplx_6d import smplx_6d_values
 

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from motion.face_landmarks import FaceLandmarks
+from motion.body.face_landmarks import FaceLandmarks
 from training.spaces.anatomy import (
     BODY_PARTS,
     bone_graph,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from motion.body.face_landmarks import FaceLandmarks
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.face import ARKIT_NAMES
-from motion.face_landmarks import FaceLandmarks
 from motion.formats.ted_npz import BONES, JOINT_NAMES
 from motion.points.clip_from_points import clip_from_points
 from motion.rest_pose import REST_JOINTS

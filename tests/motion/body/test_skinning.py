@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from motion.body.skinning import TwistJoints, skinning_matrices, twist_angles
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import JOINT_COUNT, forward_kinematics, joint_index
-from motion.skinning import TwistJoints, skinning_matrices, twist_angles
 
 ELBOW, WRIST = joint_index("left_elbow"), joint_index("left_wrist")
 ALONG = np.array([1.0, 0.0, 0.0])  # the left forearm at rest

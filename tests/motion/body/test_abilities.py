@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motion.body import BodyAbilities
-from motion.body_limits import not_shown
+from motion.body.abilities import BodyAbilities, not_shown
 from motion.clip import MotionClip
 from motion.skeleton import joint_index
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motion.audio_analysis import load_librosa
+from motion.speech.audio_analysis import load_librosa
 
 
 def _load() -> None:
@@ -57,7 +57,7 @@ def test_compiled_functions_are_loaded_and_vectorised_ones_made_by_one_process_a
 
 
 def test_nothing_else_in_the_project_imports_librosa() -> None:
-    root = Path(__file__).resolve().parents[2]
+    root = Path(__file__).resolve().parents[3]
     packages = ("motion", "generators", "renderer", "analysis", "studyapp", "training")
     importers = [
         path.name

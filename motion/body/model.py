@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
-from motion.body_archive import body_archive
+from motion.body.abilities import BodyAbilities
+from motion.body.archive import body_archive
+from motion.body.expression_matrix import face_for, read_expression_matrix
+from motion.body.skinning import TwistJoints, skinning_matrices
 from motion.clip import EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
-from motion.expression_matrix import face_for, read_expression_matrix
 from motion.face import arkit_index
 from motion.skeleton import JOINT_COUNT, PARENTS, joint_index
-from motion.skinning import TwistJoints, skinning_matrices
 
 FloatArray = NDArray[np.float32]
 
@@ -44,28 +45,6 @@ _STILL: Final = 1e-7
 
 _JAW_FULLY_OPEN: Final = 0.28
 """Radians of the jaw joint that open the default body's mouth as far as ARKit's jawOpen of 1."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BodyAbilities:
-    """What of a clip's face and shape a body can show.
-
-    Attributes
-    ----------
-    has_face : bool
-        Whether any facial expression moves it.
-    has_arkit_slots : bool
-        Whether it shows ARKit's facial actions, rather than SMPL-X's expression components.
-    has_matrix : bool
-        Whether it also shows the other ones, through a matrix.
-    shapes : int
-        How many betas shape it.
-    """
-
-    has_face: bool
-    has_arkit_slots: bool
-    has_matrix: bool
-    shapes: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -140,7 +119,7 @@ class BodyModel:
         ----------
         clip : MotionClip
             The motion. Its betas are applied as far as the model has shape directions, its face
-            as `face` tells it; `motion.body_limits` says what is left out. Where both the jaw
+            as `face` tells it; `motion.body.abilities` says what is left out. Where both the jaw
             joint and ARKit's jawOpen open the mouth, they tell the same opening twice, and the
             wider one counts.
         frames : slice
@@ -251,7 +230,7 @@ def read_body(path: Path, *, expression_matrix: Path | None = None) -> BodyModel
     path : Path
         The default body, or a licensed ``SMPLX_*.npz``. Nothing in it is unpickled.
     expression_matrix : Path or None
-        A file that `motion.expression_matrix` reads.
+        A file that `motion.body.expression_matrix` reads.
 
     Raises
     ------

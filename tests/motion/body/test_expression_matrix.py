@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from motion.body.expression_matrix import face_for, read_expression_matrix
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.expression_matrix import face_for, read_expression_matrix
 
 MATRIX = np.random.default_rng(0).normal(0, 0.3, (100, 52)).astype(np.float32)
 

@@ -33,8 +33,8 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks
 
 from motion.audio import Audio
-from motion.audio_analysis import load_librosa
 from motion.errors import InputError
+from motion.speech.audio_analysis import load_librosa
 
 FloatArray = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import pytest
 from motion.audio import Audio
 from motion.errors import InputError
 from motion.segment import EMOTIONS
-from motion.synthetic_speech import (
+from motion.speech.synthesis import (
     PROSODY_OF_EMOTION,
     speak,
     speak_as,
@@ -129,7 +129,7 @@ def test_espeak_that_fails_leaves_nothing_behind(
     programs.mkdir()
     stand_in(programs, script)
     monkeypatch.setenv("PATH", str(programs))
-    monkeypatch.setattr("motion.synthetic_speech._TIME_LIMIT", limit)
+    monkeypatch.setattr("motion.speech.synthesis._TIME_LIMIT", limit)
     with pytest.raises(InputError, match=complaint):
         speak(SENTENCE, "neutral", speech / "a.wav")
     assert not list(speech.iterdir())

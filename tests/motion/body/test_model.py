@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from motion.body import BodyModel, read_body
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
 from motion.skeleton import PARENTS, forward_kinematics, joint_index

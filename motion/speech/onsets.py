@@ -1,7 +1,7 @@
 """Onsets of speech: the audio beats that beat alignment compares a motion with.
 
-They come from spectral flux and share nothing with the accents of `motion.prosody`, to which a
-rule-based generator ties its gestures: a score must not measure a generator with its own ruler.
+They come from spectral flux and share nothing with the accents of `motion.speech.prosody`, to which
+a rule-based generator ties its gestures: a score must not measure a generator with its own ruler.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.audio import Audio
-from motion.audio_analysis import load_librosa
+from motion.speech.audio_analysis import load_librosa
 
 DETECTOR: Final = "librosa 0.11 spectral-flux onsets, 16 kHz, 10 ms hop"
 """What `speech_onsets` runs, in words for a footnote."""

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motion.body_archive import body_archive
+from motion.body.archive import body_archive
 from motion.errors import InputError
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from motion.body.skinning import twist_angles
 from motion.rest_pose import REST_JOINTS
 from motion.skeleton import joint_index
-from motion.skinning import twist_angles
 
 FloatArray = NDArray[np.float64]
 

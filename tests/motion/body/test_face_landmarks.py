@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from motion.body import BodyModel, read_body
+from motion.body.face_landmarks import FaceLandmarks, landmark_vertices
+from motion.body.model import BodyModel, read_body
 from motion.clip import MotionClip
 from motion.errors import InputError
-from motion.face_landmarks import FaceLandmarks, landmark_vertices
 from motion.skeleton import joint_index
 from renderer.avatars import default_body
 from tests.motion.random_clips import random_clip

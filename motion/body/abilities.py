@@ -2,17 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import chain
 from typing import Final
 
 import numpy as np
 
-from motion.body import BodyAbilities
 from motion.clip import MotionClip
 from motion.skeleton import FACE_JOINTS, joint_index
 
 _NAMES: Final = {"arkit": "ARKit weights", "expressions": "SMPL-X expression coefficients"}
 _FACE: Final = [joint_index(name) for name in FACE_JOINTS]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyAbilities:
+    """What of a clip's face and shape a body can show.
+
+    Attributes
+    ----------
+    has_face : bool
+        Whether any facial expression moves it.
+    has_arkit_slots : bool
+        Whether it shows ARKit's facial actions, rather than SMPL-X's expression components.
+    has_matrix : bool
+        Whether it also shows the other ones, through a matrix.
+    shapes : int
+        How many betas shape it.
+    """
+
+    has_face: bool
+    has_arkit_slots: bool
+    has_matrix: bool
+    shapes: int
 
 
 def not_shown(clip: MotionClip, body: BodyAbilities) -> tuple[str, ...]:

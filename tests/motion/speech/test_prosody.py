@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from motion.audio import Audio, read_audio
 from motion.errors import InputError
-from motion.prosody import prosody
+from motion.speech.prosody import prosody
 
 RATE = 16000
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from motion.audio import Audio, read_audio
-from motion.speech_onsets import speech_onsets
+from motion.speech.onsets import speech_onsets
 
 
 def tones(sample_rate):

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from motion.body import BodyModel
+from motion.body.model import BodyModel
 from motion.clip import ARKIT_COUNT, EXPRESSION_COUNT, MotionClip
 from motion.errors import InputError
 from motion.face import ARKIT_NAMES

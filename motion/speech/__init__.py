@@ -1,0 +1,1 @@
+"""Speech: what is heard in it, and speech without a recording."""
