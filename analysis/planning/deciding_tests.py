@@ -138,7 +138,7 @@ class DecidingTests:
             raise InputError(
                 "the crossed linear mixed model is computed where every participant judges every "
                 "item once, two of each at least",
-                remedy="Set --trials all, or leave --test away to simulate the report's own test",
+                remedy="Set --trials 0, or leave --test away to simulate the report's own test",
             )
         order = np.lexsort((trials.items, trials.participants))
         fitted = crossed_models(given[:, order].reshape(len(given), people, items))

@@ -70,8 +70,8 @@ def pilot_opinions(table: AnswerTable, analysed: pd.DataFrame) -> tuple[Opinions
         raise InputError(
             "the pilot's answers do not tell how much opinions differ",
             remedy="Take a pilot in which at least two participants answer about at least two "
-            "segments, and not all alike; or say it without --pilot, by --spread-participants and "
-            "--spread-segments",
+            "segments, and not all alike; or leave --pilot away and state "
+            "rehearsal.participants_differ and rehearsal.segments_differ in study.toml",
         )
     opinions = Opinions(
         participant_sd=_pooled([(one.participant_sd, one.answers) for one in found]),

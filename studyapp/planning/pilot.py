@@ -81,8 +81,8 @@ def read_pilot(path: Path, protocol: str) -> Pilot:
     notes = []
     if few:
         notes.append(
-            f"The pilot has {' and '.join(few)}: its spreads are rough. Plan with larger ones as "
-            "well (--spread-participants, --spread-segments)."
+            f"The pilot has {' and '.join(few)}: its spreads are rough. Plan without it as well, "
+            "and with larger ones (rehearsal.participants_differ, rehearsal.segments_differ)."
         )
     if rehearsed:
         notes.append("The pilot was answered by simulated raters: it tells nothing about people.")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from analysis.planning.grid import FEWEST_QUICK, Runner, Show
@@ -26,8 +28,21 @@ from studyapp.planning.planned_study import (
 )
 from studyapp.study.folder import StudyFolder
 
-EFFECTS: Final = (0.2, 0.4, 0.6)
-"""Differences that are looked for unless told otherwise, in logits."""
+SKETCHES: Final[Mapping[str, Sketch]] = MappingProxyType(
+    {
+        "pairwise": Sketch(kind="pairs"),
+        "rating": Sketch(kind="ratings", conditions=3),
+        "ranking": Sketch(kind="rankings", conditions=3),
+        "mismatch": Sketch(kind="pairs", levels=3),
+    }
+)
+"""The plainest study of each protocol, which is planned where there is no study file."""
+
+MINUTES: Final = 2.0
+"""About how long a plan may take on two processors where no precision is asked for."""
+
+SEED: Final = 1
+"""Of a study that has no file."""
 
 TIMES_PARTICIPANTS: Final = (1, 2, 4, 8)
 TIMES_ITEMS: Final = (1, 2)
@@ -39,7 +54,7 @@ MOST_ANSWERS: Final = 400_000
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What the command line asks for; what is None is for the study, or a default, to say.
+    """What the command line asks for; what is None or empty is for the study to say.
 
     Attributes
     ----------
@@ -49,37 +64,24 @@ class Options:
         Differences, in logits.
     trials : int or None
         Trials of each participant; 0 for one of each item.
-    participant_sd, item_sd : float or None
-        How much the difference of two conditions varies, in logits.
-    excluded : float or None
-        Share of participants who will be left out.
     pilot : Path or None
         A finished study, or a table of answers, whose spreads are taken.
     pay : float or None
         What one participant costs.
     test : {'report', 'crossed_lmm'}
         What decides.
-    precision : float
-        Monte-Carlo standard error of each power.
-    minutes : float
-        About how long it may take, on two processors.
-    seed : int
-        The same seed gives the same numbers.
+    precision : float or None
+        Monte-Carlo standard error of each power; None for what `MINUTES` allow.
     """
 
-    participants: tuple[int, ...] = ()
-    items: tuple[int, ...] = ()
-    effects: tuple[float, ...] = ()
-    trials: int | None = None
-    participant_sd: float | None = None
-    item_sd: float | None = None
-    excluded: float | None = None
-    pilot: Path | None = None
-    pay: float | None = None
-    test: Test = "report"
-    precision: float = Effort.precision
-    minutes: float = 2.0
-    seed: int = 1
+    participants: tuple[int, ...]
+    items: tuple[int, ...]
+    effects: tuple[float, ...]
+    trials: int | None
+    pilot: Path | None
+    pay: float | None
+    test: Test
+    precision: float | None
 
 
 def plan_study(
@@ -96,7 +98,8 @@ def plan_study(
     if options.trials is not None:
         study = with_trials(study, options.trials or max(options.items or (len(segments),)))
     pilot = _pilot(options, study.protocol)
-    excluded = _excluded(options, pilot, excluded_by_default(study))
+    excluded = excluded_by_default(study) if pilot is None else pilot.excluded
+    stated = study.rehearsal.model_fields_set & {"participants_differ", "segments_differ"}
     own = own_participants(study), len(segments)
     # Of a study without speech, only what is asked for can be meant.
     as_it_stands = own if has_segments(folder, study) or len(options.items) == 1 else None
@@ -112,7 +115,13 @@ def plan_study(
         items=options.items or tuple(own[1] * n for n in TIMES_ITEMS),
         own=as_it_stands,
         per_comparison=len(study.arms) > 1,
+        opinions=Opinions(
+            participant_sd=study.rehearsal.participants_differ,
+            item_sd=study.rehearsal.segments_differ,
+        ),
+        source="As the study file states" if stated else "Assumed",
         excluded=excluded,
+        seed=study.seed,
         notes=notes_of(study),
         processes=processes,
         show=show,
@@ -121,7 +130,6 @@ def plan_study(
 
 def plan_sketch(
     protocol: str,
-    sketch: Sketch,
     options: Options,
     out: Path,
     *,
@@ -130,20 +138,23 @@ def plan_sketch(
 ) -> Plan:
     """Simulate a study that has no file yet, and write what it finds into `out`."""
     pilot = _pilot(options, protocol)
-    excluded = _excluded(options, pilot, 0.0)
-    chosen = replace(sketch, trials=options.trials or None, test=options.test)
+    excluded = 0.0 if pilot is None else pilot.excluded
+    sketch = replace(SKETCHES[protocol], trials=options.trials or None, test=options.test)
     return _planned(
         options,
         pilot,
         out,
         title=f"A {protocol} study",
         protocol=protocol,
-        size=lambda participants, items: chosen.size(participants, items, excluded=excluded),
+        size=lambda participants, items: sketch.size(participants, items, excluded=excluded),
         participants=options.participants,
         items=options.items,
         own=None,
-        per_comparison=sketch.own_participants and sketch.comparisons > 1,
+        per_comparison=False,
+        opinions=Opinions(),
+        source="Assumed",
         excluded=excluded,
+        seed=SEED,
         notes=(),
         processes=processes,
         show=show,
@@ -162,7 +173,10 @@ def _planned(
     items: Sequence[int],
     own: tuple[int, int] | None,
     per_comparison: bool,
+    opinions: Opinions,
+    source: str,
     excluded: float,
+    seed: int,
     notes: tuple[str, ...],
     processes: int,
     show: Show | None,
@@ -174,16 +188,16 @@ def _planned(
         size=size,
         participants=tuple(sorted(set(participants))),
         items=tuple(sorted(set(items))),
-        effects=tuple(sorted(set(options.effects or EFFECTS))),
+        effects=tuple(sorted(set(options.effects))),
         own=own,
         per_comparison=per_comparison,
-        opinions=_opinions(options, pilot),
-        source=_source(options, pilot),
+        opinions=opinions if pilot is None else pilot.opinions,
+        source=source if pilot is None else pilot.source,
         excluded=excluded,
         pay=options.pay,
-        effort=_effort(options.precision),
-        minutes=options.minutes,
-        seed=options.seed,
+        effort=_effort(options.precision or Effort.precision),
+        minutes=MINUTES if options.precision is None else math.inf,
+        seed=seed,
         notes=(*notes, *(pilot.notes if pilot is not None else ())),
     )
     found = plan(request, Runner(folder=out / CELLS, processes=processes, show=show))
@@ -203,28 +217,6 @@ def _effort(precision: float) -> Effort:
 
 def _pilot(options: Options, protocol: str) -> Pilot | None:
     return None if options.pilot is None else read_pilot(options.pilot, protocol)
-
-
-def _opinions(options: Options, pilot: Pilot | None) -> Opinions:
-    found = Opinions() if pilot is None else pilot.opinions
-    if options.participant_sd is not None:
-        found = replace(found, participant_sd=options.participant_sd)
-    if options.item_sd is not None:
-        found = replace(found, item_sd=options.item_sd)
-    return found
-
-
-def _source(options: Options, pilot: Pilot | None) -> str:
-    given = [options.participant_sd is not None, options.item_sd is not None]
-    if pilot is None or all(given):
-        return "As told" if all(given) else "Assumed"
-    return f"{pilot.source}{', one of the two as told' if any(given) else ''}"
-
-
-def _excluded(options: Options, pilot: Pilot | None, default: float) -> float:
-    if options.excluded is not None:
-        return options.excluded
-    return default if pilot is None else pilot.excluded
 
 
 def _refuse_huge(alone: Size, participants: int) -> None:
