@@ -70,18 +70,20 @@ def record(home: Path, name: str, pitch: float) -> None:
 def study(home: Path, motionjury: Callable[..., str]) -> Path:
     """Return a study that went through every command up to its report."""
     written_network(home / "net.safetensors")
-    motionjury(
-        "init", "lab", "--template", "diffsheg", "--checkpoint", "net.safetensors",
-        "--reference", "ground_truth",
-    )  # fmt: skip
+    motionjury("init", "lab", "--template", "diffsheg", "--reference", "ground_truth")
     definition = home / "lab" / "study.toml"
     document = tomlkit.parse(definition.read_text())
+    network = {"generator": "diffsheg", "checkpoint": str(home / "net.safetensors")}
+    document["conditions"]["diffsheg"] = network  # type: ignore[index]
     document["participants"] = PARTICIPANTS
     document["video"].update({"size": 96, "frame_rate": 10})  # type: ignore[union-attr]
     document["attention"]["trials"] = 0  # type: ignore[index]
     long, short = document["blocks"]  # type: ignore[misc]
     long.update({"trials": 2, "shortest": 1.5})  # type: ignore[union-attr]
     short.update({"trials": 2, "longest": 1.5})  # type: ignore[union-attr]
+    for block in (long, short):
+        block["conditions"] = ["diffsheg", *list(block["conditions"])[:-1]]  # type: ignore[index]
+    del document["conditions"]["mismatched_flawed"]  # type: ignore[union-attr]
     definition.write_text(tomlkit.dumps(document))
     for name, pitch, seconds in (("one", 140, 2), ("two", 180, 1)):
         record(home, name, pitch)

@@ -21,13 +21,7 @@ def explain(text: str) -> None:
     click.echo(textwrap.fill(text, WIDTH))
 
 
-def ask(
-    question: str,
-    why: str,
-    *,
-    default: str = "",
-    read: Callable[[str], T],
-) -> T:
+def ask(question: str, why: str = "", *, default: str = "", read: Callable[[str], T]) -> T:
     """Ask until `read` accepts the answer, and return what it makes of it.
 
     Parameters
@@ -35,13 +29,14 @@ def ask(
     question : str
         Without a question mark at its end.
     why : str
-        What it is for; printed once, before it.
+        What it is for; printed once, before it, where there is something to be said.
     default : str
         What an empty answer means.
     read : callable
         Raises `InputError` with what is wrong; it is printed, and asked again.
     """
-    explain(why)
+    if why:
+        explain(why)
 
     def checked(text: str) -> T:
         try:
@@ -75,15 +70,7 @@ def choose(question: str, why: str, offered: Mapping[str, str], *, default: str)
         click.echo(f"  {number}  {name:{width}}  {lines[0]}")
         for line in lines[1:]:
             click.echo(f"{'':{width + 7}}{line}")
-
-    def checked(text: str) -> str:
-        try:
-            return chosen(text.strip())
-        except InputError as wrong:
-            raise click.UsageError(str(wrong)) from wrong
-
-    answer: str = click.prompt(question, default=default, value_proc=checked)
-    return answer
+    return ask(question, default=default, read=chosen)
 
 
 def agree(question: str, why: str, *, default: bool) -> bool:

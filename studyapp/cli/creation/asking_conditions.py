@@ -125,34 +125,20 @@ def _name(conditions: Mapping[str, Condition], default: str) -> str:
     place = len(conditions) + 1
     enough = place > 2
 
-    def checked(text: str) -> str:
-        name = text.strip()
-        try:
-            if name in ("", "-"):
-                if enough:
-                    return ""
-                raise InputError("two conditions at least are compared", remedy="Name another one")
-            if name in conditions:
-                raise InputError(
-                    f"there is a condition {name!r} already", remedy="Name another one"
-                )
-            if name == "broken":
-                raise InputError(
-                    "'broken' is what catch trials show", remedy="Give it another name"
-                )
-            return check_name(name, "condition")
-        except InputError as wrong:
-            raise click.UsageError(str(wrong)) from wrong
+    def read(text: str) -> str:
+        if text in ("", "-"):
+            if enough:
+                return ""
+            raise InputError("two conditions at least are compared", remedy="Name another one")
+        if text in conditions:
+            raise InputError(f"there is a condition {text!r} already", remedy="Name another one")
+        if text == "broken":
+            raise InputError("'broken' is what catch trials show", remedy="Give it another name")
+        return check_name(text, "condition")
 
-    ending = " (empty when there are no more)" if enough and not default else ""
-    ending = " ('-' when there are no more)" if enough and default else ending
-    answer: str = click.prompt(
-        f"Condition {place}{ending}",
-        default=default,
-        value_proc=checked,
-        show_default=bool(default),
-    )
-    return answer
+    nothing = "'-'" if default else "empty"
+    end = f" ({nothing} when there are no more)" if enough else ""
+    return ask(f"Condition {place}{end}", default=default, read=read)
 
 
 def _source(name: str, earlier: list[str], default: str, folder: Path) -> Condition:
@@ -177,14 +163,7 @@ def _source(name: str, earlier: list[str], default: str, folder: Path) -> Condit
             )
         return read_source(f"{kind}{colon}{of}", folder)
 
-    def checked(text: str) -> Condition:
-        try:
-            return read(text.strip())
-        except InputError as wrong:
-            raise click.UsageError(str(wrong)) from wrong
-
-    answer: Condition = click.prompt(f"  {name} comes from", default=default, value_proc=checked)
-    return answer
+    return ask(f"  {name} comes from", default=default, read=read)
 
 
 def _reference(

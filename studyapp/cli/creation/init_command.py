@@ -8,24 +8,20 @@ from typing import Final, cast, get_args
 
 import click
 
-from generators.registry import generator_names
 from motion.errors import InputError
 from motion.files import write_text
 from studyapp.cli.creation.agreeing import agreed
 from studyapp.cli.creation.init_options import (
     LONGEST,
-    read_amount,
+    RECRUITING_SITES,
     read_condition,
-    read_currency,
-    read_source,
+    read_pay,
 )
 from studyapp.study.creation.study_file import TEMPLATES, drafted, refuse_existing
 from studyapp.study.creation.wanted_study import WantedStudy
 from studyapp.study.folder import StudyFolder
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.page import Language
-from studyapp.study.settings.pay import Pay
-from studyapp.study.settings.reading import ALIASES
 from studyapp.study.settings.recruitment import Channel
 
 INTERRUPTED: Final = 130
@@ -78,19 +74,16 @@ INTERRUPTED: Final = 130
     type=click.Choice(get_args(Channel)),
     help="Where participants come from. For Prolific, codes are drawn.",
 )
-@click.option("--pay", metavar="AMOUNT", help="What each participant gets, such as 2.50.")
-@click.option("--currency", metavar="CODE", help="Of the pay, three letters.")
+@click.option(
+    "--pay",
+    metavar="'AMOUNT CURRENCY'",
+    help="What each participant gets, such as '2.50 GBP'. Mechanical Turk pays in USD.",
+)
 @click.option("--minutes", type=click.IntRange(1, LONGEST), help="How long it takes.")
 @click.option("--title", help="What participants see as the study's title.")
 @click.option("--organisation", help="Who runs the study.")
 @click.option("--contact", help="Whom participants can ask.")
 @click.option("--ethics", help="Who approved the study.")
-@click.option(
-    "--checkpoint",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Of a template of rankings: weights of the network of its paper, which becomes one of "
-    "its conditions.",
-)
 @click.pass_context
 def command(
     ctx: click.Context,
@@ -106,13 +99,11 @@ def command(
     participants: int | None,
     channel: str | None,
     pay: str | None,
-    currency: str | None,
     minutes: int | None,
     title: str | None,
     organisation: str | None,
     contact: str | None,
     ethics: str | None,
-    checkpoint: Path | None,
 ) -> None:
     """Make a study FOLDER with a commented study.toml that can be edited.
 
@@ -133,9 +124,8 @@ def command(
         participants=participants,
         conditions=_conditions(conditions, folder),
         catch_videos=catch_videos,
-        learned=_learned(template, checkpoint, folder),
         channel=cast("Channel | None", channel),
-        pay=_pay(channel, pay, currency),
+        pay=None if pay is None else read_pay(pay, channel),
         minutes=minutes,
         organisation=organisation,
         contact=contact,
@@ -176,37 +166,11 @@ def _conditions(given: tuple[str, ...], folder: Path) -> dict[str, Condition] | 
     return dict(named) or None
 
 
-def _learned(template: str, checkpoint: Path | None, folder: Path) -> Condition | None:
-    """Return the condition of the network whose weights are given, if any are."""
-    if checkpoint is None:
-        return None
-    protocol = ALIASES.get(template, template)
-    papers = (paper for paper, of in ALIASES.items() if of == protocol)
-    named = next((paper for paper in papers if paper in generator_names()), None)
-    if protocol != "ranking" or named is None:
-        raise InputError(
-            f"the template {template!r} has no condition that a network could take over",
-            remedy="Give the network as a --condition",
-        )
-    return read_source(f"{named}:{checkpoint}", folder)
-
-
-def _pay(channel: str | None, amount: str | None, currency: str | None) -> Pay | None:
-    if amount is None and currency is None:
-        return None
-    code = "USD" if channel == "mturk" and currency is None else currency
-    pay = Pay(amount=read_amount(amount or ""), currency=read_currency(code) if code else "")
-    if pay.problems():
-        raise InputError("an amount needs a currency", remedy="Give --currency, such as EUR")
-    return pay
-
-
 def _require_known_pay(wanted: WantedStudy) -> None:
     """Raise `InputError` where a recruiting site would not be told what it must be."""
-    if wanted.channel not in ("prolific", "mturk"):
+    if wanted.channel not in RECRUITING_SITES:
         return
-    paid = wanted.pay is not None and wanted.pay.amount
-    missing = [*([] if paid else ["--pay"]), *([] if wanted.minutes else ["--minutes"])]
+    missing = [*([] if wanted.pay else ["--pay"]), *([] if wanted.minutes else ["--minutes"])]
     if missing:
         raise InputError(
             f"recruiting sites must be told {' and '.join(missing)}", remedy="Give it as well"

@@ -15,13 +15,16 @@ from motion.listing import listed
 from motion.segment import check_name
 from studyapp.cli.material.setting_options import condition_of
 from studyapp.study.settings.conditions import Condition
-from studyapp.study.settings.pay import MONEY
+from studyapp.study.settings.pay import MONEY, Pay
 
 FILES: Final = "files"
 VIDEOS: Final = "videos"
 
 LONGEST: Final = 240
 """Minutes that a study may take."""
+
+RECRUITING_SITES: Final = ("prolific", "mturk")
+"""Channels that must be told what participants get and how long it takes."""
 
 
 def read_condition(text: str, folder: Path) -> tuple[str, Condition]:
@@ -112,27 +115,31 @@ def source_of(condition: Condition, folder: Path) -> str:
     return f"{condition.generator}:{of}" if of else condition.generator
 
 
-def read_amount(text: str) -> str:
-    """Return an amount of money as study files have it; empty for none.
+def read_pay(text: str, channel: str | None) -> Pay | None:
+    """Return what each participant gets from ``AMOUNT CURRENCY``, None for nothing.
 
     Raises
     ------
     InputError
-        If it is no amount.
+        If it is no amount with a currency, or nothing though the channel is a recruiting site.
     """
-    plain = text.replace(",", ".")
-    if re.fullmatch(r"\d+(\.\d)?", plain):
-        plain = f"{Decimal(plain):.2f}"
-    if not re.fullmatch(MONEY, plain):
-        raise InputError(f"{text!r} is no amount", remedy="Give one such as 2.50")
-    return "" if plain and not Decimal(plain) else plain
-
-
-def read_currency(text: str) -> str:
-    """Return a currency's three letters; `InputError` where they are none."""
-    if not re.fullmatch(r"[A-Za-z]{3}", text):
-        raise InputError(f"{text!r} is no currency", remedy="Give three letters, such as EUR")
-    return text.upper()
+    given = "" if text == "-" else text.strip().replace(",", ".")
+    amount, _, currency = given.partition(" ")
+    if re.fullmatch(r"\d+(\.\d)?", amount):
+        amount = f"{Decimal(amount):.2f}"
+    if not re.fullmatch(MONEY, amount):
+        raise InputError(f"{amount!r} is no amount", remedy="Give one such as 2.50 EUR")
+    if not amount or not Decimal(amount):
+        if channel in RECRUITING_SITES:
+            raise InputError("recruiting sites must be told what participants get")
+        return None
+    currency = currency or ("USD" if channel == "mturk" else "")
+    if not re.fullmatch(r"[A-Za-z]{3}", currency):
+        raise InputError(
+            f"{currency!r} is no currency" if currency else "an amount needs a currency",
+            remedy="Give its three letters after the amount, such as 2.50 EUR",
+        )
+    return Pay(amount=amount, currency=currency.upper())
 
 
 def read_count(most: int, *, what: str) -> Callable[[str], int]:

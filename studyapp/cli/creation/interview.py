@@ -15,9 +15,9 @@ from studyapp.cli.creation.asking import ask, choose
 from studyapp.cli.creation.asking_conditions import ask_conditions
 from studyapp.cli.creation.init_options import (
     LONGEST,
-    read_amount,
+    RECRUITING_SITES,
     read_count,
-    read_currency,
+    read_pay,
 )
 from studyapp.study.creation.study_file import template_participants
 from studyapp.study.creation.wanted_study import WantedStudy
@@ -110,34 +110,21 @@ def _recruited(wanted: WantedStudy) -> WantedStudy:
         CHANNELS,
         default=wanted.channel or "link",
     )
-    recruiter = channel in ("prolific", "mturk")
+    recruiter = channel in RECRUITING_SITES
     before = wanted.pay or Pay()
-
-    def read(text: str) -> str:
-        amount = "" if text == "-" else read_amount(text)
-        if recruiter and not amount:
-            raise InputError("recruiting sites must be told what participants get")
-        return amount
-
-    amount = ask(
+    pay = ask(
         "Pay",
-        "What does each participant get, as a number such as 2.50? It is told to participants, and "
-        "'motionjury check' says what an hour pays." + ("" if recruiter else " Empty for nothing."),
-        default=before.amount,
-        read=read,
+        "What does each participant get, as an amount with a currency such as 2.50 EUR? On "
+        "Prolific in that of your account, GBP or USD, on Mechanical Turk in USD. It is told to "
+        "participants, and 'motionjury check' says what an hour pays."
+        + ("" if recruiter else " Empty for nothing."),
+        default=f"{before.amount} {before.currency}".strip(),
+        read=lambda text: read_pay(text, channel),
     )
-    currency = "USD" if channel == "mturk" and amount else ""
-    if amount and not currency:
-        currency = ask(
-            "Currency",
-            "In which currency? Three letters. On Prolific: that of your account, GBP or USD.",
-            default=before.currency or ("GBP" if channel == "prolific" else ""),
-            read=read_currency,
-        )
     return replace(
         wanted,
         channel=cast(Channel, channel),
-        pay=before.model_copy(update={"amount": amount, "currency": currency}) if amount else None,
+        pay=pay,
         minutes=_minutes(wanted, recruiter=recruiter),
     )
 

@@ -9,7 +9,6 @@ import tomlkit
 
 from motion.errors import InputError
 from studyapp.study.creation.commented_keys import Value
-from studyapp.study.creation.ranked_systems import condition_table
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.study import GROUND_TRUTH
 
@@ -172,3 +171,10 @@ def _catch(
         catch["trials"] = 0
         attention: Any = document["attention"]
         attention["trials"] = max(int(attention["trials"]), CHECKS_WITHOUT_CATCH)
+
+
+def condition_table(condition: Condition) -> tomlkit.items.Table:
+    """Return a condition as a study file has it."""
+    table = tomlkit.table()
+    table.update(condition.model_dump(exclude_none=True, exclude_defaults=True))
+    return table

@@ -17,8 +17,11 @@ from motion.files import write_text
 from motion.segment import check_name
 from studyapp.study.completion_codes import draw_code
 from studyapp.study.creation.commented_keys import stated
-from studyapp.study.creation.placed_conditions import keys_for, put_conditions_into
-from studyapp.study.creation.ranked_systems import condition_table, put_systems_into, with_reference
+from studyapp.study.creation.placed_conditions import (
+    condition_table,
+    keys_for,
+    put_conditions_into,
+)
 from studyapp.study.creation.template_language import put_into_language, templates
 from studyapp.study.creation.wanted_study import WantedStudy
 from studyapp.study.settings.conditions import Condition
@@ -116,11 +119,11 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
         text = stated(text, keys)
     is_ranking = protocol == "ranking"
     if is_ranking and wanted.reference is not None:
-        text = with_reference(text, check_name(wanted.reference, "condition"))
+        text = stated(text, {"reference": check_name(wanted.reference, "condition")})
     document = tomlkit.parse(text)
     put_into_language(document, file, wanted.language)
     document["name"] = check_name(wanted.name, "study")
-    own = wanted.reference if wanted.conditions is None or is_ranking else None
+    own = wanted.reference if wanted.conditions is None and not is_ranking else None
     for key, value in (
         ("title", wanted.title),
         ("reference", own),
@@ -148,15 +151,8 @@ def drafted(wanted: WantedStudy, *, where: object) -> str:
             reference=wanted.reference,
             catch_videos=wanted.catch_videos,
         )
-    elif wanted.reference is not None and not is_ranking:
-        _follow_reference(document, wanted.reference)
-    if is_ranking and wanted.conditions is None:
-        put_systems_into(document, reference=wanted.reference, learned=wanted.learned)
-    elif wanted.learned is not None:
-        raise InputError(
-            f"the template {template!r} has no condition that a network could take over",
-            remedy="Leave the checkpoint out, and state it in the study file",
-        )
+    elif wanted.reference is not None:
+        _follow_reference(document, wanted.reference, is_shown_apart=is_ranking)
     # What was taken out and put in leaves empty lines behind.
     said = _EMPTY_LINES.sub("\n\n", tomlkit.dumps(document))
     said = _AFTER_COMMENT.sub(r"\1\2", said)
@@ -186,13 +182,11 @@ def _tell_participants(document: tomlkit.TOMLDocument, wanted: WantedStudy) -> N
     """Fill in what participants read before they agree, and where they come from."""
     page: Any = document["page"]
     recruitment: Any = document["recruitment"]
-    payment = wanted.payment
-    if payment is None and wanted.pay is not None and wanted.pay.each:
-        payment = money(wanted.pay.each, wanted.pay.currency)
+    each = wanted.pay.each if wanted.pay else None
     for key, said in (
         ("organisation", wanted.organisation),
         ("contact", wanted.contact),
-        ("payment", payment),
+        ("payment", money(each, wanted.pay.currency) if wanted.pay and each else None),
         ("ethics", wanted.ethics),
     ):
         if said is not None:
@@ -201,14 +195,17 @@ def _tell_participants(document: tomlkit.TOMLDocument, wanted: WantedStudy) -> N
         recruitment["channel"] = wanted.channel
 
 
-def _follow_reference(document: tomlkit.TOMLDocument, reference: str) -> None:
-    """Let the template's mismatched condition start from `reference`, and add it if missing."""
-    conditions = document["conditions"]
+def _follow_reference(
+    document: tomlkit.TOMLDocument, reference: str, *, is_shown_apart: bool
+) -> None:
+    """Make `reference` a condition, and the one whose motion is mismatched."""
+    conditions: Any = document["conditions"]
     if reference not in conditions:
         known = reference in generator_names() and not needs_model(reference)
-        generator = reference if known else None
+        generator = reference if known and not is_shown_apart else None
         conditions[reference] = condition_table(Condition(generator=generator))
-    conditions["mismatched"]["source"] = reference
+    if not is_shown_apart:
+        conditions["mismatched"]["source"] = reference
 
 
 def add_condition(path: Path, name: str) -> Study:

@@ -37,16 +37,13 @@ class WantedStudy:
         Replaces the template's conditions.
     catch_videos : bool
         Whether finished videos of a visibly broken motion will be brought for catch trials.
-    learned : Condition or None
-        A network's, which takes the place of the last stand-in of every block and is called as
-        its generator. For rankings.
     channel : {'link', 'prolific', 'mturk', 'invitations'} or None
         Where participants come from.
     pay : Pay or None
         What each of them gets.
     minutes : int or None
         How long it takes.
-    organisation, contact, payment, ethics : str or None
+    organisation, contact, ethics : str or None
         See `studyapp.study.settings.page.Page`.
     """
 
@@ -59,11 +56,9 @@ class WantedStudy:
     participants: int | None = None
     conditions: Mapping[str, Condition] | None = None
     catch_videos: bool = False
-    learned: Condition | None = None
     channel: Channel | None = None
     pay: Pay | None = None
     minutes: int | None = None
     organisation: str | None = None
     contact: str | None = None
-    payment: str | None = None
     ethics: str | None = None

@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from generators.diffsheg.settings import DiffShegSettings
 from studyapp.cli.main import group
 from studyapp.study.settings.reading import read_study
 
@@ -91,31 +90,3 @@ def test_import_says_that_it_moved_hands_unless_told_to_leave_them(
         )
         said.append("hands were moved out" in again.output)
     assert said == [True, True, False, False]
-
-
-def test_init_puts_a_network_into_a_study_of_rankings(tmp_path: Path) -> None:
-    folder = tmp_path / "study"
-    weights = folder / "models" / "net.safetensors"
-    weights.parent.mkdir(parents=True)
-    weights.touch()
-    result = invoke(
-        "init", folder, "--template", "diffsheg", "--reference", "ground_truth",
-        "--checkpoint", weights,
-    )  # fmt: skip
-    assert result.exit_code == 0, result.output
-    said = read_study(folder / "study.toml").conditions["diffsheg"].settings
-    assert said == DiffShegSettings(checkpoint=Path("models/net.safetensors"))
-
-
-def test_init_names_a_checkpoint_that_is_not_there(tmp_path: Path) -> None:
-    said = invoke("init", tmp_path / "s", "--template", "diffsheg", "--checkpoint", "absent.pt")
-    assert said.exit_code == 1
-    assert "no such file of weights" in said.output
-    assert not (tmp_path / "s" / "study.toml").exists()
-
-
-def test_init_says_where_a_network_fits_nothing(tmp_path: Path) -> None:
-    refused = invoke("init", tmp_path / "s", "--checkpoint", "net.pt")
-    assert refused.exit_code == 1
-    assert "the template 'pairwise' has no condition that a network" in refused.output
-    assert not (tmp_path / "s" / "study.toml").exists()

@@ -26,7 +26,7 @@ TOLD = ["Who moves?", "Lab of Gestures", "lab@example.org", "No. 7/2026"]
 
 
 def test_answers_end_up_in_the_study_file(tmp_path: Path) -> None:
-    answers = ["pairwise", *OWN, "ground_truth", "en", "30", "link", "2,5", "eur", "15", *TOLD, ""]
+    answers = ["pairwise", *OWN, "ground_truth", "en", "30", "link", "2,5 eur", "15", *TOLD, ""]
 
     result = init(tmp_path / "s", "--ask", answers=answers)
 
@@ -60,7 +60,7 @@ def test_wrong_answers_are_told_and_asked_again(tmp_path: Path) -> None:
     conditions = ["own", "-", "a/b", "real", "9", "mismatched", "files", "real", "broken", "ours"]
     conditions += ["mismatched:nobody", "videos", ""]
     answers = ["dance", "pairwise", *conditions, "theirs", "real", "xx", "en", "none", "0", "8"]
-    answers += ["post", "prolific", "", "1.999", "3", "pounds", "GBP", "1000", "20"]
+    answers += ["post", "prolific", "", "1.999", "3", "3 pounds", "3 GBP", "1000", "20"]
     answers += ["T", "", "nobody", "lab@example.org", "", "write"]
 
     result = init(tmp_path / "s", "--ask", answers=answers)
@@ -78,6 +78,7 @@ def test_wrong_answers_are_told_and_asked_again(tmp_path: Path) -> None:
         "'none' is no number of participants",
         "recruiting sites must be told what participants get",
         "'1.999' is no amount",
+        "an amount needs a currency",
         "'pounds' is no currency",
         "'1000' is no number of minutes",
         "'nobody' does not say how to reach anybody",
@@ -197,7 +198,7 @@ def test_all_of_it_goes_by_options_too(tmp_path: Path) -> None:
     result = init(
         tmp_path / "s", "--template", "rating", "--condition", "real=files", "--condition",
         "ours=files", "--condition", "late=mismatched:ours", "--participants", 40, "--recruit",
-        "prolific", "--pay", "3", "--currency", "GBP", "--minutes", 20,
+        "prolific", "--pay", "3 GBP", "--minutes", 20,
         "--organisation", "Lab", "--contact", "lab@example.org", "--ethics", "No. 7", "--language",
         "ja",
     )  # fmt: skip
@@ -221,7 +222,7 @@ def test_all_of_it_goes_by_options_too(tmp_path: Path) -> None:
         (["--condition", "a=diffsheg", "--condition", "b=files"], "needs its weights"),
         (["--recruit", "prolific"], "must be told --pay and --minutes"),
         (["--pay", "2.50"], "needs a currency"),
-        (["--pay", "much", "--currency", "EUR"], "'much' is no amount"),
+        (["--pay", "much EUR"], "'much' is no amount"),
     ],
 )
 def test_options_that_make_no_study_are_refused_and_nothing_is_written(
@@ -241,8 +242,8 @@ def test_check_asks_a_new_study_for_media_alone(
 ) -> None:
     result = init(
         tmp_path / "s", "--template", template, "--condition", "real=files", "--condition",
-        "ours=files", "--condition", "late=mismatched:ours", "--recruit", channel, "--pay", "3.00",
-        "--currency", "USD", "--minutes", 20,
+        "ours=files", "--condition", "late=mismatched:ours", "--recruit", channel, "--pay", "3 USD",
+        "--minutes", 20,
     )  # fmt: skip
 
     assert result.exit_code == 0, result.output

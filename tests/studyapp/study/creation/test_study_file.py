@@ -7,7 +7,6 @@ import pytest
 from motion.errors import InputError
 from studyapp.study.creation.study_file import TEMPLATES, add_condition, new_study
 from studyapp.study.protocols.pairwise import PairwiseStudy
-from studyapp.study.protocols.ranking import RankingStudy
 from studyapp.study.settings.conditions import Condition
 from studyapp.study.settings.reading import read_study
 
@@ -125,19 +124,6 @@ def test_own_conditions_take_what_is_said_of_the_templates_with_them(tmp_path: P
     assert list(study.rehearsal.strength) == ["amuse"]
 
 
-def test_a_network_is_ranked_in_every_block_in_place_of_the_last_stand_in(tmp_path: Path) -> None:
-    path = tmp_path / "study.toml"
-    network = Condition(generator="diffsheg", checkpoint="net.pt", sampling="careful")
-    before = new_study(tmp_path / "plain.toml", template="diffsheg", name="s")
-    study = new_study(path, template="diffsheg", name="s", learned=network)
-    assert isinstance(study, RankingStudy) and isinstance(before, RankingStudy)
-    assert study.conditions["diffsheg"] == network
-    for block, old in zip(study.blocks, before.blocks, strict=True):
-        assert block.conditions == ("diffsheg", *old.conditions[:-1])
-    assert tuple(study.conditions) == study.blocks[0].conditions
-    assert "\n# Blocks are shown one after the other." in path.read_text()
-
-
 def test_a_ranking_shows_the_reference_apart_where_the_template_says_so(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     study = new_study(path, template="ranking", name="s", reference="recorded")
@@ -145,9 +131,3 @@ def test_a_ranking_shows_the_reference_apart_where_the_template_says_so(tmp_path
     assert study.conditions["recorded"].generator is None
     assert "[conditions.ground_truth]" not in path.read_text()
     assert '"ground_truth".\nreference = "recorded"\n' in path.read_text()
-
-
-def test_a_network_has_no_place_in_other_templates(tmp_path: Path) -> None:
-    network = Condition(generator="diffsheg", checkpoint="net.pt")
-    with pytest.raises(InputError, match="no condition that a network could take over"):
-        new_study(tmp_path / "study.toml", name="s", learned=network)
