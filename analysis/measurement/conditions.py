@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.measurement.clip_scores import pose_settings
-from analysis.measurement.measured_clips import Bench, SkippedFile
-from analysis.measurement.segment_scores import ClipFindings, ClipScore
+from analysis.measurement.measured_clips import Bench
+from analysis.measurement.scores import ClipScore, ConditionScore
+from analysis.measurement.segment_scores import ClipFindings
 from analysis.metrics.diversity import mean_pair_distance, motion_features
-from analysis.metrics.emotion_accuracy import EmotionConfusion
-from analysis.metrics.result import Better, Metric, MetricResult
+from analysis.metrics.result import Metric, MetricResult
 from analysis.metrics.speed_histogram import Counts, speed_distance
 
 _REASONS: Final = 3
@@ -24,76 +23,6 @@ _REASONS: Final = 3
 _EXPRESSIONS: Final = "mean distance between clips (expressions)"
 
 _FACES: Final = {52: "ARKit weights", 100: "SMPL-X expression coefficients"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class ConditionScore:
-    """One metric of one condition.
-
-    Attributes
-    ----------
-    condition, name, unit : str
-        What was measured, on what.
-    value : float
-        Mean over the clips that have a score, or the score of the whole condition; NaN for none.
-    spread : float
-        Standard deviation over those clips; NaN for fewer than two and for a score of the whole
-        condition.
-    scored, clips : int
-        Clips that have a score, and clips there are.
-    settings : mapping of str to str
-        As in `MetricResult`.
-    reason : str
-        Why clips have no score; empty where all have one.
-    better : {'lower', 'higher', 'near the reference', 'unsaid'}
-        Which scores speak for a condition; `analysis.measurement.paper_tables` has what each paper
-        says.
-    interval : (float, float) or None
-        95 % interval of a score of the whole condition; `settings` say how it was made.
-    remark : str
-        What a reader must know before trusting `value`.
-    """
-
-    condition: str
-    name: str
-    unit: str
-    value: float
-    spread: float
-    scored: int
-    clips: int
-    settings: Mapping[str, str]
-    reason: str
-    better: Better = "unsaid"
-    interval: tuple[float, float] | None = None
-    remark: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
-class StudyMetrics:
-    """Everything measured: by clip, and by condition in the order the conditions were given.
-
-    Attributes
-    ----------
-    frame_rate : float
-        Frames per second at which clips were compared; NaN without clips.
-    clips : tuple of ClipScore
-        By condition, then segment.
-    conditions : tuple of ConditionScore
-        By condition.
-    skipped : tuple of SkippedFile
-        Files that could not be used.
-    remarks : tuple of str
-        What there was no speech or recording for, so that metrics are missing.
-    confusions : tuple of EmotionConfusion
-        By emotion network, then condition: which emotion gestures were taken for.
-    """
-
-    frame_rate: float
-    clips: tuple[ClipScore, ...]
-    conditions: tuple[ConditionScore, ...]
-    skipped: tuple[SkippedFile, ...] = ()
-    remarks: tuple[str, ...] = ()
-    confusions: tuple[EmotionConfusion, ...] = ()
 
 
 def whole_condition(condition: str, result: MetricResult, clips: int) -> ConditionScore:

@@ -13,8 +13,8 @@ from analysis.evaluators import network_names as names
 from analysis.evaluators.feature_networks import Network
 from analysis.evaluators.published.published_distance import FAILED, RULES, Rule, published_distance
 from analysis.measurement.clip_features import ClipFeatures
-from analysis.measurement.conditions import ConditionScore, counted, whole_condition
-from analysis.measurement.segment_scores import ClipScore
+from analysis.measurement.conditions import counted, whole_condition
+from analysis.measurement.scores import ClipScore, ConditionScore
 from analysis.metrics.diversity import feature_variance
 from analysis.metrics.emotion_accuracy import (
     EmotionConfusion,

@@ -19,6 +19,7 @@ from analysis.measurement.joint_motion import JOINTS, JointMotion, packed_joints
 from analysis.measurement.kept_arrays import KeptArrays, Kind
 from analysis.measurement.presets import Preset
 from analysis.measurement.recorded_spread import RecordedSpread
+from analysis.measurement.scores import SkippedFile
 from analysis.metrics.joint_positions import GESTURE_JOINTS
 from analysis.metrics.self_penetration import PenetrableBody
 from motion.audio import read_audio
@@ -136,30 +137,6 @@ class Bench:
     def face_rate(self) -> float:
         """Frames per second of faces."""
         return min(self.frame_rate, FACE_RATE)
-
-
-@dataclass(frozen=True, kw_only=True)
-class SkippedFile:
-    """A file that could not be used.
-
-    Attributes
-    ----------
-    what, where, remedy : str
-        As in `motion.errors.InputError`.
-    """
-
-    what: str
-    where: str
-    remedy: str
-
-    @classmethod
-    def because(cls, error: InputError) -> SkippedFile:
-        """Return what `error` says."""
-        return cls(what=error.what, where=error.where, remedy=error.remedy)
-
-    def error(self) -> InputError:
-        """Return the error that it was."""
-        return InputError(self.what, where=self.where, remedy=self.remedy)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,12 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from analysis.evaluators.feature_networks import Network, Source, command_for, networks
-from analysis.measurement.conditions import (
-    ConditionScore,
-    StudyMetrics,
-    clip_means,
-    distances,
-)
+from analysis.measurement.conditions import clip_means, distances
 from analysis.measurement.feature_scores import (
     FeatureScores,
     feature_scores,
@@ -26,14 +21,13 @@ from analysis.measurement.measured_clips import (
     Excerpt,
     LandmarkBody,
     SeenMotion,
-    SkippedFile,
     file_sha256,
     penetrable_body,
 )
 from analysis.measurement.presets import REPORT, Preset, combined
 from analysis.measurement.recorded_spread import recorded_spread
+from analysis.measurement.scores import ClipScore, ConditionScore, SkippedFile, StudyMetrics
 from analysis.measurement.segment_scores import (
-    ClipScore,
     SegmentFiles,
     SegmentScores,
     recorded_extent,

@@ -15,8 +15,7 @@ import pandas as pd
 import pyarrow as pa
 from pyarrow import parquet
 
-from analysis.measurement.conditions import ConditionScore, StudyMetrics
-from analysis.measurement.segment_scores import ClipScore
+from analysis.measurement.scores import ClipScore, ConditionScore, StudyMetrics
 from motion.errors import InputError
 from motion.files import replacing, write_text
 

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from analysis.measurement.clip_features import ClipFeatures
 from analysis.measurement.clip_scores import clip_metrics
-from analysis.measurement.measured_clips import Bench, Excerpt, MeasuredClip, Reader, SkippedFile
+from analysis.measurement.measured_clips import Bench, Excerpt, MeasuredClip, Reader
 from analysis.measurement.recorded_spread import ClipExtent
+from analysis.measurement.scores import SkippedFile
 from analysis.metrics.joint_positions import UPPER_BODY_JOINTS, select
 from analysis.metrics.result import MetricResult
 from analysis.metrics.speed_histogram import Counts, speed_counts
@@ -45,15 +46,6 @@ class SegmentFiles:
     recorded: Path | None = None
     speech: Excerpt | None = None
     semantics: Path | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClipScore:
-    """One metric of one clip."""
-
-    condition: str
-    segment: str
-    result: MetricResult
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,15 +10,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.planning.deciding_tests import DecidingTests
-from analysis.planning.drawn_answers import drawn_answers
-from analysis.planning.families import (
+from analysis.planning.deciding_tests import (
     LEVEL,
     Company,
+    DecidingTests,
     Findings,
     decided_by_holm,
     right,
 )
+from analysis.planning.drawn_answers import drawn_answers
 from analysis.planning.part import Opinions, Part, Trials
 
 Floats = NDArray[np.float64]

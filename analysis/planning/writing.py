@@ -12,7 +12,7 @@ import pandas as pd
 from analysis.planning.figure import FORMATS, power_figure
 from analysis.planning.plan import Plan
 from analysis.planning.words import sentences, with_error
-from analysis.report.table_files import write_frame
+from analysis.report.writing import write_frame
 from analysis.results.plain import as_json
 from motion.files import replacing, write_text
 

@@ -16,8 +16,7 @@ from analysis.report.headline.ratings import rating_sections
 from analysis.report.sections.against_people import against_people_section
 from analysis.report.sections.answer import answer
 from analysis.report.sections.diagnostics import diagnostics_section
-from analysis.report.sections.flow import flow_section
-from analysis.report.sections.flow_words import flow_line
+from analysis.report.sections.flow import flow_line, flow_section
 from analysis.report.sections.limits import limits_section
 from analysis.report.sections.looks import looks_section
 from analysis.report.sections.methods import methods_section

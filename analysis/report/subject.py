@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
 
-from analysis.measurement.conditions import StudyMetrics
+from analysis.measurement.scores import StudyMetrics
 from analysis.results.known_values import KnownValue
 
 Origin = Literal["participants", "rehearsal", "table", "none"]

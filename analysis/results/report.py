@@ -17,7 +17,7 @@ from analysis.answers.layouts import LAYOUTS
 from analysis.answers.quality import Quality, quality
 from analysis.answers.reading import read_answers
 from analysis.answers.table import AnswerTable
-from analysis.measurement.conditions import StudyMetrics
+from analysis.measurement.scores import StudyMetrics
 from analysis.results.against_people.against_people import metrics_against_people
 from analysis.results.against_people.result import AgainstPeople
 from analysis.results.family import EVERYTHING, Family, read_family

@@ -21,9 +21,9 @@ from typing import Final
 
 import numpy as np
 
-from analysis.measurement.conditions import StudyMetrics
 from analysis.measurement.presets import PRESETS
 from analysis.measurement.score_tables import write_scores
+from analysis.measurement.scores import StudyMetrics
 from generators.interface import SpeechSegment
 from generators.registry import load_generator
 from motion.audio import Audio, write_wav

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from analysis.measurement.seams import seams_of_clip
 from analysis.metrics.result import MetricResult
+from benchmarks.seams import seams_of_clip
 from generators.interface import SpeechSegment
 from generators.s2ue.generate import S2ue
 from generators.s2ue.settings import S2ueSettings

@@ -11,9 +11,9 @@ import click
 
 from analysis.evaluators.feature_networks import PublishedFile, Source
 from analysis.evaluators.network_names import PUBLISHED
-from analysis.measurement.conditions import ConditionScore, StudyMetrics
 from analysis.measurement.presets import PRESETS
 from analysis.measurement.score_tables import check_ending, write_scores
+from analysis.measurement.scores import ConditionScore, StudyMetrics
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder

@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 
-from analysis.measurement.conditions import StudyMetrics
 from analysis.measurement.presets import PRESETS, REPORT
+from analysis.measurement.scores import StudyMetrics
 from analysis.report.sections.metric import PAPER_OF
 from analysis.report.subject import Excerpt, Origin, Subject
 from motion.segment import Segment

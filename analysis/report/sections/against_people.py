@@ -17,7 +17,7 @@ from analysis.report.figures.panels import Row, Scale
 from analysis.report.figures.svg import About
 from analysis.report.headline.words import between, count_cell
 from analysis.report.sections.metric import PAPER_OF, is_detail
-from analysis.report.sections.metric_ranking import ARROWS
+from analysis.report.sections.metric_table import ARROWS
 from analysis.report.subject import Subject
 from analysis.results.against_people.over_conditions import FEWEST_FOR_INTERVAL
 from analysis.results.against_people.result import (

@@ -7,7 +7,7 @@ from typing import Final
 
 from analysis.report import wording
 from analysis.report.by_question import each_question
-from analysis.report.sections.flow_words import is_half_finished, places_words
+from analysis.report.sections.flow import is_half_finished, places_words
 from analysis.report.sections.looks import looks_sentence
 from analysis.report.sections.verdicts import SIGNIFICANCE, Verdict, about, largest_first, verdicts
 from analysis.report.subject import Subject

@@ -6,7 +6,7 @@ from typing import Final
 
 from analysis.report import wording
 from analysis.report.content import Section
-from analysis.report.sections.flow_words import is_half_finished, places_words
+from analysis.report.sections.flow import is_half_finished, places_words
 from analysis.report.sections.verdicts import verdicts
 from analysis.report.subject import Subject
 from analysis.results.report import TableReport

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-from analysis.measurement.conditions import ConditionScore, StudyMetrics
 from analysis.measurement.paper_tables import PAPER_TABLES, TableColumn
+from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.report import wording
 from analysis.report.content import Cell, Section, Table

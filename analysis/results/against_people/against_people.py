@@ -9,17 +9,18 @@ import numpy as np
 import pandas as pd
 
 from analysis.answers.table import AnswerTable
-from analysis.measurement.conditions import StudyMetrics
-from analysis.results.against_people.drawn_preferences import (
+from analysis.measurement.scores import StudyMetrics
+from analysis.results.against_people.metric_side import MetricSide, metric_sides
+from analysis.results.against_people.over_conditions import METHOD, over_conditions, sampling_range
+from analysis.results.against_people.people_side import (
+    PREFERENCE,
     RESAMPLES,
     DrawnPreferences,
+    Tallies,
     drawn_preferences,
+    tallies,
 )
-from analysis.results.against_people.metric_side import MetricSide, metric_sides
-from analysis.results.against_people.over_conditions import METHOD, over_conditions
 from analysis.results.against_people.result import AgainstPeople, MetricAgainstPeople, Place
-from analysis.results.against_people.sampling import sampling_range
-from analysis.results.against_people.tallies import PREFERENCE, Tallies, tallies
 from analysis.results.against_people.within_conditions import within_conditions
 from analysis.results.grouping import ByQuestion, by_question
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.measurement.conditions import StudyMetrics
+from analysis.measurement.scores import StudyMetrics
 from analysis.metrics.result import Better
 
 Floats = NDArray[np.float64]

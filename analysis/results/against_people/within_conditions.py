@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from analysis.results.against_people.metric_side import MetricSide
+from analysis.results.against_people.people_side import Tallies
 from analysis.results.against_people.result import WithinCorrelation
-from analysis.results.against_people.tallies import Tallies
 from analysis.stats.clustered_mean import LEVEL
 
 Floats = NDArray[np.float64]

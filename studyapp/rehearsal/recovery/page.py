@@ -9,9 +9,8 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.report.content import Cell, Page, Section, Table
-from analysis.report.table_files import write_frame
 from analysis.report.wording import fixed
-from analysis.report.writing import render_page
+from analysis.report.writing import render_page, write_frame
 from motion.files import write_text
 from studyapp.rehearsal.recovery.recovery import Recovery
 from studyapp.rehearsal.recovery.tables import recovery_tables

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from analysis.answers.cells import read_cells
-from analysis.report.table_files import write_frame
+from analysis.report.writing import write_frame
 
 FORMULA = '=HYPERLINK("http://example.org","x")'
 

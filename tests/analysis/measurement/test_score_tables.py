@@ -8,8 +8,6 @@ import pandas as pd
 import pytest
 from pyarrow import parquet
 
-from analysis.measurement.conditions import ConditionScore, StudyMetrics
-from analysis.measurement.measured_clips import SkippedFile
 from analysis.measurement.score_tables import (
     COLUMNS,
     check_ending,
@@ -17,7 +15,7 @@ from analysis.measurement.score_tables import (
     score_table,
     write_scores,
 )
-from analysis.measurement.segment_scores import ClipScore
+from analysis.measurement.scores import ClipScore, ConditionScore, SkippedFile, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.metrics.result import MetricResult
 from motion.errors import InputError

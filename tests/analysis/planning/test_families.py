@@ -3,12 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.planning.families import (
-    Company,
-    Findings,
-    decided_by_holm,
-    right,
-)
+from analysis.planning.deciding_tests import Company, Findings, decided_by_holm, right
 from analysis.stats.holm import holm
 
 

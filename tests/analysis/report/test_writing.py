@@ -15,7 +15,7 @@ from bs4 import BeautifulSoup
 from analysis.report import write_report
 from analysis.report.content import Cell, Page, Section, Table
 from analysis.report.figures import ink
-from analysis.report.table_files import as_frame, write_page_files
+from analysis.report.writing import as_frame, write_page_files
 from studyapp.results.report import report_table
 from tests.analysis.report.made_reports import report_of, subject_of
 from tests.analysis.results.made_tables import TABLES, pairwise_table

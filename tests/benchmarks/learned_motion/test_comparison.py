@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from analysis.evaluators import network_names as names
-from analysis.measurement.conditions import ConditionScore, StudyMetrics
+from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from benchmarks.learned_motion.compared_study import RULE_BASED, UNTRAINED
 from benchmarks.learned_motion.comparison import (

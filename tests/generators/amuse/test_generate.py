@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from analysis.measurement.seams import windows_of
+from benchmarks.seams import windows_of
 from generators.amuse.generate import Amuse
 from generators.amuse.network_file import load_motion_networks, write_motion_networks
 from generators.amuse.settings import AmuseSettings

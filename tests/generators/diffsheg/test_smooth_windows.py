@@ -14,7 +14,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from analysis.measurement.seams import Windows, seam_acceleration
+from benchmarks.seams import Windows, seam_acceleration
 from generators.diffsheg.sampling import Estimate, Sampler, Window, sample_windows, stream
 from generators.diffsheg.settings import SamplingSettings
 from generators.diffsheg.walk import Sampling

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.measurement.seams import Windows, seam_acceleration
+from benchmarks.seams import Windows, seam_acceleration
 from generators.interface import SpeechSegment
 from generators.s2ue.generate import S2ue
 from generators.s2ue.settings import S2ueSettings

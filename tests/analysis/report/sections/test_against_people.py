@@ -8,12 +8,12 @@ import numpy as np
 from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.layouts import LAYOUTS
 from analysis.answers.reading import read_answers
-from analysis.measurement.conditions import StudyMetrics
+from analysis.measurement.scores import StudyMetrics
 from analysis.report.content import Section
 from analysis.report.sections.against_people import against_people_section, how_little
 from analysis.report.subject import Subject
 from analysis.results.against_people.against_people import metrics_against_people
-from analysis.results.against_people.sampling import sampling_range
+from analysis.results.against_people.over_conditions import sampling_range
 from tests.analysis.results.against_people.simulated_studies import metrics_of
 from tests.analysis.results.made_tables import TABLES
 

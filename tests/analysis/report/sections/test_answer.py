@@ -7,8 +7,7 @@ import pandas as pd
 import pytest
 
 from analysis.report.sections.answer import answer
-from analysis.report.sections.flow import flow_section
-from analysis.report.sections.flow_words import flow_line
+from analysis.report.sections.flow import flow_line, flow_section
 from analysis.results.flow import Flow
 from analysis.results.pairwise import PairwiseResults
 from tests.analysis.report.made_reports import report_of, subject_of

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import pytest
 
 from analysis.evaluators import network_names
-from analysis.measurement.conditions import ConditionScore, StudyMetrics
+from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.measurement.segment_scores import SkippedFile
 from analysis.metrics.emotion_accuracy import EmotionConfusion
 from analysis.metrics.result import Better

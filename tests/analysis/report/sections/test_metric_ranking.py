@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from analysis.report.sections.metric_ranking import first_and_second
+from analysis.report.sections.metric_table import first_and_second
 
 
 @pytest.mark.parametrize(

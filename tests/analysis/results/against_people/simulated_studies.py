@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from analysis.measurement.conditions import StudyMetrics, clip_means
-from analysis.measurement.segment_scores import ClipScore
+from analysis.measurement.conditions import clip_means
+from analysis.measurement.scores import ClipScore, StudyMetrics
 from analysis.metrics.result import Better, MetricResult
 
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from analysis.results.against_people.drawn_preferences import (
+from analysis.results.against_people.people_side import (
     PSEUDO_VOTES,
     drawn_preferences,
     drawn_strengths,
+    tallies,
 )
-from analysis.results.against_people.tallies import tallies
 from analysis.stats.two_way_bootstrap import bootstrap_means, cells_of
 from tests.analysis.results.against_people.simulated_studies import AgreeingStudy
 

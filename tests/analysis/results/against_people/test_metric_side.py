@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.measurement.conditions import ConditionScore, StudyMetrics
+from analysis.measurement.scores import ConditionScore, StudyMetrics
 from analysis.results.against_people.metric_side import ITSELF, NOTHING_RECORDED, metric_sides
 from tests.analysis.results.against_people.simulated_studies import metrics_of
 

@@ -1,6 +1,6 @@
 import pytest
 
-from analysis.results.against_people.sampling import compatible, sampling_range
+from analysis.results.against_people.over_conditions import compatible, sampling_range
 
 
 def test_ten_conditions_show_a_true_half_as_anything_from_nearly_none_to_nearly_all():

@@ -7,7 +7,7 @@ import pytest
 from analysis.answers.columns import ANALYSED_KINDS
 from analysis.answers.layouts import LAYOUTS
 from analysis.answers.reading import read_answers
-from analysis.results.against_people.tallies import tallies
+from analysis.results.against_people.people_side import tallies
 from tests.analysis.results.made_tables import TABLES
 
 

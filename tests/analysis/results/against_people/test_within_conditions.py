@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.measurement.conditions import StudyMetrics
+from analysis.measurement.scores import StudyMetrics
 from analysis.results.against_people.metric_side import metric_sides
+from analysis.results.against_people.people_side import tallies
 from analysis.results.against_people.result import WithinCorrelation
-from analysis.results.against_people.tallies import tallies
 from analysis.results.against_people.within_conditions import within_conditions
 from tests.analysis.results.against_people.simulated_studies import AgreeingStudy, metrics_of, names
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.measurement.seams import Windows, seam_acceleration, seams_of_clip, windows_of
+from benchmarks.seams import Windows, seam_acceleration, seams_of_clip, windows_of
 from motion.clip import MotionClip
 from motion.errors import InputError
 
