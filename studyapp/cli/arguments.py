@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
+from urllib.parse import urlsplit
 
 import click
 
@@ -119,12 +120,28 @@ frames_cache: Callable[[Callable[..., None]], Callable[..., None]] = click.optio
 def public_address(
     *, default: str | None, help: str
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Return the option that says where the study is served, for all to see."""
+    """Return the option that says where the study is served, for all to see.
+
+    The command gets it without a slash at its end, empty where it is not given.
+    """
     return click.option(
         "--address",
         default=default,
         show_default=default is not None,
         metavar="URL",
         envvar="MOTIONJURY_ADDRESS",
+        callback=lambda context, parameter, given: _checked_address(given or ""),
         help=help,
     )
+
+
+def _checked_address(address: str) -> str:
+    parts = urlsplit(address)
+    is_found = parts.scheme in ("http", "https") and parts.hostname
+    if address and (not is_found or parts.query or parts.fragment):
+        raise InputError(
+            "this is no address of a study",
+            where=f"address {address!r}",
+            remedy="Give one such as https://study.example.org/",
+        )
+    return address.rstrip("/")

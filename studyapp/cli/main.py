@@ -11,40 +11,31 @@ import click
 from motion.errors import InputError
 
 _COMMANDS: Final = {
-    "backup": "Back up a study into one file, or check a backup.",
-    "check": "Say everything that can go wrong before launch.",
-    "corpus": "Make speech and motion with known truth, to train and test on.",
-    "demo": "Run the whole line on synthetic speech, from nothing to a report.",
-    "deploy": "Write the files with which a server serves the study to the world.",
-    "exclude": "Leave a participant out of the analysis, with a reason, or take one in again.",
-    "export": "Write the answers as tidy tables with a codebook, or as a folder for another lab.",
-    "figure": "Make figures and videos for the paper.",
-    "forget": "Erase a participant.",
-    "generate": "Make the motion of every generated condition.",
-    "import": "Bring recorded motion and speech, or motion made elsewhere, into a study.",
-    "init": "Make a study folder with a commented study.toml.",
-    "metrics": "Compute automatic metrics of a study, or of folders of motion files.",
-    "plan": "Say how many participants and segments a study needs.",
-    "preview": "Look at any motion file: a video and a sheet of frames.",
-    "publish-media": "Bring the videos into an S3-compatible store.",
-    "recruit": "Bring participants to the study, and pay those of a recruiting site.",
-    "rehearse": "Let simulated participants take the study over real HTTP.",
-    "render": "Render clips and side-by-side pairs.",
-    "report": "Write the report.",
-    "researchers": "Say who may see the study's pages, and let people in.",
-    "restore": "Bring a study back from a backup.",
-    "serve": "Serve the study to participants.",
-    "train": "Train networks on your own recordings.",
+    "backup": ("backup", "Back up a study into one file, or check a backup."),
+    "check": ("check", "Say everything that can go wrong before launch."),
+    "corpus": ("material.corpus", "Make speech and motion with known truth, to train and test on."),
+    "demo": ("demo", "Run the whole line on synthetic speech, from nothing to a report."),
+    "deploy": ("deploy", "Write the files with which a server serves the study to the world."),
+    "exclude": ("exclude", "Leave a participant out of the analysis, or take one in again."),
+    "export": ("export", "Write the answers as tables, or as a folder for another lab."),
+    "figure": ("material.figure", "Make figures and videos for the paper."),
+    "forget": ("forget", "Erase a participant."),
+    "generate": ("material.generate", "Make the motion of every generated condition."),
+    "import": ("material.import", "Bring motion and speech made elsewhere into a study."),
+    "init": ("creation.init", "Make a study folder with a commented study.toml."),
+    "metrics": ("metrics", "Compute automatic metrics of a study, or of folders of motion files."),
+    "plan": ("plan", "Say how many participants and segments a study needs."),
+    "preview": ("material.preview", "Look at any motion file: a video and a sheet of frames."),
+    "publish-media": ("publish_media", "Bring the videos into an S3-compatible store."),
+    "recruit": ("recruitment.recruit", "Bring participants to the study, and pay them."),
+    "rehearse": ("rehearse", "Let simulated participants take the study over real HTTP."),
+    "render": ("material.render", "Render clips and side-by-side pairs."),
+    "report": ("report", "Write the report."),
+    "researchers": ("researchers", "Say who may see the study's pages, and let people in."),
+    "restore": ("restore", "Bring a study back from a backup."),
+    "serve": ("serve", "Serve the study to participants."),
+    "train": ("material.train", "Train networks on your own recordings."),
 }
-
-_ROOMS: Final = {
-    "init": "creation.",
-    "recruit": "recruitment.",
-    **dict.fromkeys(
-        ("corpus", "figure", "generate", "import", "preview", "render", "train"), "material."
-    ),
-}
-"""Packages of `studyapp.cli` that hold a command; all others stand in it directly."""
 
 _MOTION_PACKAGES: Final = {
     "OpenGL",
@@ -66,14 +57,13 @@ class _LazyCommands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
-        room = _ROOMS.get(cmd_name, "")
-        module = import_module(f"studyapp.cli.{room}{cmd_name.replace('-', '_')}_command")
+        module = import_module(f"studyapp.cli.{_COMMANDS[cmd_name][0]}_command")
         command: click.Command = module.command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
-            formatter.write_dl(sorted(_COMMANDS.items()))
+            formatter.write_dl([(name, told) for name, (_, told) in sorted(_COMMANDS.items())])
 
     def invoke(self, ctx: click.Context) -> Any:
         try:

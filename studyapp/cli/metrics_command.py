@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Final
 
 import click
 
@@ -18,12 +17,10 @@ from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.arguments import optional_study_folder
 from studyapp.cli.arguments import processes as processes_option
+from studyapp.cli.printing import echo_skipped, echo_table
 from studyapp.cli.progress import progress
 from studyapp.results.metrics import measure_folders, measure_study
 from studyapp.study.folder import StudyFolder
-
-_NAMED: Final = 10
-"""Files that could not be used are named up to this many; the rest are counted."""
 
 _folder = click.Path(path_type=Path, file_okay=False)
 
@@ -126,7 +123,7 @@ def command(
                 file_rate=fps,
                 on_progress=show,
             )
-    click.echo(_table(metrics.conditions))
+    _print(metrics.conditions)
     _say_what_is_missing(metrics)
     if target is not None:
         write_scores(metrics, target)
@@ -145,24 +142,17 @@ def _evaluator(given: str) -> Source:
     return Path(given)
 
 
-def _table(scores: Sequence[ConditionScore]) -> str:
-    """Return a row per metric and a column per condition: mean ± spread, or 95 % interval."""
+def _print(scores: Sequence[ConditionScore]) -> None:
+    """Print a row for each metric, a column for each condition."""
     conditions = list(dict.fromkeys(score.condition for score in scores))
-    names = list(dict.fromkeys(score.name for score in scores))
     found = {(score.name, score.condition): score for score in scores}
-    rows = [["metric", *conditions, "better"]]
-    for name in names:
-        of_name = [found.get((name, condition)) for condition in conditions]
-        first = next(score for score in of_name if score is not None)
+    rows = []
+    for name, first in {score.name: score for score in reversed(scores)}.items():
         unit = f", {first.unit}" if first.unit else ""
         better = "" if first.better == "unsaid" else first.better
-        rows.append([f"{name}{unit}", *map(_value, of_name), better])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = (
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        for row in rows
-    )
-    return "\n".join(line.rstrip() for line in lines)
+        values = (_value(found.get((name, condition))) for condition in conditions)
+        rows.append([f"{name}{unit}", *values, better])
+    echo_table(["metric", *conditions, "better"], reversed(rows))
 
 
 def _value(score: ConditionScore | None) -> str:
@@ -197,9 +187,4 @@ def _say_what_is_missing(metrics: StudyMetrics) -> None:
         click.echo(sentence, err=True)
     for remark in metrics.remarks:
         click.echo(remark, err=True)
-    for file in metrics.skipped[:_NAMED]:
-        click.echo(f"skipped: {file.error()}", err=True)
-    if metrics.skipped:
-        count = len(metrics.skipped)
-        more = f", {count - _NAMED} of them not named here" if count > _NAMED else ""
-        click.echo(f"{count} {'file' if count == 1 else 'files'} skipped{more}.", err=True)
+    echo_skipped([file.error() for file in metrics.skipped], "file")

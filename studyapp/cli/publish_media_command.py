@@ -41,7 +41,7 @@ def command(
     bucket: str | None,
     endpoint: str,
     region: str,
-    address: str | None,
+    address: str,
     remove_unused: bool,
 ) -> None:
     """Bring the videos of the study FOLDER into an S3-compatible store.
@@ -53,12 +53,13 @@ def command(
     """
     if bucket is None and (endpoint or region):
         raise click.UsageError("--endpoint and --region belong to a bucket: s3://BUCKET/FOLDER.")
-    origin = "" if address is None else _origin(address)
     place = None if bucket is None else _place(bucket, endpoint, region)
     with progress("Publishing", "copy") as on_file:
         done = publish(folder, place, on_file)
     click.echo(f"Stored {done.stored} copies; {done.kept} were there.")
-    if origin:
+    if address:
+        parts = urlsplit(address)
+        origin = f"{parts.scheme}://{parts.netloc}"
         let_in(folder, origin)
         click.echo(f"Pages of {origin} can load them, and nobody can without a signed address.")
     if done.unused and remove_unused:
@@ -99,14 +100,3 @@ def _place(bucket: str, endpoint: str, region: str) -> Place:
             where=bucket,
             remedy="Write s3://my-bucket/my-study, in small letters, digits, dots and hyphens",
         ) from None
-
-
-def _origin(address: str) -> str:
-    parts = urlsplit(address)
-    if parts.scheme not in ("http", "https") or not parts.netloc:
-        raise InputError(
-            "this is no address of a study",
-            where=f"address {address!r}",
-            remedy="Give one such as https://study.example.org/",
-        )
-    return f"{parts.scheme}://{parts.netloc}"

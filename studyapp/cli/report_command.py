@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -101,43 +102,37 @@ def command(
         "--max-catch-failures": max_catch_failures,
         "--scale": scale,
     }
-    if rehearsal and folder is None:
-        raise InputError(
-            "--rehearsal is for a study; a table has none",
-            where="--rehearsal",
-            remedy="Leave it out",
-        )
     added = [read_exclusion(text, where="--exclude") for text in exclude]
     if folder is not None:
-        _refuse([name for name, value in of_table.items() if value is not None])
-        why = "" if reason is None else reason_given(reason)
+        _refuse(of_table, "a study folder, which states all that itself")
         page = report(
             folder,
             exclude=added,
             margin=margin,
             family=family,
-            reason=why,
+            reason="" if reason is None else reason_given(reason),
             rehearsal=rehearsal,
             warn=click.echo,
         )
-        click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
-        return
-    if responses is None or protocol is None or out is None:
-        _refuse_incomplete([name for name in _NEEDED if of_table[name] is None])
-        return
-    _refuse_of_table(reason)
-    page = report_table(
-        responses,
-        protocol,
-        out,
-        max_catch_failures=(
-            MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
-        ),
-        margin=margin,
-        family="all" if family is None else family,
-        scale=None if scale is None else _scale(scale, protocol),
-        exclude=[section.made() for section in added],
-    )
+    else:
+        _refuse(
+            {"--rehearsal": rehearsal or None, "--reason": reason},
+            "a table, which has neither rehearsal nor log of looks",
+        )
+        if responses is None or protocol is None or out is None:
+            raise _incomplete([name for name in _NEEDED if of_table[name] is None])
+        page = report_table(
+            responses,
+            protocol,
+            out,
+            max_catch_failures=(
+                MAX_CATCH_FAILURES if max_catch_failures is None else max_catch_failures
+            ),
+            margin=margin,
+            family="all" if family is None else family,
+            scale=None if scale is None else _scale(scale, protocol),
+            exclude=[section.made() for section in added],
+        )
     click.echo(f"The report is {page}, the results are {page.with_name('results.json')}")
 
 
@@ -156,31 +151,21 @@ def _scale(text: str, protocol: str) -> tuple[int, int]:
 _NEEDED = ("--responses", "--protocol", "--out")
 
 
-def _refuse(given: list[str]) -> None:
+def _refuse(options: Mapping[str, object], beside: str) -> None:
+    """Raise `InputError` where one of the options is given beside what they do not go with."""
+    given = [name for name, value in options.items() if value is not None]
     if given:
         raise InputError(
-            f"{', '.join(given)} cannot be given with a study folder, which states all that itself",
-            remedy="Leave out either the folder or the options",
+            f"{', '.join(given)} cannot be given with {beside}",
+            remedy="Leave out either the one or the other",
         )
 
 
-def _refuse_of_table(reason: str | None) -> None:
-    if reason is not None:
-        raise InputError(
-            "--reason is for a study, which has a log of looks; a table has none",
-            where="--reason",
-            remedy="Leave it out",
-        )
-
-
-def _refuse_incomplete(missing: list[str]) -> None:
-    if len(missing) == len(_NEEDED):
-        raise InputError(
-            "there is nothing to report",
-            remedy="Give a study folder, or a table with --responses FILE --protocol NAME "
-            "--out DIR",
-        )
-    raise InputError(
-        f"{', '.join(missing)} is missing for the report of a table",
-        remedy="Give --responses FILE --protocol NAME --out DIR",
+def _incomplete(missing: Sequence[str]) -> InputError:
+    nothing = len(missing) == len(_NEEDED)
+    return InputError(
+        "there is nothing to report"
+        if nothing
+        else f"{', '.join(missing)} is missing for the report of a table",
+        remedy="Give a study folder, or a table with --responses FILE --protocol NAME --out DIR",
     )

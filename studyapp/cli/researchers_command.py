@@ -31,7 +31,7 @@ def _opened(folder: StudyFolder) -> closing[Database]:
 
 
 def _say_link(address: str, token: str) -> None:
-    click.echo(f"{address.rstrip('/')}/research/join/{token}")
+    click.echo(f"{address}/research/join/{token}")
 
 
 address = public_address(

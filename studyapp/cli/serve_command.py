@@ -75,7 +75,7 @@ def command(
     accel_redirect: str | None,
     media_store: bool,
     prefix: str,
-    address: str | None,
+    address: str,
     is_tried: bool,
     new_version: bool,
 ) -> None:
@@ -83,8 +83,14 @@ def command(
 
     Answers go to responses.db in the folder, or to the database that DATABASE_URL names.
     """
-    public = _printed_address(address, prefix)
-    where = public or f"http://{host}:{port}{checked_prefix(prefix)}"
+    below = checked_prefix(prefix)
+    if address and urlsplit(address).path != below:
+        raise InputError(
+            "the address and the path below which the study is served do not fit together",
+            where=f"address {address!r}, prefix {prefix!r}",
+            remedy="Let the address end with the prefix",
+        )
+    where = address or f"http://{host}:{port}{below}"
     run_server(
         folder.root,
         host,
@@ -95,7 +101,7 @@ def command(
         prefix=prefix,
         new_version=new_version,
         from_store=media_store,
-        origin=public.removesuffix(checked_prefix(prefix)),
+        origin=address.removesuffix(below),
         on_ready=lambda: _say_where(folder, where, is_tried=is_tried),
     )
 
@@ -118,29 +124,3 @@ def _say_where(folder: StudyFolder, address: str, *, is_tried: bool) -> None:
         click.echo(
             f"Become the study's owner at {address}/research/join/{token} (once, within a day)."
         )
-
-
-def _printed_address(address: str | None, prefix: str) -> str:
-    """Return the public address without a slash at its end; empty where none is known.
-
-    Raises
-    ------
-    InputError
-        If participants would not find the study there.
-    """
-    if not address:
-        return ""
-    parts = urlsplit(address)
-    if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.fragment:
-        raise InputError(
-            "this is no address of a study",
-            where=f"address {address!r}",
-            remedy="Give one such as https://study.example.org/",
-        )
-    if parts.path.rstrip("/") != checked_prefix(prefix):
-        raise InputError(
-            "the address and the path below which the study is served do not fit together",
-            where=f"address {address!r}, prefix {prefix!r}",
-            remedy="Let the address end with the prefix",
-        )
-    return address.rstrip("/")

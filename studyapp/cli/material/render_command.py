@@ -9,6 +9,7 @@ from studyapp.cli.arguments import cluster as cluster_option
 from studyapp.cli.arguments import frames_cache as frames_cache_option
 from studyapp.cli.arguments import processes as processes_option
 from studyapp.cli.arguments import study_folder
+from studyapp.cli.printing import counted
 from studyapp.cli.progress import progress
 from studyapp.stimuli.render_record import RenderProgress
 from studyapp.stimuli.rendering import render
@@ -45,8 +46,8 @@ def command(
     for failure in count.failures:
         click.echo(f"failed: {failure}", err=True)
     if count.left_out:
-        click.echo(f"{_counted(count.left_out, 'video')} made from these clips left out", err=True)
-    click.echo(f"Rendered {_counted(count.made, 'video')}, kept {count.kept} that still fit.")
+        click.echo(f"{counted(count.left_out, 'video')} made from these clips left out", err=True)
+    click.echo(f"Rendered {counted(count.made, 'video')}, kept {count.kept} that still fit.")
     if sheet:
         # Imported here: it needs matplotlib's fonts, and rendering alone does not.
         from studyapp.stimuli.contact_sheet import write_contact_sheet
@@ -56,7 +57,7 @@ def command(
         click.echo(f"The contact sheet is {page}, and as pictures beside it")
     if count.failures:
         raise InputError(
-            f"{_counted(len(count.failures) + count.left_out, 'video')} could not be made",
+            f"{counted(len(count.failures) + count.left_out, 'video')} could not be made",
             where=folder.videos,
             remedy="Mend what is named above and run the command again",
         )
@@ -66,7 +67,3 @@ def _videos(now: RenderProgress) -> str:
     """Return the videos dealt with in words, behind the frames."""
     failed = f", {now.failed} failed" if now.failed else ""
     return f"{now.videos} of {now.all_videos} videos{failed}"
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, cast
 
 import click
 
 from generators.registry import trainable_names
+from generators.trainable import run_of
 from motion.clip import MAX_FRAME_RATE, MIN_FRAME_RATE
 from motion.errors import InputError
 from studyapp.cli.material.train_generator_command import generator_command
+from studyapp.cli.material.training_run import run_into
+from studyapp.cli.printing import echo_skipped
 from studyapp.cli.progress import progress
 from studyapp.study.settings.study import GROUND_TRUTH
 from training.run.launching import is_leader
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from analysis.evaluators.clip_views import Channels
-    from analysis.evaluators.design import EvaluatorRequest, Kind, Size
+    from analysis.evaluators.design import Kind, Size
     from analysis.evaluators.training import TrainedEvaluator
-    from analysis.evaluators.training_clips import ClipSource
-
-_NAMED: Final = 10
-"""Files that could not be used are named up to this many; the rest are counted."""
 
 
 class _Networks(click.Group):
@@ -118,8 +115,10 @@ def evaluator(
     """
     # Imported here: torch takes seconds to load, which --help need not wait for.
     from analysis.evaluators.design import CHANNELS_OF_KIND, TRAINING, EvaluatorRequest
+    from analysis.evaluators.training import train_evaluator
     from motion.body.face_landmarks import FaceLandmarks
     from studyapp.stimuli.training_recordings import recordings_of
+    from training.run.folder import RunFolder
 
     if channels is not None and kind != "motion":
         raise InputError(
@@ -147,50 +146,23 @@ def evaluator(
     )
     name = f"{kind}-{channels}" if channels else kind
     target = out or recordings.networks / f"{name}.safetensors"
-    trained = _trained(request, recordings.sources, target)
+    folder = RunFolder(run_of(target))
+    with (
+        run_into(target),
+        progress("read", "clip") as read,
+        progress("train", "step") as step,
+    ):
+        trained = train_evaluator(
+            request, recordings.sources, target, folder, show_reading=read, show_training=step
+        )
     if is_leader():
         _say(trained, target)
-
-
-def _trained(
-    request: EvaluatorRequest, sources: Sequence[ClipSource], target: Path
-) -> TrainedEvaluator:
-    """Train the network; an interruption says what was saved."""
-    from analysis.evaluators.training import train_evaluator
-    from training.run.folder import RunFolder
-    from training.run.loop import TrainingStopped
-
-    folder = RunFolder(target.with_suffix(".run"))
-    if target.exists() and not folder.checkpoint.exists():
-        raise InputError(
-            "there is a file already, and not the run that would go on to make it",
-            where=target,
-            remedy="Name another --out, or move the file away",
-        )
-    with progress("read", "clip") as read, progress("train", "step") as step:
-        try:
-            return train_evaluator(
-                request, sources, target, folder, show_reading=read, show_training=step
-            )
-        except TrainingStopped as stopped:
-            if is_leader():
-                click.echo(
-                    f"\nStopped after step {stopped.step} of {stopped.steps}; "
-                    f"saved in {folder.root}",
-                    err=True,
-                )
-            raise
 
 
 def _say(trained: TrainedEvaluator, target: Path) -> None:
     """Say what was learned, and from what."""
     facts = trained.facts
-    for error in trained.skipped[:_NAMED]:
-        click.echo(f"skipped: {error}", err=True)
-    if trained.skipped:
-        count = len(trained.skipped)
-        more = f", {count - _NAMED} of them not named here" if count > _NAMED else ""
-        click.echo(f"{count} {'clip' if count == 1 else 'clips'} skipped{more}.", err=True)
+    echo_skipped(trained.skipped, "clip")
     click.echo(
         f"Learned from {facts.data.windows} windows of {facts.data.clips} clips; kept back "
         f"{facts.data.held_out} ({facts.data.held_out_windows} windows)."

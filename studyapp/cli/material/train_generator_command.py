@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, get_args
+from typing import Any, Final, get_args
 
 import click
 
 from generators.registry import trainable_of
-from generators.trainable import Device, Trainable, TrainingChoice, TrainingRequest, run_of
-from motion.errors import InputError
+from generators.trainable import Device, Trainable, TrainingChoice, TrainingRequest
+from studyapp.cli.material.training_run import run_into
+from studyapp.cli.printing import echo_skipped
 from studyapp.cli.progress import progress
 from training.data.take import KINDS
-
-if TYPE_CHECKING:
-    from generators.trainable import TrainedGenerator
-
-_NAMED: Final = 10
-"""Recordings that could not be used are named up to this many; the rest are counted."""
 
 _CHANGES: Final = ("steps", "batch_size", "learning_rate", "precision", "accumulate")
 """Options that change a field of the training's config where they are given."""
@@ -132,63 +126,35 @@ def _train(name: str, trainable: Trainable, given: dict[str, Any]) -> None:
     out: Path = given["out"]
     if given["processes"] > 1 and group_size() == 1:
         sys.exit(run_in_processes(given["processes"], [sys.executable, *sys.orig_argv[1:]]))
-    if out.exists() and not (run_of(out) / "checkpoint.safetensors").exists():
-        raise InputError(
-            "there is a file already, and not the run that would go on to make it",
-            where=out,
-            remedy="Name another --out, or move the file away",
-        )
-    takes = read_takes(given["data"], kind=given["kind"], split_list=given["split"])
+    with run_into(out):
+        takes = read_takes(given["data"], kind=given["kind"], split_list=given["split"])
+        if is_leader():
+            for note in takes.notes:
+                click.echo(note)
+        with progress("prepare", "take") as take, progress("train", "step") as step:
+            request = TrainingRequest(
+                takes=takes,
+                out=out,
+                cache=given["cache"] or out.parent / "features",
+                config=given["config"],
+                changes={
+                    "seed": given["seed"],
+                    **{key: given[key] for key in _CHANGES if given[key] is not None},
+                },
+                choices={
+                    choice.name: str(given[choice.name])
+                    for choice in trainable.choices
+                    if given[choice.name] is not None
+                },
+                device=given["device"],
+                show_preparing=take,
+                show_training=step,
+            )
+            trained = trainable.load()(request)
     if is_leader():
-        for note in takes.notes:
-            click.echo(note)
-    request = TrainingRequest(
-        takes=takes,
-        out=out,
-        cache=given["cache"] or out.parent / "features",
-        config=given["config"],
-        changes={
-            "seed": given["seed"],
-            **{key: given[key] for key in _CHANGES if given[key] is not None},
-        },
-        choices={
-            choice.name: str(given[choice.name])
-            for choice in trainable.choices
-            if given[choice.name] is not None
-        },
-        device=given["device"],
-    )
-    trained = _trained(trainable, request)
-    if is_leader():
-        _tell(trained)
+        echo_skipped(trained.skipped, "take")
+        for sentence in trained.sentences:
+            click.echo(sentence)
+        for warning in trained.warnings:
+            click.echo(warning, err=True)
         click.echo(f"Wrote {out}; '{trainable.taken_by.format(out=out)}' takes it.")
-
-
-def _trained(trainable: Trainable, request: TrainingRequest) -> TrainedGenerator:
-    """Train the network; an interruption says what was saved."""
-    from training.run.launching import is_leader
-    from training.run.loop import TrainingStopped
-
-    with progress("prepare", "take") as take, progress("train", "step") as step:
-        try:
-            shown = replace(request, show_preparing=take, show_training=step)
-            return trainable.load()(shown)
-        except TrainingStopped as stopped:
-            if is_leader():
-                steps = f"step {stopped.step} of {stopped.steps}"
-                click.echo(f"\nStopped after {steps}; saved in {request.run}", err=True)
-            raise
-
-
-def _tell(trained: TrainedGenerator) -> None:
-    """Say what was learned, from what, and what is to be doubted."""
-    for error in trained.skipped[:_NAMED]:
-        click.echo(f"skipped: {error}", err=True)
-    if trained.skipped:
-        count = len(trained.skipped)
-        more = f", {count - _NAMED} of them not named here" if count > _NAMED else ""
-        click.echo(f"{count} {'take' if count == 1 else 'takes'} skipped{more}.", err=True)
-    for sentence in trained.sentences:
-        click.echo(sentence)
-    for warning in trained.warnings:
-        click.echo(warning, err=True)

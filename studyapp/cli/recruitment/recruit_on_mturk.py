@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from studyapp.cli.verdict_table import echo_table, echo_verdicts
+from studyapp.cli.printing import echo_table
+from studyapp.cli.recruitment.verdicts import echo_verdicts
 from studyapp.recruitment import mturk
 from studyapp.recruitment.mturk_client import connect
 from studyapp.study.folder import StudyFolder

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import click
 
-from studyapp.cli.verdict_table import echo_table, echo_verdicts
+from studyapp.cli.printing import echo_table
+from studyapp.cli.recruitment.verdicts import echo_verdicts
 from studyapp.recruitment import prolific
 from studyapp.recruitment.prolific_client import Action, ProlificClient, prolific_token
 from studyapp.recruitment.prolific_draft import CENTS, hourly

@@ -1,24 +1,16 @@
-"""A table of who is to be paid and who is not, for the command line."""
+"""Who is to be paid, in words."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import click
 
+from studyapp.cli.printing import echo_table
 from studyapp.recruitment.payment import Judged
 
 WORDS = {"pay": "pay", "look": "decide yourself", "wait": "wait", "settled": "–"}
-
-
-def echo_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print `rows` under `heading`, in columns."""
-    lines = [heading, *rows]
-    widths = [max(len(line[at]) for line in lines) for at in range(len(heading))]
-    for line in lines:
-        cells = (cell.ljust(width) for cell, width in zip(line, widths, strict=True))
-        click.echo("  ".join(cells).rstrip())
 
 
 def echo_verdicts(heading: str, found: Sequence[tuple[str, Judged]]) -> None:
